@@ -10,9 +10,10 @@
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
     python3 run.py wheels [NAME ...]    compile the engine for browsers and for other systems, wheels into dist/
 
-The packages of constraints.txt go into the folder .venv beside this file; --floors and --newest have folders of their
-own. A folder is made on the first run, brought up to date when pyproject.toml, constraints.txt or Python changes, and
-repaired when an earlier run was cut short. The compiled engine is built anew when its sources change.
+The packages of constraints.txt go into the folder .venv beside this file; --floors and --newest
+have folders of their own. A folder is made on the first run, brought up to date when
+pyproject.toml, constraints.txt or Python changes, and repaired when an earlier run was cut short.
+The compiled engine is built anew when its sources change.
 """
 
 from __future__ import annotations
@@ -60,7 +61,9 @@ def main(arguments: list[str]) -> int:
             return run_tests(rest)
         if command == "wheels":
             return build_wheels(rest)
-        return build_docs(rest) if command == "docs" else call([PYTHON, "-m", "cyclemap", *arguments])
+        return (
+            build_docs(rest) if command == "docs" else call([PYTHON, "-m", "cyclemap", *arguments])
+        )
     except InstallError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -72,14 +75,20 @@ def check_python() -> None:
     """Raise InstallError where this Python is too old or cannot make a virtual environment."""
     if sys.version_info < OLDEST:
         found, needed = (".".join(map(str, version[:2])) for version in (sys.version_info, OLDEST))
-        raise InstallError(f"this is Python {found}; cyclemap needs {needed} or newer: run with a newer python3")
+        raise InstallError(
+            f"this is Python {found}; cyclemap needs {needed} or newer: run with a newer python3"
+        )
     missing = [name for name in ("venv", "ensurepip") if importlib.util.find_spec(name) is None]
     if missing:
-        raise InstallError(f"this Python has no module {missing[0]}; install it (on Debian: python3-venv)")
+        raise InstallError(
+            f"this Python has no module {missing[0]}; install it (on Debian: python3-venv)"
+        )
 
 
 def move_to(pins: str) -> None:
-    """Work in the environment of the `floors` or of the `newest` packages instead of the tested set."""
+    """Work in the environment of the `floors` or of the `newest` packages instead of the tested
+    set.
+    """
     global VENV, STAMP, PYTHON, PINS
     place = VENV.with_name(f".venv-{pins}")
     STAMP, PYTHON = place / STAMP.relative_to(VENV), place / PYTHON.relative_to(VENV)
@@ -87,7 +96,9 @@ def move_to(pins: str) -> None:
 
 
 def ensure_installed(testing: bool) -> None:
-    """Make the environment hold the package, and the test tools if `testing`; do nothing where it already does."""
+    """Make the environment hold the package, and the test tools if `testing`; do nothing where it
+    already does.
+    """
     stamp = read_stamp()
     fresh = stamp.get("key") == install_key()
     if fresh and (stamp.get("testing") or not testing) and PYTHON.exists():
@@ -108,8 +119,15 @@ def ensure_installed(testing: bool) -> None:
 
 
 def install_key() -> str:
-    """What an installation depends on: the project's metadata, how it is built, the Python, and the place."""
-    files = [ROOT / "pyproject.toml", ROOT / "setup.py", ROOT / "constraints.txt", *sorted(BUILDING.glob("*.py"))]
+    """What an installation depends on: the project's metadata, how it is built, the Python, and the
+    place.
+    """
+    files = [
+        ROOT / "pyproject.toml",
+        ROOT / "setup.py",
+        ROOT / "constraints.txt",
+        *sorted(BUILDING.glob("*.py")),
+    ]
     parts = (*(path.read_bytes() for path in files), sys.version.encode(), os.fsencode(ROOT))
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
@@ -142,20 +160,27 @@ def pip_works() -> bool:
         return False
     question = f"import sys, pip; sys.exit(sys.version_info[:3] != {sys.version_info[:3]})"
     try:
-        return subprocess.run([PYTHON, "-c", question], capture_output=True, check=False).returncode == 0
+        return (
+            subprocess.run([PYTHON, "-c", question], capture_output=True, check=False).returncode
+            == 0
+        )
     except OSError:
         return False
 
 
 def rebuild() -> None:
     """Make the environment from nothing."""
-    made = subprocess.run([sys.executable, "-m", "venv", "--clear", VENV], stdout=sys.stderr, check=False)
+    made = subprocess.run(
+        [sys.executable, "-m", "venv", "--clear", VENV], stdout=sys.stderr, check=False
+    )
     if made.returncode:
         raise InstallError(f"could not make {VENV} (see above); remove that folder and run again")
 
 
 def install(testing: bool, afresh: bool = False) -> bool:
-    """Install the package, editable, and the tools if `testing`, at the pinned versions; whether that worked."""
+    """Install the package, editable, and the tools if `testing`, at the pinned versions; whether
+    that worked.
+    """
     command = [PYTHON, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
     command += ["--force-reinstall"] if afresh else []
     # Python 3.10, which is told to be too old, has no such module.
@@ -164,7 +189,11 @@ def install(testing: bool, afresh: bool = False) -> bool:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     extras = [name for name in project["project"]["optional-dependencies"] if name != "peers"]
     package = f"{ROOT}[{','.join(extras)}]" if testing else ROOT
-    tools = [tool for group in project["dependency-groups"].values() for tool in group] if testing else []
+    tools = (
+        [tool for group in project["dependency-groups"].values() for tool in group]
+        if testing
+        else []
+    )
     pins = (ROOT / "constraints.txt").read_text(encoding="utf-8") if PINS != "newest" else ""
     if PINS == "floors":
         floors = dict(one.split(">=") for one in project["project"]["dependencies"])
@@ -172,9 +201,12 @@ def install(testing: bool, afresh: bool = False) -> bool:
         pins = "\n".join([*kept, *(f"{name}=={version}" for name, version in floors.items())])
     file = VENV / "constraints.txt"
     file.write_text(pins, encoding="utf-8")
-    # By the environment, they hold for what builds the package, too. Standard output belongs to what follows.
+    # By the environment, they hold for what builds the package, too. Standard output belongs to
+    # what follows.
     surroundings = {**os.environ, "PIP_CONSTRAINT": str(file), "PIP_BUILD_CONSTRAINT": str(file)}
-    made = subprocess.run([*command, "--editable", package, *tools], stdout=sys.stderr, env=surroundings, check=False)
+    made = subprocess.run(
+        [*command, "--editable", package, *tools], stdout=sys.stderr, env=surroundings, check=False
+    )
     return made.returncode == 0
 
 
@@ -184,16 +216,24 @@ def engine_is_built() -> bool:
 
 
 def build_engine() -> bool:
-    """Build the engine's library with what .venv holds, many times faster than an installation; whether that worked."""
+    """Build the engine's library with what .venv holds, many times faster than an installation;
+    whether that worked.
+    """
     print("building the engine ...", file=sys.stderr)
-    return subprocess.run([PYTHON, BUILDING / "engine_library.py"], stdout=sys.stderr, check=False).returncode == 0
+    return (
+        subprocess.run(
+            [PYTHON, BUILDING / "engine_library.py"], stdout=sys.stderr, check=False
+        ).returncode
+        == 0
+    )
 
 
 def run_tests(arguments: list[str]) -> int:
-    """Run every check and then the tests, whose summary comes last; the first exit code that is not 0.
+    """Run every check and then the tests, whose summary comes last; the first exit code that is not
+    0.
 
-    Style and types are those of the tested set: other versions of the packages have other type stubs, and warn of what
-    they deprecate in each other.
+    Style and types are those of the tested set: other versions of the packages have other type
+    stubs, and warn of what they deprecate in each other.
     """
     usual = VENV.name == ".venv"
     codes = [call([PYTHON, "-m", *check], cwd=ROOT) for check in CHECKS if usual]
@@ -205,14 +245,30 @@ def run_tests(arguments: list[str]) -> int:
         chosen += ["-m", "not slow"]
     rest = [argument for argument in arguments if argument != "--quick"]
     # The tests of a module share what it prepares: one process runs them all.
-    codes.append(call([PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *chosen, *rest], cwd=ROOT))
+    codes.append(
+        call(
+            [PYTHON, "-m", "pytest", "-n", "auto", "--dist", "loadscope", *chosen, *rest], cwd=ROOT
+        )
+    )
     return next((code for code in codes if code), 0)
 
 
 def build_docs(arguments: list[str]) -> int:
     """Build the documentation, its warnings as errors, and say where it is; the exit code."""
     code = call(
-        [PYTHON, "-m", "sphinx", "-W", "-E", "--keep-going", "-q", *arguments, "docs", "docs/_build/html"], cwd=ROOT
+        [
+            PYTHON,
+            "-m",
+            "sphinx",
+            "-W",
+            "-E",
+            "--keep-going",
+            "-q",
+            *arguments,
+            "docs",
+            "docs/_build/html",
+        ],
+        cwd=ROOT,
     )
     if not code:
         print(f"open {ROOT / 'docs' / '_build' / 'html' / 'index.html'}")
@@ -220,9 +276,13 @@ def build_docs(arguments: list[str]) -> int:
 
 
 def build_wheels(arguments: list[str]) -> int:
-    """Install the compiler for other systems where it is not, and build what is named; the exit code."""
+    """Install the compiler for other systems where it is not, and build what is named; the exit
+    code.
+    """
     needed = [*runpy.run_path(str(BUILDING / "engine_library.py"))["WHEEL_TOOLS"]]
-    made = subprocess.run([PYTHON, "-m", "pip", "install", "--quiet", *needed], stdout=sys.stderr, check=False)
+    made = subprocess.run(
+        [PYTHON, "-m", "pip", "install", "--quiet", *needed], stdout=sys.stderr, check=False
+    )
     if made.returncode:
         raise InstallError(f"pip could not install {', '.join(needed)}; {MEND}")
     return call([PYTHON, BUILDING / "other_systems.py", *arguments])

@@ -2,4 +2,7 @@
 
 from setuptools import find_packages, setup
 
-setup(packages=[*find_packages(include=["cyclemap*"]), "cyclemap.figures"], package_dir={"cyclemap.figures": "figures"})
+setup(
+    packages=[*find_packages(include=["cyclemap*"]), "cyclemap.figures"],
+    package_dir={"cyclemap.figures": "figures"},
+)

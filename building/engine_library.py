@@ -1,7 +1,9 @@
-"""Generates and compiles the engine: cyclemap/mechanics/engine becomes one shared library without Python in it.
+"""Generates and compiles the engine: cyclemap/mechanics/engine becomes one shared library without
+Python in it.
 
-The compiler is the first of $CC, cc, gcc and clang that works; where none does, the one of the package ziglang. Run as
-a program, with numpy and casadi at hand, it puts the library where a checkout that is installed editable looks for it.
+The compiler is the first of $CC, cc, gcc and clang that works; where none does, the one of the
+package ziglang. Run as a program, with numpy and casadi at hand, it puts the library where a
+checkout that is installed editable looks for it.
 """
 
 import ctypes
@@ -30,23 +32,29 @@ FLAGS = (
 # zig compiles for the processor at hand unless told otherwise.
 ZIG = (sys.executable, "-m", "ziglang", "cc", "-mcpu=baseline")
 TRIAL = (
-    "#include <math.h>\n#include <string.h>\ndouble trial(double x) { return exp(x) + (double)strlen(ENGINE_VERSION); }"
+    "#include <math.h>\n#include <string.h>\ndouble trial(double x) { return exp(x) + "
+    "(double)strlen(ENGINE_VERSION); }"
 )
 
-_TERMINAL_ESCAPE = re.compile(r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)|[ -/]*[0-~])")
+_TERMINAL_ESCAPE = re.compile(
+    r"\x1b(?:\[[0-?]*[ -/]*[@-~]|\][^\x07\x1b]*(?:\x07|\x1b\\)|[ -/]*[0-~])"
+)
 _MOST_LINES, _MOST_COLUMNS = 6, 160
 _PATIENCE_SECONDS = 900
 
 
 class BuildError(SystemExit):
-    """The engine cannot be built; the message, which Python prints without a traceback, says why and what to do."""
+    """The engine cannot be built; the message, which Python prints without a traceback, says why
+    and what to do.
+    """
 
     def __init__(self, *lines: str) -> None:
         super().__init__("\n".join(("error: cyclemap's engine cannot be built.", *lines)))
 
 
 class Refused(Exception):
-    """A program did not do what it was run for: how it ended, and all that it said, in plain lines."""
+    """A program did not do what it was run for: how it ended, and all that it said,
+    in plain lines."""
 
     def __init__(self, end: str, said: Sequence[str] = ()) -> None:
         super().__init__("\n".join((end, *said[:_MOST_LINES])))
@@ -59,7 +67,9 @@ def missing_requirements() -> list[str]:
 
 
 def working_compiler() -> tuple[list[str], list[str]]:
-    """Return the command of the first C compiler that works, empty where none does, and why those before it do not."""
+    """Return the command of the first C compiler that works, empty where none does, and why those
+    before it do not.
+    """
     complaints: list[str] = []
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as name:
         folder = Path(name)
@@ -76,7 +86,9 @@ def working_compiler() -> tuple[list[str], list[str]]:
 
 
 def build(place: Path = ENGINE) -> None:
-    """Generate and compile the engine and put it into the folder `place`, whole or not at all, else BuildError."""
+    """Generate and compile the engine and put it into the folder `place`, whole or not at all, else
+    BuildError.
+    """
     sources = runpy.run_path(str(ENGINE / "library.py"))
     target, version = sources["library_path"](place), sources["digest_of"](ENGINE)
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as name:
@@ -88,24 +100,29 @@ def build(place: Path = ENGINE) -> None:
                 "No C compiler works:",
                 *(f"  {complaint}" for complaint in complaints),
                 "  ziglang: not installed",
-                "Install a C compiler and the C library's headers (on Debian: gcc and libc6-dev), name one in CC, or",
-                f"`pip install {ZIGLANG}`, which pip does by itself unless it is told --no-build-isolation.",
+                "Install a C compiler and the C library's headers (on Debian: gcc and "
+                "libc6-dev), name one in CC, or",
+                f"`pip install {ZIGLANG}`, which pip does by itself unless it is told "
+                "--no-build-isolation.",
             )
         library = folder / "engine"
         try:
             _compile(command or ZIG, ENGINE / "engine.c", library, (folder, ENGINE), version)
         except Refused as error:
             raise BuildError(
-                f"{shlex.join(command or ZIG)}: {error}", "Mend that, or name another C compiler in CC."
+                f"{shlex.join(command or ZIG)}: {error}",
+                "Mend that, or name another C compiler in CC.",
             ) from error
         place_whole(library.read_bytes(), target)
 
 
 def generate(folder: Path) -> None:
-    """Write the generated sources, in a process of its own, where the engine's modules find each other."""
+    """Write the generated sources, in a process of its own, where the engine's modules find each
+    other.
+    """
     code = (
-        f"import sys; sys.path[:0] = {[str(ENGINE), str(ROOT)]!r};"
-        f"import pathlib, generate; generate.write_sources(pathlib.Path({str(folder)!r}))"
+        f"import sys; sys.path[:0] = {[str(ENGINE), str(ROOT)]!r};import pathlib, generate; "
+        f"generate.write_sources(pathlib.Path({str(folder)!r}))"
     )
     try:
         _run([sys.executable, "-B", "-c", code], folder)
@@ -114,14 +131,27 @@ def generate(folder: Path) -> None:
 
 
 def compile_for(
-    command: Sequence[str], flags: Sequence[str], source: Path, target: Path, include: Sequence[Path], version: str
+    command: Sequence[str],
+    flags: Sequence[str],
+    source: Path,
+    target: Path,
+    include: Sequence[Path],
+    version: str,
 ) -> None:
-    """Compile one C file into a library; Refused, with what the compiler said, where it does not."""
-    words = [*command, *flags, *(f"-I{folder}" for folder in include), f'-DENGINE_VERSION="{version}"']
+    """Compile one C file into a library; Refused, with what the compiler said,
+    where it does not."""
+    words = [
+        *command,
+        *flags,
+        *(f"-I{folder}" for folder in include),
+        f'-DENGINE_VERSION="{version}"',
+    ]
     _run([*words, str(source), "-o", str(target), "-lm"], target.parent)
 
 
-def _compile(command: Sequence[str], source: Path, target: Path, include: Sequence[Path], version: str) -> None:
+def _compile(
+    command: Sequence[str], source: Path, target: Path, include: Sequence[Path], version: str
+) -> None:
     """Compile one C file into a shared library that this Python can load."""
     compile_for(command, FLAGS, source, target, include, version)
     try:
@@ -150,7 +180,10 @@ def _run(command: Sequence[str], folder: Path) -> None:
     except (OSError, subprocess.TimeoutExpired) as error:
         raise Refused(str(error)) from error
     if done.returncode:
-        raise Refused(f"failed with exit code {done.returncode}", _plain_lines(done.stdout.decode(errors="replace")))
+        raise Refused(
+            f"failed with exit code {done.returncode}",
+            _plain_lines(done.stdout.decode(errors="replace")),
+        )
 
 
 def _plain_lines(text: str) -> list[str]:
@@ -179,7 +212,9 @@ def place_whole(content: bytes, target: Path) -> None:
 if __name__ == "__main__":
     try:
         if missing := missing_requirements():
-            subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *missing], check=False)
+            subprocess.run(
+                [sys.executable, "-m", "pip", "install", "--quiet", *missing], check=False
+            )
         build()
     except KeyboardInterrupt:
         sys.exit(130)

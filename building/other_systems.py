@@ -1,10 +1,11 @@
-"""The engine for other systems, all by one compiler on one machine: WebAssembly for the browser, and wheels.
+"""The engine for other systems, all by one compiler on one machine: WebAssembly for the browser,
+and wheels.
 
     python3 run.py wheels              the engine for browsers, and a wheel for every system, into dist/
     python3 run.py wheels NAME ...     those named: browser, linux-x86_64, musl-aarch64, macos-arm64, ...
 
-Each library is checked for its format and for what it exports; a wheel of this system is run, and so is the engine of
-one for which an emulator is installed (qemu-aarch64, qemu-x86_64).
+Each library is checked for its format and for what it exports; a wheel of this system is run, and
+so is the engine of one for which an emulator is installed (qemu-aarch64, qemu-x86_64).
 """
 
 import gzip
@@ -19,15 +20,40 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from engine_library import ENGINE, FLAGS, ROOT, ZIG, BuildError, Refused, compile_for, generate, place_whole
+from engine_library import (
+    ENGINE,
+    FLAGS,
+    ROOT,
+    ZIG,
+    BuildError,
+    Refused,
+    compile_for,
+    generate,
+    place_whole,
+)
 from setuptools_backend import copy_sources
 
-EXPORTS = ("cm_run", "cm_record", "cm_friction", "cm_balance", "cm_press", "cm_layout", "cm_version")
+EXPORTS = (
+    "cm_run",
+    "cm_record",
+    "cm_friction",
+    "cm_balance",
+    "cm_press",
+    "cm_layout",
+    "cm_version",
+)
 WASM = ENGINE / "engine.wasm.gz"
 # Browsers call no function of a system; what is not exported is left out.
 _WASM_EXPORTS = ("cm_run", "cm_record", "cm_balance", "cm_layout", "cm_version", "__heap_base")
 _WASM_FLAGS = (
-    *("-target", "wasm32-wasi", "-mexec-model=reactor", "-msimd128", "-s", "-Wl,-z,stack-size=1048576"),
+    *(
+        "-target",
+        "wasm32-wasi",
+        "-mexec-model=reactor",
+        "-msimd128",
+        "-s",
+        "-Wl,-z,stack-size=1048576",
+    ),
     *(f"-Wl,--export={name}" for name in _WASM_EXPORTS),
     *(flag for flag in FLAGS if flag not in ("-shared", "-fPIC")),
 )
@@ -35,7 +61,8 @@ _WASM_FLAGS = (
 
 @dataclass(frozen=True)
 class System:
-    """A system that a wheel is for: what zig calls it, the wheel's tag, the library's name and how it begins.
+    """A system that a wheel is for: what zig calls it, the wheel's tag, the library's name and how
+    it begins.
 
     machine : what an emulator of it is called; empty where there is none.
     """
@@ -48,14 +75,23 @@ class System:
 
 
 _ELF_X86, _ELF_ARM = (
-    b"\x7fELF\x02\x01\x01" + bytes(9) + b"\x03\x00" + machine for machine in (b"\x3e\x00", b"\xb7\x00")
+    b"\x7fELF\x02\x01\x01" + bytes(9) + b"\x03\x00" + machine
+    for machine in (b"\x3e\x00", b"\xb7\x00")
 )
 _MACHO_X86, _MACHO_ARM = b"\xcf\xfa\xed\xfe\x07\x00\x00\x01", b"\xcf\xfa\xed\xfe\x0c\x00\x00\x01"
 SYSTEMS = {
-    "linux-x86_64": System("x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64", "_engine.so", _ELF_X86, "x86_64"),
-    "linux-aarch64": System("aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64", "_engine.so", _ELF_ARM, "aarch64"),
-    "musl-x86_64": System("x86_64-linux-musl", "musllinux_1_2_x86_64", "_engine.so", _ELF_X86, "x86_64"),
-    "musl-aarch64": System("aarch64-linux-musl", "musllinux_1_2_aarch64", "_engine.so", _ELF_ARM, "aarch64"),
+    "linux-x86_64": System(
+        "x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64", "_engine.so", _ELF_X86, "x86_64"
+    ),
+    "linux-aarch64": System(
+        "aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64", "_engine.so", _ELF_ARM, "aarch64"
+    ),
+    "musl-x86_64": System(
+        "x86_64-linux-musl", "musllinux_1_2_x86_64", "_engine.so", _ELF_X86, "x86_64"
+    ),
+    "musl-aarch64": System(
+        "aarch64-linux-musl", "musllinux_1_2_aarch64", "_engine.so", _ELF_ARM, "aarch64"
+    ),
     "macos-x86_64": System("x86_64-macos.11.0", "macosx_11_0_x86_64", "_engine.dylib", _MACHO_X86),
     "macos-arm64": System("aarch64-macos.11.0", "macosx_11_0_arm64", "_engine.dylib", _MACHO_ARM),
     "windows-x86_64": System("x86_64-windows-gnu", "win_amd64", "_engine.dll", b"MZ"),
@@ -87,7 +123,9 @@ def wasm(folder: Path) -> bytes:
 
 
 def renew_wasm(made: bytes) -> str:
-    """Keep the engine for browsers beside its sources, untouched where it is the same; which it was, in a line."""
+    """Keep the engine for browsers beside its sources, untouched where it is the same; which it
+    was, in a line.
+    """
     kept = gzip.decompress(WASM.read_bytes()) if WASM.exists() else b""
     if made != kept:
         place_whole(gzip.compress(made, 9, mtime=0), WASM)
@@ -96,7 +134,9 @@ def renew_wasm(made: bytes) -> str:
 
 
 def wheel(name: str, system: System, folder: Path) -> str:
-    """Compile the engine for a system, check it, and put a wheel into dist/; what became of it, in a line."""
+    """Compile the engine for a system, check it, and put a wheel into dist/; what became of it, in
+    a line.
+    """
     library = folder / name / system.library
     library.parent.mkdir()
     _compiled(("-target", system.target, "-s", *FLAGS), folder, library)
@@ -108,18 +148,25 @@ def wheel(name: str, system: System, folder: Path) -> str:
     dist.mkdir(exist_ok=True)
     made = pack(sources, dist, system.tag)
     is_here = name == here()
-    ran = run_wheel(made, library.parent / "unpacked") if is_here else run_engine(system, folder, library.parent)
+    ran = (
+        run_wheel(made, library.parent / "unpacked")
+        if is_here
+        else run_engine(system, folder, library.parent)
+    )
     return f"dist/{made.name}: {made.stat().st_size / 1e3:.0f} kB, {ran}"
 
 
 def pack(sources: Path, dist: Path, tag: str) -> Path:
     """Build a wheel of sources with the library beside them; where it is."""
     code = (
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); from setuptools import build_meta;"
-        f"print(build_meta.build_wheel({str(dist)!r}, {{'--build-option': ['--plat-name', {tag!r}]}}))"
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); from setuptools import "
+        f"build_meta;print(build_meta.build_wheel({str(dist)!r}, {{'--build-option': "
+        f"['--plat-name', {tag!r}]}}))"
     )
     words = [sys.executable, "-c", code]
-    done = subprocess.run(words, cwd=sources, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    done = subprocess.run(
+        words, cwd=sources, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+    )
     if done.returncode:
         raise BuildError(f"setuptools cannot make a wheel for {tag}:", done.stdout[-2000:])
     return dist / done.stdout.split()[-1]
@@ -155,20 +202,30 @@ assert abs(math.degrees(cycle.theta_next) - (73.65314 - 63.68794)) < 1e-4, cycle
 
 
 def check(name: str, system: System, library: Path) -> None:
-    """Raise BuildError where a library is not of its system, or does not export all that Python calls."""
+    """Raise BuildError where a library is not of its system, or does not export all that Python
+    calls.
+    """
     content = library.read_bytes()
     missing = [symbol for symbol in EXPORTS if symbol.encode() not in content]
     if not content.startswith(system.begins) or missing:
-        raise BuildError(f"What was compiled for {name} has another format, or no {', '.join(missing)}.")
+        raise BuildError(
+            f"What was compiled for {name} has another format, or no {', '.join(missing)}."
+        )
     newest = max(
-        (tuple(map(int, version.split(b"."))) for version in re.findall(rb"GLIBC_([\d.]+)", content)), default=()
+        (
+            tuple(map(int, version.split(b".")))
+            for version in re.findall(rb"GLIBC_([\d.]+)", content)
+        ),
+        default=(),
     )
     if newest > (2, 17):
         raise BuildError(f"What was compiled for {name} needs glibc {'.'.join(map(str, newest))}.")
 
 
 def run_engine(system: System, folder: Path, place: Path) -> str:
-    """Run the engine in a small program of another system, by an emulator where that takes one; what came of it."""
+    """Run the engine in a small program of another system, by an emulator where that takes one;
+    what came of it.
+    """
     is_machine = sys.platform == "linux" and platform.machine() == system.machine
     emulator = None if is_machine or not system.machine else shutil.which(f"qemu-{system.machine}")
     if not (is_machine or emulator):

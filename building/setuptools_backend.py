@@ -1,4 +1,6 @@
-"""The build backend (PEP 517, PEP 660): setuptools builds the package, after the engine in it was compiled."""
+"""The build backend (PEP 517, PEP 660): setuptools builds the package, after the engine in it was
+compiled.
+"""
 
 import shutil
 import tempfile
@@ -8,7 +10,11 @@ from typing import Any
 
 from engine_library import ENGINE, ROOT, build, missing_requirements
 from setuptools import build_meta
-from setuptools.build_meta import build_sdist, prepare_metadata_for_build_editable, prepare_metadata_for_build_wheel
+from setuptools.build_meta import (
+    build_sdist,
+    prepare_metadata_for_build_editable,
+    prepare_metadata_for_build_wheel,
+)
 from setuptools.command.bdist_wheel import bdist_wheel
 
 __all__ = ["build_sdist", "prepare_metadata_for_build_editable", "prepare_metadata_for_build_wheel"]
@@ -27,8 +33,12 @@ def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
 get_requires_for_build_editable = get_requires_for_build_wheel
 
 
-def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None) -> str:
-    """Build a wheel in a copy of the sources: they may be read-only, and builds at once do not meet."""
+def build_wheel(
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
+) -> str:
+    """Build a wheel in a copy of the sources: they may be read-only, and builds at once do not
+    meet.
+    """
     wheel_directory = str(Path(wheel_directory).resolve())
     with tempfile.TemporaryDirectory(prefix="cyclemap-", ignore_cleanup_errors=True) as folder:
         copy_sources(Path(folder))
@@ -40,7 +50,11 @@ def build_wheel(wheel_directory: str, config_settings: Settings = None, metadata
 def copy_sources(folder: Path) -> None:
     """Copy what a wheel is built from, all but the engine's library."""
     for path in (path for pattern in NEEDED for path in ROOT.glob(pattern)):
-        if path.is_file() and path.parent.name != "__pycache__" and not path.name.startswith("_engine."):
+        if (
+            path.is_file()
+            and path.parent.name != "__pycache__"
+            and not path.name.startswith("_engine.")
+        ):
             copy = folder / path.relative_to(ROOT)
             copy.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(path, copy)

@@ -1,7 +1,8 @@
 """cyclemap: the push-then-drag-back data-collection loop of a robot as a map of the circle.
 
-What one begins with is here; the rest is in its room: `cm.maps`, `cm.mechanics`, `cm.collection`, `cm.protocol`,
-`cm.evidence`, `cm.resets`, `cm.sweeps`, `cm.views`, each with a table of contents in `help()` and `dir()`.
+What one begins with is here; the rest is in its room: `cm.maps`, `cm.mechanics`, `cm.collection`,
+`cm.protocol`, `cm.evidence`, `cm.resets`, `cm.sweeps`, `cm.views`, each with a table of contents in
+`help()` and `dir()`.
 
 >>> import cyclemap as cm
 >>> cm.fixed_points(cm.CircleMap.arnold(omega=0.1, K=0.9))[0].kind
@@ -13,11 +14,34 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time each name is imported when it is first
+    # used.
     from cyclemap import collection, evidence, maps, mechanics, protocol, resets, sweeps, views
-    from cyclemap.collection import CollectionLoop, Cycle, Portrait, fingerprint, portrait, predict, run_cycles
-    from cyclemap.errors import ConvergenceError, CycleMapError, DataFileError, InvalidInput, UnsupportedContact
-    from cyclemap.evidence import PushTable, compare, fit_map, identify, load_pushes, replay_pushes, simulate_collection
+    from cyclemap.collection import (
+        CollectionLoop,
+        Cycle,
+        Portrait,
+        fingerprint,
+        portrait,
+        predict,
+        run_cycles,
+    )
+    from cyclemap.errors import (
+        ConvergenceError,
+        CycleMapError,
+        DataFileError,
+        InvalidInput,
+        UnsupportedContact,
+    )
+    from cyclemap.evidence import (
+        PushTable,
+        compare,
+        fit_map,
+        identify,
+        load_pushes,
+        replay_pushes,
+        simulate_collection,
+    )
     from cyclemap.maps import (
         CircleMap,
         DriftingMap,
@@ -71,17 +95,85 @@ else:
 
 __version__ = "0.1.0"
 
-__all__ = ["CollectionLoop", "Cycle", "Portrait", "fingerprint", "portrait", "predict", "run_cycles"]
+__all__ = [
+    "CollectionLoop",
+    "Cycle",
+    "Portrait",
+    "fingerprint",
+    "portrait",
+    "predict",
+    "run_cycles",
+]
 __all__ += ["collection", "evidence", "maps", "mechanics", "protocol", "resets", "sweeps", "views"]
-__all__ += ["ConvergenceError", "CycleMapError", "DataFileError", "InvalidInput", "UnsupportedContact"]
-__all__ += ["PushTable", "compare", "fit_map", "identify", "load_pushes", "replay_pushes", "simulate_collection"]
-__all__ += ["CircleMap", "DriftingMap", "Noise", "Orbit", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
-__all__ += ["basins", "find_steps", "fixed_points", "follow_orbit", "hitting_probability", "lyapunov_exponent"]
-__all__ += ["mean_passage_time", "periodic_orbits", "periodic_points", "predict_staircase", "rotation_interval"]
-__all__ += ["rotation_number", "saddle_nodes", "sample_staircase", "slow_passages", "tongue", "tongues"]
+__all__ += [
+    "ConvergenceError",
+    "CycleMapError",
+    "DataFileError",
+    "InvalidInput",
+    "UnsupportedContact",
+]
+__all__ += [
+    "PushTable",
+    "compare",
+    "fit_map",
+    "identify",
+    "load_pushes",
+    "replay_pushes",
+    "simulate_collection",
+]
+__all__ += [
+    "CircleMap",
+    "DriftingMap",
+    "Noise",
+    "Orbit",
+    "UniformNoise",
+    "VonMises",
+    "WrappedCauchy",
+    "WrappedNormal",
+]
+__all__ += [
+    "basins",
+    "find_steps",
+    "fixed_points",
+    "follow_orbit",
+    "hitting_probability",
+    "lyapunov_exponent",
+]
+__all__ += [
+    "mean_passage_time",
+    "periodic_orbits",
+    "periodic_points",
+    "predict_staircase",
+    "rotation_interval",
+]
+__all__ += [
+    "rotation_number",
+    "saddle_nodes",
+    "sample_staircase",
+    "slow_passages",
+    "tongue",
+    "tongues",
+]
 __all__ += ["transfer_operator"]
-__all__ += ["DragBack", "Ellipse", "EllipseFriction", "LimitSurface", "Material", "PatchFootprint", "PointFootprint"]
-__all__ += ["Polygon", "Pose", "Pusher", "QuasiStaticModel", "SidePush", "Slider", "load_material", "material_names"]
+__all__ += [
+    "DragBack",
+    "Ellipse",
+    "EllipseFriction",
+    "LimitSurface",
+    "Material",
+    "PatchFootprint",
+    "PointFootprint",
+]
+__all__ += [
+    "Polygon",
+    "Pose",
+    "Pusher",
+    "QuasiStaticModel",
+    "SidePush",
+    "Slider",
+    "load_material",
+    "material_names",
+]
 __all__ += ["read_protocol", "write_protocol"]
 __all__ += ["BiasMonitor", "design_reset"]
 __all__ += ["SweepPlan", "run_sweep"]

@@ -1,4 +1,5 @@
-"""Arrays of numbers, and angles on the circle: the types and the constant that every room shares."""
+"""Arrays of numbers, and angles on the circle:
+the types and the constant that every room shares."""
 
 from __future__ import annotations
 

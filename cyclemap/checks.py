@@ -8,14 +8,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.errors import InvalidInput
 
-# Numbers that any one step may hold at once: 2 GB is the most that a command may take, and a step has copies of it.
+# Numbers that any one step may hold at once: 2 GB is the most that a command may take, and a step
+# has copies of it.
 MOST_NUMBERS = 2**25
 
 
 def require_room(what: str, numbers: float, mend: str, most: float = MOST_NUMBERS) -> None:
-    """Raise InvalidInput where `what` comes to more `numbers` (or steps) than `most`; `mend` says what to do.
+    """Raise InvalidInput where `what` comes to more `numbers` (or steps) than `most`; `mend` says
+    what to do.
 
-    Every size that follows from a user's input is put through this before anything of that size is made.
+    Every size that follows from a user's input is put through this before anything of that size is
+    made.
 
     >>> require_room("the map's nodes", 6e8, "give more data")
     Traceback (most recent call last):
@@ -81,7 +84,9 @@ def whole_number(name: str, value: object, least: int | None = None) -> int:
     return int(value)
 
 
-def finite_array(name: str, value: ArrayLike, last: int | None = None, ndim: int | None = None) -> NDArray[np.float64]:
+def finite_array(
+    name: str, value: ArrayLike, last: int | None = None, ndim: int | None = None
+) -> NDArray[np.float64]:
     """Return `value` as a finite float array, or raise InvalidInput.
 
     `last`: length of its last axis; `ndim`: number of its axes.

@@ -1,4 +1,6 @@
-"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, and that of unknown names."""
+"""The errors cyclemap raises: one base, the few kinds a caller may want to tell apart, and that of
+unknown names.
+"""
 
 import difflib
 from collections.abc import Iterable
@@ -13,7 +15,9 @@ class InvalidInput(CycleMapError, ValueError):
 
 
 class DataFileError(InvalidInput):
-    """A file that cannot be read as what it should be: the message names the file, the place and the mend."""
+    """A file that cannot be read as what it should be: the message names the file, the place and
+    the mend.
+    """
 
 
 class RodInsideObject(InvalidInput):
@@ -29,19 +33,27 @@ class ConvergenceError(CycleMapError, ArithmeticError):
 
 
 class TooManySteps(ConvergenceError):
-    """A motion so abrupt that its steps are too short for its way: the message says how short, and what to do."""
+    """A motion so abrupt that its steps are too short for its way: the message says how short, and
+    what to do.
+    """
 
 
 class UnsupportedContact(CycleMapError):
-    """A motion that leads out of what the model describes, such as a rod that touches two sides at once."""
+    """A motion that leads out of what the model describes, such as a rod that touches two sides at
+    once.
+    """
 
 
 class EngineNotBuilt(CycleMapError):
-    """The compiled engine is missing, or made from other sources than those beside it: the message says what to do."""
+    """The compiled engine is missing, or made from other sources than those beside it: the message
+    says what to do.
+    """
 
 
 class DoubtfulInput(UserWarning):
-    """A value that can be used and is likely not meant: the message names the value and what it may be."""
+    """A value that can be used and is likely not meant: the message names the value and what it may
+    be.
+    """
 
 
 def unknown_name(kind: str, name: str, known: Iterable[str]) -> InvalidInput:

@@ -1,4 +1,6 @@
-"""What the files are made of: decimals that lead back exactly, TOML text, checksums, places of errors."""
+"""What the files are made of: decimals that lead back exactly, TOML text, checksums, places of
+errors.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +33,8 @@ _CHECKSUM = re.compile(r"^# checksum: ([0-9a-f]{16})\n", re.MULTILINE)
 class Unit:
     """A unit of the files: its name, and what one of it is in SI units.
 
-    Not every number of metres (or radians) is a thousandth (or pi/180) of a double. So numbers are written as decimals
-    with as many digits as it takes, and read by exact arithmetic, rounded once.
+    Not every number of metres (or radians) is a thousandth (or pi/180) of a double. So numbers are
+    written as decimals with as many digits as it takes, and read by exact arithmetic, rounded once.
 
     >>> MILLIMETRES.read(Decimal("49.75")), str(MILLIMETRES.written(0.04975))
     (0.04975, '49.75')
@@ -46,7 +48,8 @@ class Unit:
     in_si: Decimal
 
     def read(self, number: object) -> float:
-        """Return a number of this unit in SI units; InvalidInput for what is not a finite number."""
+        """Return a number of this unit in SI units;
+        InvalidInput for what is not a finite number."""
         if isinstance(number, bool) or not isinstance(number, (int, float, Decimal)):
             raise InvalidInput(f"must be a number, not {number!r}")
         decimal = Decimal(repr(number)) if isinstance(number, float) else Decimal(number)
@@ -100,12 +103,16 @@ def decimal_text(number: Decimal) -> str:
 
 
 def toml_text(
-    tables: Mapping[str, Table], comments: tuple[str, ...] = (), notes: Mapping[str, str] | None = None
+    tables: Mapping[str, Table],
+    comments: tuple[str, ...] = (),
+    notes: Mapping[str, str] | None = None,
 ) -> str:
-    """Return named tables as TOML, `comments` before them, one a line, and `notes` on keys of tables above these.
+    """Return named tables as TOML, `comments` before them, one a line, and `notes` on keys of
+    tables above these.
 
-    Values are texts, booleans, numbers, lists of them, small tables (written inline) and lists of tables (arrays of
-    tables). Decimals keep all their digits. Raises InvalidInput for any other value.
+    Values are texts, booleans, numbers, lists of them, small tables (written inline) and lists of
+    tables (arrays of tables). Decimals keep all their digits. Raises InvalidInput for any other
+    value.
 
     >>> print(toml_text({"push": {"side": 2, "push_mm": Decimal("80.5"), "parts": [{"kind": "straight"}]}}, ("Mine.",)))
     # Mine.
@@ -129,7 +136,9 @@ def _body(path: str, table: Table, notes: Mapping[str, str]) -> Iterator[str]:
     nested = {
         key: value
         for key, value in table.items()
-        if isinstance(value, (list, tuple)) and value and all(isinstance(row, Mapping) for row in value)
+        if isinstance(value, (list, tuple))
+        and value
+        and all(isinstance(row, Mapping) for row in value)
     }
     for key, value in table.items():
         if key not in nested:
@@ -155,7 +164,9 @@ def _value(value: object) -> str:
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, Mapping):
         return f"{{ {', '.join(f'{_key(key)} = {_value(part)}' for key, part in value.items())} }}"
-    raise InvalidInput(f"{value!r} cannot be written as TOML: give a text, number, boolean, list or table")
+    raise InvalidInput(
+        f"{value!r} cannot be written as TOML: give a text, number, boolean, list or table"
+    )
 
 
 def _key(name: str) -> str:
@@ -190,12 +201,14 @@ def with_checksum(text: str) -> str:
 
 
 def check_checksum(path: str | Path, text: str) -> None:
-    """Raise DataFileError where a text has a checksum and is not what it was made of; one without is any text."""
+    """Raise DataFileError where a text has a checksum and is not what it was made of; one without
+    is any text.
+    """
     found = _CHECKSUM.search(text)
     if found is not None and _digest(text[: found.start()] + text[found.end() :]) != found.group(1):
         raise DataFileError(
-            f"{path}: not as it was written (its checksum differs): write it anew, or take the line "
-            f"'{found.group(0).rstrip()}' out where the change is meant"
+            f"{path}: not as it was written (its checksum differs): write it anew, or take the "
+            f"line '{found.group(0).rstrip()}' out where the change is meant"
         )
 
 

@@ -19,7 +19,8 @@ _MARGIN, _DECIMALS = 8, 1
 
 @dataclass(frozen=True, eq=False)
 class Stroke:
-    """A line through points (n, 2), or a mark (DISC or CIRCLE, of `width` pixels) at each of them."""
+    """A line through points (n, 2), or a mark (DISC or CIRCLE,
+    of `width` pixels) at each of them."""
 
     points: ArrayLike
     colour: str = "currentColor"
@@ -27,8 +28,11 @@ class Stroke:
     width: float = 1.5
 
 
-def inline_svg(strokes: Sequence[Stroke], caption: str, height: int = 160, equal: bool = False) -> str:
-    """Return an HTML figure of strokes, y upwards, scaled to fill 320 pixels by `height`; `equal`: both axes alike.
+def inline_svg(
+    strokes: Sequence[Stroke], caption: str, height: int = 160, equal: bool = False
+) -> str:
+    """Return an HTML figure of strokes, y upwards, scaled to fill 320 pixels by `height`; `equal`:
+    both axes alike.
 
     >>> inline_svg([Stroke([[0, 0], [1, 1]])], "a line").count("polyline")
     1
@@ -40,7 +44,11 @@ def inline_svg(strokes: Sequence[Stroke], caption: str, height: int = 160, equal
     scale = np.full(2, scale.min()) if equal else scale
     shapes = []
     for stroke, array in zip(strokes, arrays, strict=True):
-        x, y = (np.array([320, height]) / 2 + (array - (low + high) / 2) * scale * (1, -1)).round(_DECIMALS).T.tolist()
+        x, y = (
+            (np.array([320, height]) / 2 + (array - (low + high) / 2) * scale * (1, -1))
+            .round(_DECIMALS)
+            .T.tolist()
+        )
         if stroke.mark:
             fill = stroke.colour if stroke.mark == DISC else "none"
             look = f'r="{stroke.width}" fill="{fill}" stroke="{stroke.colour}"'
@@ -49,12 +57,20 @@ def inline_svg(strokes: Sequence[Stroke], caption: str, height: int = 160, equal
             places = " ".join(f"{a},{b}" for a, b in zip(x, y, strict=True))
             look = f'fill="none" stroke="{stroke.colour}" stroke-width="{stroke.width}"'
             shapes.append(f'<polyline points="{places}" {look}/>')
-    picture = f'<svg width="320" height="{height}" viewBox="0 0 320 {height}" role="img">{"".join(shapes)}</svg>'
+    picture = (
+        f'<svg width="320" height="{height}" viewBox="0 0 320 {height}" '
+        f'role="img">{"".join(shapes)}</svg>'
+    )
     return f"<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
 def map_strokes(theta: Array, turn: Array, breaks: Array) -> list[Stroke]:
-    """The turn (n,) of a map over theta (n,) in [0, 2π], both rad, cut at its breaks, above the line of no turn."""
+    """The turn (n,) of a map over theta (n,) in [0, 2π], both rad, cut at its breaks, above the
+    line of no turn.
+    """
     cuts = [0, *np.searchsorted(theta, breaks).tolist(), len(theta)]
     parts = [np.column_stack([theta[a:b], turn[a:b]]) for a, b in pairwise(cuts) if b > a]
-    return [Stroke([[0.0, 0.0], [TWO_PI, 0.0]], GREY, width=1.0), *(Stroke(part, BLUE) for part in parts)]
+    return [
+        Stroke([[0.0, 0.0], [TWO_PI, 0.0]], GREY, width=1.0),
+        *(Stroke(part, BLUE) for part in parts),
+    ]

@@ -25,7 +25,8 @@ _NAMES = (
 
 
 class OneThread(ContextDecorator):
-    """A block or function in which NumPy's OpenBLAS takes one thread; the last to leave gives them back.
+    """A block or function in which NumPy's OpenBLAS takes one thread; the last to leave gives them
+    back.
 
     Blocks may lie in each other, and in threads at once. Where the environment variable
     ``OPENBLAS_NUM_THREADS`` is set, that holds; another BLAS is left alone.
@@ -55,14 +56,16 @@ one_thread = OneThread()
 
 
 def blas_threads() -> int | None:
-    """How many threads NumPy's OpenBLAS takes now; None where NumPy has another BLAS, or hides it."""
+    """How many threads NumPy's OpenBLAS takes now; None where NumPy has another BLAS,
+    or hides it."""
     ask = _openblas("get")
     return None if ask is None else int(ask())
 
 
 @cache
 def _openblas(verb: str) -> Any:
-    """OpenBLAS's function that gets or sets the number of threads, by way of what is linked to it."""
+    """OpenBLAS's function that gets or sets the number of threads,
+    by way of what is linked to it."""
     try:
         linked = ctypes.CDLL(_umath_linalg.__file__)
     except OSError:

@@ -5,18 +5,22 @@ import re
 import unicodedata
 
 # Python's own `float` and `int` take underscores and the digits of every script, too.
-_NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.ASCII | re.IGNORECASE)
+_NUMBER = re.compile(
+    r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.ASCII | re.IGNORECASE
+)
 _WHOLE = re.compile(r"[+-]?\d+", re.ASCII)
 # A hyphen that stands for a minus: before a number that nothing precedes, or between two terms.
 _HYPHEN_MINUS = re.compile(r"(?<![\w°.)\]])-(?=\.?\d)|(?<= )-(?= )")
 _POWER = re.compile(r"10\^(\d+)")
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-# Control and format characters, separators of lines and paragraphs, halves of pairs: nothing of them can be seen.
+# Control and format characters, separators of lines and paragraphs, halves of pairs: nothing of
+# them can be seen.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 def printable(text: str) -> str:
-    r"""Return `text` with what a terminal would obey, or nobody can see, written as escapes; lines and tabs stay.
+    r"""Return `text` with what a terminal would obey, or nobody can see, written as escapes; lines
+    and tabs stay.
 
     >>> printable("\x1b[31mred\u202e")
     '\\x1b[31mred\\u202e'
@@ -24,23 +28,29 @@ def printable(text: str) -> str:
     if text.isascii() and text.isprintable():
         return text
     return "".join(
-        sign if sign in "\n\t" or unicodedata.category(sign) not in _UNSEEN else sign.encode("unicode_escape").decode()
+        sign
+        if sign in "\n\t" or unicodedata.category(sign) not in _UNSEEN
+        else sign.encode("unicode_escape").decode()
         for sign in text
     )
 
 
 def typeset(text: str) -> str:
-    """Return `text` as print has it: minus signs for the hyphens of numbers and terms, ± for +-, raised powers of ten.
+    """Return `text` as print has it: minus signs for the hyphens of numbers and terms, ± for +-,
+    raised powers of ten.
 
     >>> typeset("-1.5 +- 1, f(x) - x, 10^12 at 3-4, run-2")
     '−1.5 ± 1, f(x) − x, 10¹² at 3-4, run-2'
     """
-    raised = _POWER.sub(lambda found: f"10{found[1].translate(_RAISED)}", text.replace(" +- ", " ± "))
+    raised = _POWER.sub(
+        lambda found: f"10{found[1].translate(_RAISED)}", text.replace(" +- ", " ± ")
+    )
     return _HYPHEN_MINUS.sub("−", raised)
 
 
 def plain_number(text: str) -> float:
-    """Return the number that `text` says in plain digits, with a point and a power of ten; ValueError otherwise.
+    """Return the number that `text` says in plain digits, with a point and a power of ten;
+    ValueError otherwise.
 
     >>> plain_number(" -2.5e-3 ")
     -0.0025
@@ -66,7 +76,9 @@ def plain_whole(text: str) -> int:
 
 
 def json_value(text: str | bytes) -> object:
-    """Return what a JSON text says; ValueError where it is none, names a key twice, or nests thousands deep."""
+    """Return what a JSON text says; ValueError where it is none, names a key twice, or nests
+    thousands deep.
+    """
     try:
         return json.loads(text, object_pairs_hook=_without_twins)
     except RecursionError as error:
@@ -82,7 +94,8 @@ def _without_twins(pairs: list[tuple[str, object]]) -> dict[str, object]:
 
 
 def install_words(extra: str) -> str:
-    """Return how to install the libraries of an extra, where cyclemap comes from a checkout and no index has it.
+    """Return how to install the libraries of an extra, where cyclemap comes from a checkout and no
+    index has it.
 
     >>> install_words("outlines")
     "python -m pip install '.[outlines]' in the checkout of cyclemap"

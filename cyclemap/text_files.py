@@ -1,4 +1,6 @@
-"""Files of people: TOML, JSON and CSV, read so that a bad field can be named; all are written whole or not at all."""
+"""Files of people: TOML, JSON and CSV, read so that a bad field can be named; all are written whole
+or not at all.
+"""
 
 import csv
 import io
@@ -18,10 +20,11 @@ from typing import Any
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.plain_text import json_value, plain_number
 
-# Bytes that a file, or its tables as doubles, may hold: thirty times the longest push. Lists of Python's own numbers
-# take thirty times as much memory, so that all readers stay under a gigabyte.
+# Bytes that a file, or its tables as doubles, may hold: thirty times the longest push. Lists of
+# Python's own numbers take thirty times as much memory, so that all readers stay under a gigabyte.
 LARGEST_CONTENT = 2**24
-# Of TOML, where a key of many parts takes time that grows with their square; a protocol is a few kilobytes.
+# Of TOML, where a key of many parts takes time that grows with their square; a protocol is a few
+# kilobytes.
 _LARGEST_TOML, _MOST_PARTS = 2**17, 100
 
 
@@ -53,7 +56,9 @@ class CsvTable:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise self.error(row.line, f"{column} is '{text}'; it must be a finite number in plain digits")
+            raise self.error(
+                row.line, f"{column} is '{text}'; it must be a finite number in plain digits"
+            )
         return value
 
     def error(self, line: int, message: str) -> DataFileError:
@@ -64,13 +69,16 @@ class CsvTable:
 def read_csv_table(path: str | Path) -> CsvTable:
     """Read a CSV file whose first line is its header.
 
-    Blank lines are passed over. DataFileError (naming the file, the line and the mend) where the file is
-    absent, not UTF-8 text, empty, without rows, or has a row with more or fewer fields than the header.
+    Blank lines are passed over. DataFileError (naming the file, the line and the mend) where the
+    file is absent, not UTF-8 text, empty, without rows, or has a row with more or fewer fields than
+    the header.
     """
     path = Path(path)
     records = _records(path, read_text(path, "plain CSV"))
     if not records:
-        raise DataFileError(f"{path}: the file is empty; it needs a header line and at least one row")
+        raise DataFileError(
+            f"{path}: the file is empty; it needs a header line and at least one row"
+        )
     table = CsvTable(path, tuple(name.lower() for name in records[0].fields), tuple(records[1:]))
     check_shape(table)
     return table
@@ -79,7 +87,9 @@ def read_csv_table(path: str | Path) -> CsvTable:
 def csv_text(table: CsvTable) -> str:
     """Return a table as the text of a CSV file."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([table.header, *(row.fields for row in table.rows)])
+    csv.writer(text, lineterminator="\n").writerows(
+        [table.header, *(row.fields for row in table.rows)]
+    )
     return text.getvalue()
 
 
@@ -87,38 +97,49 @@ def require_columns(table: CsvTable, columns: Sequence[str]) -> None:
     """Raise DataFileError where `table` lacks one of `columns`."""
     missing = [name for name in columns if name not in table.header]
     if missing:
-        raise table.error(1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}")
+        raise table.error(
+            1, f"column {', '.join(missing)} is missing; the header has {', '.join(table.header)}"
+        )
 
 
 def read_toml(path: str | Path, parse_float: Callable[[str], Any] = float) -> dict[str, object]:
     """Read a TOML file, numbers with a point by `parse_float`.
 
-    DataFileError, naming the file and the mend, where it is absent or not TOML, or holds what cannot be read.
+    DataFileError, naming the file and the mend, where it is absent or not TOML, or holds what
+    cannot be read.
     """
     text = read_text(Path(path), "TOML", _LARGEST_TOML)
     if any(word.count(".") >= _MOST_PARTS for word in re.split(r"[\n,=\[\]{}]", text)):
         raise DataFileError(
-            f"{path}: a key of more than {_MOST_PARTS} parts is nested too deeply; a few levels are enough"
+            f"{path}: a key of more than {_MOST_PARTS} parts is nested too deeply; a few levels "
+            "are enough"
         )
     try:
         return tomllib.loads(text, parse_float=parse_float)
     except tomllib.TOMLDecodeError as error:
         raise DataFileError(f"{path}: not TOML: {error}") from error
     except (ValueError, InvalidOperation) as error:
-        raise DataFileError(f"{path}: a number has more digits, or a larger power of ten, than can be read") from error
+        raise DataFileError(
+            f"{path}: a number has more digits, or a larger power of ten, than can be read"
+        ) from error
     except RecursionError as error:
-        raise DataFileError(f"{path}: lists or tables are nested too deeply; a few levels are enough") from error
+        raise DataFileError(
+            f"{path}: lists or tables are nested too deeply; a few levels are enough"
+        ) from error
 
 
 def key_place(path: str | Path, text: str, table: str, key: str) -> str:
-    """Return the file and, where it is found, the line of a key in a table ("": before the first) of its TOML text.
+    """Return the file and, where it is found, the line of a key in a table ("": before the first)
+    of its TOML text.
 
     >>> key_place("a.toml", "side = 1\\n[push]\\nside = 2\\n", "push", "side")
     'a.toml, line 3'
     """
     here = ""
     for number, line in enumerate(text.splitlines(), 1):
-        heading = re.fullmatch(r"\s*\[+\s*[\"']?([A-Za-z_][^\[\],\"']*?)[\"']?\s*\]+\s*(#.*)?", line)
+        heading = re.fullmatch(
+            r"\s*\[+\s*[\"']?([A-Za-z_][^\[\],\"']*?)[\"']?\s*\]+\s*(#.*)?", line
+        )
         here = heading[1] if heading else here
         stands = here == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line)
         if stands or (heading and here == f"{table}.{key}"):
@@ -127,7 +148,9 @@ def key_place(path: str | Path, text: str, table: str, key: str) -> str:
 
 
 def read_json(path: str | Path) -> object:
-    """Read a JSON file; DataFileError where it is absent, cut short, not JSON, or names a key twice."""
+    """Read a JSON file; DataFileError where it is absent, cut short, not JSON, or names a key
+    twice.
+    """
     content = read_bytes(Path(path))
     try:
         return json_value(content)
@@ -139,16 +162,22 @@ def read_json(path: str | Path) -> object:
 
 
 def read_text(path: Path, kind: str, most: int = LARGEST_CONTENT) -> str:
-    """Return the text of a UTF-8 file, line ends as "\n"; DataFileError, naming file and mend, where it has none."""
+    """Return the text of a UTF-8 file, line ends as "\n"; DataFileError, naming file and mend,
+    where it has none.
+    """
     try:
         text = read_bytes(path, most).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise DataFileError(f"{path}: byte {error.start} is not UTF-8 text; save it as {kind}") from error
+        raise DataFileError(
+            f"{path}: byte {error.start} is not UTF-8 text; save it as {kind}"
+        ) from error
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def read_bytes(path: Path, most: int = LARGEST_CONTENT) -> bytes:
-    """Return the content of a regular file of at most `most` bytes; DataFileError, naming file and mend, otherwise."""
+    """Return the content of a regular file of at most `most` bytes; DataFileError, naming file and
+    mend, otherwise.
+    """
     try:
         with open(path, "rb", opener=_open_at_once) as file:
             is_regular = stat.S_ISREG(os.fstat(file.fileno()).st_mode)
@@ -161,7 +190,10 @@ def read_bytes(path: Path, most: int = LARGEST_CONTENT) -> bytes:
     if not is_regular:
         raise DataFileError(f"{path}: is a pipe or a device; give a regular file")
     if len(content) > most:
-        raise DataFileError(f"{path}: holds more than {most / 1e6:.1f} MB; split it, or leave out what is not needed")
+        raise DataFileError(
+            f"{path}: holds more than {most / 1e6:.1f} MB; split it, or leave out what is not "
+            "needed"
+        )
     return content
 
 
@@ -178,16 +210,22 @@ def _records(path: Path, text: str) -> list[CsvRow]:
             stripped = tuple(field.strip() for field in fields)
             room -= len(stripped)
             if room < 0:
-                raise DataFileError(f"{path}: holds more than {LARGEST_CONTENT // 8} fields; split it")
+                raise DataFileError(
+                    f"{path}: holds more than {LARGEST_CONTENT // 8} fields; split it"
+                )
             if any(stripped):
                 rows.append(CsvRow(reader.line_num, stripped))
     except csv.Error as error:
-        raise DataFileError(f"{path}, line {reader.line_num}: {error}; mend the quotes of this line") from error
+        raise DataFileError(
+            f"{path}, line {reader.line_num}: {error}; mend the quotes of this line"
+        ) from error
     return rows
 
 
 def check_shape(table: CsvTable) -> None:
-    """Raise DataFileError where a column is there twice, `table` has no rows, or one not as long as its header."""
+    """Raise DataFileError where a column is there twice, `table` has no rows, or one not as long as
+    its header.
+    """
     names = [name for name in table.header if name]
     if len(set(names)) < len(names):
         twice = next(name for name in names if names.count(name) > 1)
@@ -197,7 +235,9 @@ def check_shape(table: CsvTable) -> None:
     for row in table.rows:
         if len(row.fields) != len(table.header):
             counts = f"{len(row.fields)} of {len(table.header)} fields"
-            raise table.error(row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it")
+            raise table.error(
+                row.line, f"{counts}; the line is cut off or has a stray comma: mend or remove it"
+            )
 
 
 try:
@@ -210,7 +250,9 @@ UNFINISHED_SUFFIX = ".part"
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write `content` to `path` by way of a file beside it; OSError, naming the path, where that cannot be done."""
+    """Write `content` to `path` by way of a file beside it; OSError, naming the path, where that
+    cannot be done.
+    """
     temporary = path.with_name(f".{path.name}.{os.getpid()}{UNFINISHED_SUFFIX}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -218,27 +260,33 @@ def write_whole(path: Path, content: bytes) -> None:
             with temporary.open("wb") as file:
                 file.write(content)
                 file.flush()
-                # A name may reach the disk before what it names: power lost between would leave an empty file.
+                # A name may reach the disk before what it names: power lost between would leave an
+                # empty file.
                 os.fsync(file.fileno())
             temporary.replace(path)
         finally:
             temporary.unlink(missing_ok=True)
     except OSError as error:
         cause = f"{error.strerror}: {error.filename}" if error.filename else error.strerror or error
-        raise OSError(f"{path} cannot be written ({cause}); nothing was left half-written") from error
+        raise OSError(
+            f"{path} cannot be written ({cause}); nothing was left half-written"
+        ) from error
 
 
 @contextmanager
 def only_writer(folder: Path) -> Iterator[None]:
     """Make `folder` and hold it for this process while the block lasts, however that ends.
 
-    CycleMapError where another process holds it. Windows has no such locks: there nobody is refused.
+    CycleMapError where another process holds it. Windows has no such locks: there nobody is
+    refused.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handle = os.open(folder, os.O_RDONLY) if fcntl is not None else None
     except OSError as error:
-        raise OSError(f"{folder} cannot be used ({error.strerror}); choose another folder") from error
+        raise OSError(
+            f"{folder} cannot be used ({error.strerror}); choose another folder"
+        ) from error
     if handle is None:
         yield
         return
@@ -246,13 +294,16 @@ def only_writer(folder: Path) -> Iterator[None]:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield
     except BlockingIOError as error:
-        raise CycleMapError(f"{folder} is written by another process; wait for it, or choose another folder") from error
+        raise CycleMapError(
+            f"{folder} is written by another process; wait for it, or choose another folder"
+        ) from error
     finally:
         os.close(handle)
 
 
 def file_stem(name: str) -> str:
-    """Return the name of a material or an object as it can stand in a file name; InvalidInput where nothing is left.
+    """Return the name of a material or an object as it can stand in a file name; InvalidInput where
+    nothing is left.
 
     >>> file_stem("worn plywood (side B)")
     'worn_plywood_side_B'

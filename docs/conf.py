@@ -1,4 +1,5 @@
-"""How the site is built: Sphinx with MyST Markdown, formulas as MathML, reference pages made from the code.
+"""How the site is built: Sphinx with MyST Markdown, formulas as MathML, reference pages made from
+the code.
 
 Everything is made without a network, and the pages need none.
 """
@@ -35,11 +36,13 @@ extensions = [
     "settings_table",
 ]
 exclude_patterns = ["_build", "_extensions", "_figures", "gallery/*.md"]
-# The pages of the reference follow the rooms' own tables of contents; each name in them has a page of its own.
+# The pages of the reference follow the rooms' own tables of contents; each name in them has a page
+# of its own.
 write_pages(HERE / "reference" / "api")
 autosummary_generate = False
 nitpicky = True
-# Types in signatures that are not public, and those of other libraries, have no page of their own here.
+# Types in signatures that are not public, and those of other libraries, have no page of their own
+# here.
 nitpick_ignore_regex = [
     (
         r"py:.*",

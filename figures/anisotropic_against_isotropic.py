@@ -1,4 +1,6 @@
-"""Figures 11 and 12 of the paper: paths of the pushed object in simulation, on plywood and on isotropic friction."""
+"""Figures 11 and 12 of the paper: paths of the pushed object in simulation, on plywood and on
+isotropic friction.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -19,7 +21,9 @@ from cyclemap.views.style import new_figure, picture_style
 from .catalogue import MeasuredFolder
 
 
-def compute(measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES) -> BatchExperiment:
+def compute(
+    measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES
+) -> BatchExperiment:
     """Run the paper's numerical experiment by the dynamic simulation; it uses no measured data."""
     return batch_experiment(DynamicLoop(CollectionLoop.mit(material="plywood")), batches, cycles)
 
@@ -39,7 +43,10 @@ def draw(experiment: BatchExperiment) -> Figure:
             middle, half = (low + high) / 2.0, 0.56 * float((high - low).max())
             for axes in row:
                 axes.set_aspect("equal", adjustable="box")
-                axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
+                axes.set(
+                    xlim=(middle[0] - half, middle[0] + half),
+                    ylim=(middle[1] - half, middle[1] + half),
+                )
     return figure
 
 
@@ -47,7 +54,8 @@ def caption(experiment: BatchExperiment) -> str:
     """What the experiment shows, with its numbers."""
     loop = experiment.loop
     return (
-        f"Paths of the centre of mass in simulated pushes on {loop.material.name} (left) and on isotropic friction "
-        f"(right; {method_line(experiment)}); thick: the last push of each batch. {experiment_headline(experiment)} "
-        f"{spread_sentence(experiment)} {isotropic_sentence(experiment)}"
+        f"Paths of the centre of mass in simulated pushes on {loop.material.name} (left) and on "
+        f"isotropic friction (right; {method_line(experiment)}); thick: the last push of each "
+        f"batch. {experiment_headline(experiment)} {spread_sentence(experiment)} "
+        f"{isotropic_sentence(experiment)}"
     )

@@ -1,4 +1,6 @@
-"""The gallery in order, what an exhibit is and is made from, and the modules behind the names, imported when asked."""
+"""The gallery in order, what an exhibit is and is made from, and the modules behind the names,
+imported when asked.
+"""
 
 from __future__ import annotations
 
@@ -28,20 +30,27 @@ class MeasuredFolder:
 
     @classmethod
     def found(cls, given: Path | None = None) -> MeasuredFolder:
-        """Return the folder `given`, else the one $CYCLEMAP_DATA names, else `shared/data` beside the checkout.
+        """Return the folder `given`, else the one $CYCLEMAP_DATA names, else `shared/data` beside
+        the checkout.
 
         Raises InvalidInput where `given` or $CYCLEMAP_DATA is no folder.
         """
-        named = given or (Path(os.environ["CYCLEMAP_DATA"]) if os.environ.get("CYCLEMAP_DATA") else None)
+        named = given or (
+            Path(os.environ["CYCLEMAP_DATA"]) if os.environ.get("CYCLEMAP_DATA") else None
+        )
         if named is not None:
             if not named.is_dir():
-                raise InvalidInput(f"measured data: {str(named)!r} is no folder; name one, or leave --data out")
+                raise InvalidInput(
+                    f"measured data: {str(named)!r} is no folder; name one, or leave --data out"
+                )
             return cls(named)
         beside = Path(__file__).parents[2] / "shared" / "data"
         return cls(beside if beside.is_dir() else None)
 
     def find(self, name: str) -> Path | None:
-        """Return the path of the file or sub-folder `name` in the folder; None where it is not there."""
+        """Return the path of the file or sub-folder `name` in the folder; None where it is not
+        there.
+        """
         place = None if self.path is None else self.path / name
         return place if place is not None and place.exists() else None
 
@@ -54,7 +63,8 @@ BEYOND = "not in the paper"
 class Entry:
     """One exhibit as the gallery lists it; its module in this room has its name, with underscores.
 
-    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few words.
+    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few
+        words.
     """
 
     name: str
@@ -64,7 +74,9 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One picture of an animation. pixels : (height, width, 3), 0 to 255. seconds : how long it is shown."""
+    """One picture of an animation. pixels : (height, width, 3), 0 to 255. seconds : how long it is
+    shown.
+    """
 
     pixels: NDArray[np.uint8]
     seconds: float
@@ -79,7 +91,9 @@ CATALOGUE = (
         "the paper's limit ellipse and patch, and Fig. 10 (right)",
         "Limit ellipse of a point, of plywood, and the forces of the patch",
     ),
-    Entry("force-ratio", "Fig. 10 (left)", "Ratio of tangential to normal force at the pushing point"),
+    Entry(
+        "force-ratio", "Fig. 10 (left)", "Ratio of tangential to normal force at the pushing point"
+    ),
     Entry("simulated-against-measured", "Fig. 13", "Simulated and measured turns over θ0, plywood"),
     Entry("turn-over-theta0", "Fig. 5", "Turn of the push over its first orientation"),
     Entry("theta0-histograms", "Fig. 6", "Histograms of the orientation before a push"),
@@ -89,15 +103,23 @@ CATALOGUE = (
     Entry("table-deviations", "Table II", "How much equal pushes differ"),
     Entry("table-law-errors", "Table III", "How far pushes lie from a law of θ0"),
     Entry(
-        "anisotropic-against-isotropic", "Figs. 11 and 12", "Simulated paths on anisotropic and on isotropic friction"
+        "anisotropic-against-isotropic",
+        "Figs. 11 and 12",
+        "Simulated paths on anisotropic and on isotropic friction",
     ),
     Entry(
-        "dynamic-against-quasi-static", BEYOND, "What inertia changes at 20 mm/s, and how it vanishes with the speed"
+        "dynamic-against-quasi-static",
+        BEYOND,
+        "What inertia changes at 20 mm/s, and how it vanishes with the speed",
     ),
     Entry("fingerprint", BEYOND, "Five numbers against the full map"),
     Entry("saddle-node", BEYOND, "Two directions meet as the ring moves in"),
     Entry("phase-diagram", BEYOND, "Ring radius against anisotropy: where the robot locks in"),
-    Entry("floor-shape", BEYOND, "What anisotropy of friction explains, and what the floor's shape explains"),
+    Entry(
+        "floor-shape",
+        BEYOND,
+        "What anisotropy of friction explains, and what the floor's shape explains",
+    ),
     Entry("staircase-bottleneck", BEYOND, "A staircase and the bottleneck that makes it"),
     Entry("wear-drift", BEYOND, "The cycle map as plywood wears"),
     Entry("locking-in", BEYOND, "The loop of push and drag locks in"),
@@ -105,7 +127,8 @@ CATALOGUE = (
 
 
 def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
-    """Return the entries of these names, in the gallery's order and each once; of none or "all", all of them.
+    """Return the entries of these names, in the gallery's order and each once; of none or "all",
+    all of them.
 
     Raises InvalidInput, with the nearest name, for one that is unknown.
 
@@ -123,9 +146,10 @@ def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
 def load_exhibit(name: str) -> ModuleType:
     """Return the module of the exhibit of this name; InvalidInput where it is unknown.
 
-    Each has `compute`: measured data -> result, the only slow part; `caption`: result -> sentences that hold for this
-    result, with its numbers; and either `draw`: result -> figure, or `HEADER` and `rows`: result -> rows of words under
-    it, or `frames`: result -> the `Frame`s of an animation, all of one size.
+    Each has `compute`: measured data -> result, the only slow part; `caption`: result -> sentences
+    that hold for this result, with its numbers; and either `draw`: result -> figure, or `HEADER`
+    and `rows`: result -> rows of words under it, or `frames`: result -> the `Frame`s of an
+    animation, all of one size.
     """
     if name == "all" or not (found := entries((name,))):
         raise unknown_name("figure", name, {entry.name for entry in CATALOGUE})

@@ -1,4 +1,6 @@
-"""What inertia changes: the dynamic simulation less the quasi-static model over θ0, and as the rod slows down."""
+"""What inertia changes: the dynamic simulation less the quasi-static model over θ0, and as the rod
+slows down.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,7 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
 from cyclemap.arrays import Array
-from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
+from cyclemap.collection.dynamic_loop import (
+    DynamicLoop,
+    DynamicsComparison,
+    compare_dynamics,
+    isotropic_twin,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
 from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
@@ -18,16 +25,18 @@ from .catalogue import MeasuredFolder
 ORIENTATIONS = 12
 # Of the rod, m/s.
 SPEEDS = (0.005, 0.01, 0.02, 0.04, 0.08)
-# Contact and friction sharper than by default, so that nothing but inertia is left at the lowest speed.
+# Contact and friction sharper than by default, so that nothing but inertia is left at the lowest
+# speed.
 _STIFFNESS, _REGULARISATION, _TOLERANCE = 4e6, 2e-5, 1e-7
 
 
 @dataclass(frozen=True, eq=False)
 class InertiaStudy:
-    """The comparison at the experiment's speed, and the largest difference of a cycle's turn over speed.
+    """The comparison at the experiment's speed, and the largest difference of a cycle's turn over
+    speed.
 
-    material, isotropic : by orientation, at 20 mm/s. speeds : (k,) m/s. differences : (2, k) rad, largest over the
-    orientations, on the material and on isotropic friction.
+    material, isotropic : by orientation, at 20 mm/s. speeds : (k,) m/s. differences : (2, k) rad,
+        largest over the orientations, on the material and on isotropic friction.
     """
 
     material: DynamicsComparison
@@ -38,14 +47,21 @@ class InertiaStudy:
     @property
     def orders(self) -> tuple[float, float]:
         """Exponents of the speed that the differences follow, by least squares in logarithms."""
-        first, second = (np.polyfit(np.log(self.speeds), np.log(row), 1)[0] for row in self.differences)
+        first, second = (
+            np.polyfit(np.log(self.speeds), np.log(row), 1)[0] for row in self.differences
+        )
         return float(first), float(second)
 
 
 def compute(
-    measured: MeasuredFolder, orientations: int = ORIENTATIONS, speeds: tuple[float, ...] = SPEEDS, fewer: int = 3
+    measured: MeasuredFolder,
+    orientations: int = ORIENTATIONS,
+    speeds: tuple[float, ...] = SPEEDS,
+    fewer: int = 3,
 ) -> InertiaStudy:
-    """Compare both models on plywood and its isotropic twin; over speed from `fewer` orientations. No measured data."""
+    """Compare both models on plywood and its isotropic twin; over speed from `fewer` orientations.
+    No measured data.
+    """
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
     theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
@@ -54,7 +70,9 @@ def compute(
     for row, each in zip(differences, (loop, twin), strict=True):
         slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
         row[:] = [largest(compare_dynamics(one, some).difference("theta_next")) for one in slower]
-    return InertiaStudy(compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences)
+    return InertiaStudy(
+        compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences
+    )
 
 
 def draw(study: InertiaStudy) -> Figure:
@@ -67,19 +85,34 @@ def draw(study: InertiaStudy) -> Figure:
         draw_place_differences(places, study.material, study.isotropic)
         speeds = 1e3 * study.speeds
         looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
-        for values, (name, colour, marker, face) in zip(np.degrees(study.differences), looks, strict=True):
-            fall.plot(speeds, values, marker=marker, color=colour, markerfacecolor=face, label=name, zorder=3)
+        for values, (name, colour, marker, face) in zip(
+            np.degrees(study.differences), looks, strict=True
+        ):
+            fall.plot(
+                speeds,
+                values,
+                marker=marker,
+                color=colour,
+                markerfacecolor=face,
+                label=name,
+                zorder=3,
+            )
         guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
         fall.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
         fall.set(
-            xscale="log", yscale="log", xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)"
+            xscale="log",
+            yscale="log",
+            xlabel="speed of the rod (mm/s)",
+            ylabel="largest difference of a cycle (°)",
         )
         fall.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
         fall.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         fall.xaxis.set_minor_formatter(NullFormatter())
         fall.set_title("Its fall with the speed", pad=22.0)
         legend_above(fall)
-        foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
+        foot = (
+            "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
+        )
         figure.text(0.07, 0.02, foot, fontsize=8, color=QUIET)
     return figure
 
@@ -91,16 +124,21 @@ def caption(study: InertiaStudy) -> str:
     slowest = f"{1e3 * study.speeds.min():g}"
     left = math.degrees(float(study.differences[:, int(study.speeds.argmin())].max()))
     return (
-        f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: {_at_most(study.material)} on "
-        f"plywood, {_at_most(study.isotropic)} on isotropic friction. The difference of a cycle falls with the speed "
-        f"to the power {first:.2f} on plywood and {second:.2f} on isotropic friction: inertia enters as the speed "
-        f"squared. At {slowest} mm/s {left:.3f}° are left."
+        f"The paper's dynamic simulation less the quasi-static model at {speed:g} mm/s: "
+        f"{_at_most(study.material)} on plywood, {_at_most(study.isotropic)} on isotropic "
+        f"friction. The difference of a cycle falls with the speed to the power {first:.2f} on "
+        f"plywood and {second:.2f} on isotropic friction: inertia enters as the speed squared. At "
+        f"{slowest} mm/s {left:.3f}° are left."
     )
 
 
 def _at_most(comparison: DynamicsComparison) -> str:
     push, drag, cycle = (
-        math.degrees(largest(comparison.difference(name))) for name in ("push_turn", "drag_turn", "theta_next")
+        math.degrees(largest(comparison.difference(name)))
+        for name in ("push_turn", "drag_turn", "theta_next")
     )
     place = 1e3 * largest(comparison.difference("push_displacement"))
-    return f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle and {place:.2f} mm"
+    return (
+        f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle "
+        f"and {place:.2f} mm"
+    )

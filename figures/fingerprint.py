@@ -1,4 +1,6 @@
-"""Five numbers of the protocol against the full map: the turn on plywood, the edge of lock-in, the errors' order."""
+"""Five numbers of the protocol against the full map: the turn on plywood, the edge of lock-in, the
+errors' order.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -51,10 +53,12 @@ _ORIENTATIONS = np.radians(np.arange(0.0, 360.0, 15.0))
 class FingerprintAgainstFull:
     """What the figure shows.
 
-    prediction, checked : on plywood, and beside the full map. predicted_edge, full_edge : (k, 2), the lock-in boundary
-    as (offset, ellipticity) along `RAYS`. scales : (n,), factors of plywood's anisotropy. turn_error,
-    second_turn_error : (n,), rad, largest over the orientations, of the first- and the second-order turn. ring : m,
-    its distance at which an isotropic cycle turns nothing. direction_error : (n,), rad, of the stable direction there.
+    prediction, checked : on plywood, and beside the full map. predicted_edge, full_edge : (k, 2),
+        the lock-in boundary as (offset, ellipticity) along `RAYS`. scales : (n,), factors of
+        plywood's anisotropy. turn_error,
+    second_turn_error : (n,), rad, largest over the orientations, of the first- and the
+        second-order turn. ring : m, its distance at which an isotropic cycle turns nothing. direction_error :
+        (n,), rad, of the stable direction there.
     """
 
     prediction: Prediction
@@ -68,8 +72,12 @@ class FingerprintAgainstFull:
     direction_error: Array
 
 
-def compute(measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS) -> FingerprintAgainstFull:
-    """Compute it from the mechanics alone, at some scales and along some rays; no measured data are used."""
+def compute(
+    measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS
+) -> FingerprintAgainstFull:
+    """Compute it from the mechanics alone, at some scales and along some rays; no measured data are
+    used.
+    """
     loop = CollectionLoop.mit(material="plywood")
     surface = Anisotropy.of(loop.material.friction)
     prediction = Prediction(fingerprint(loop), surface)
@@ -78,7 +86,9 @@ def compute(measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS
     return FingerprintAgainstFull(
         prediction,
         check_prediction(prediction, loop, tolerance=1e-4),
-        lock_in_boundary(prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, rays),
+        lock_in_boundary(
+            prediction.fingerprint.cycle, surface.offset_direction, surface.ellipse_direction, rays
+        ),
         full_boundary(loop, prediction, rays),
         read_only(scales),
         first,
@@ -88,8 +98,12 @@ def compute(measured: MeasuredFolder, scales: Array = SCALES, rays: Array = RAYS
     )
 
 
-def turn_errors(loop: CollectionLoop, found: Fingerprint, surface: Anisotropy, scales: Array) -> tuple[Array, Array]:
-    """Largest errors (n,), rad, of the first- and the second-order turn on a surface scaled by `scales` (n,)."""
+def turn_errors(
+    loop: CollectionLoop, found: Fingerprint, surface: Anisotropy, scales: Array
+) -> tuple[Array, Array]:
+    """Largest errors (n,), rad, of the first- and the second-order turn on a surface scaled by
+    `scales` (n,).
+    """
     errors = []
     for scale in scales.tolist():
         scaled = Prediction(found, surface.scaled(scale))
@@ -101,16 +115,24 @@ def turn_errors(loop: CollectionLoop, found: Fingerprint, surface: Anisotropy, s
 
 
 def neutral_loop(loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop with its ring moved out until an isotropic cycle turns the object by nothing."""
+    """Return the loop with its ring moved out until an isotropic cycle turns the
+    object by nothing."""
     from scipy.optimize import brentq
 
     isotropic, ring = with_anisotropy_times(loop, 0.0), ring_radius(loop)
-    radius = brentq(lambda r: with_ring_at(isotropic, r).cycle(0.0).theta_next, ring, MOST_LEVER * ring, xtol=1e-13)
+    radius = brentq(
+        lambda r: with_ring_at(isotropic, r).cycle(0.0).theta_next,
+        ring,
+        MOST_LEVER * ring,
+        xtol=1e-13,
+    )
     return with_ring_at(loop, float(radius))
 
 
 def direction_errors(loop: CollectionLoop, surface: Anisotropy, scales: Array) -> Array:
-    """How far (n,), rad, the first-order stable direction lies from the full map's, the surface scaled by `scales`."""
+    """How far (n,), rad, the first-order stable direction lies from the full map's, the surface
+    scaled by `scales`.
+    """
     from scipy.optimize import brentq
 
     found = fingerprint(loop)
@@ -118,13 +140,17 @@ def direction_errors(loop: CollectionLoop, surface: Anisotropy, scales: Array) -
     for scale in scales.tolist():
         scaled = Prediction(found, surface.scaled(scale))
         theta, full = scaled.stable_directions[0].theta, with_anisotropy(loop, scaled.anisotropy)
-        root = brentq(lambda t, full=full: full.cycle(t).theta_next - t, theta - 1.0, theta + 1.0, xtol=1e-10)
+        root = brentq(
+            lambda t, full=full: full.cycle(t).theta_next - t, theta - 1.0, theta + 1.0, xtol=1e-10
+        )
         errors.append(abs(root - theta))
     return np.array(errors)
 
 
 def full_boundary(loop: CollectionLoop, prediction: Prediction, rays: Array) -> Array:
-    """Return points (k, 2) of (offset, ellipticity) at which the full map begins to lock in along rays (k,), rad."""
+    """Return points (k, 2) of (offset, ellipticity) at which the full map begins to lock in along
+    rays (k,), rad.
+    """
     points = []
     for angle in rays.tolist():
         ray = replace(prediction.anisotropy, offset=math.cos(angle), ellipticity=math.sin(angle))
@@ -135,17 +161,29 @@ def full_boundary(loop: CollectionLoop, prediction: Prediction, rays: Array) -> 
 
 
 def order(scales: Array, errors: Array) -> float:
-    """Return the slope of log error over log scale, by least squares over the scales up to `ASYMPTOTIC`."""
+    """Return the slope of log error over log scale, by least squares over the scales up to
+    `ASYMPTOTIC`.
+    """
     small = scales <= ASYMPTOTIC
     return float(np.polyfit(np.log(scales[small]), np.log(errors[small]), 1)[0])
 
 
 def draw(result: FingerprintAgainstFull) -> Figure:
-    """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the anisotropy."""
+    """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the
+    anisotropy.
+    """
     with picture_style():
         figure = new_figure(*INCHES)
         grid = GridSpec(
-            1, 3, figure, width_ratios=(1.45, 1.0, 1.0), left=0.05, right=0.99, bottom=0.125, top=0.87, wspace=0.25
+            1,
+            3,
+            figure,
+            width_ratios=(1.45, 1.0, 1.0),
+            left=0.05,
+            right=0.99,
+            bottom=0.125,
+            top=0.87,
+            wspace=0.25,
         )
         turn = figure.add_subplot(grid[0])
         draw_prediction(turn, result.prediction, result.checked.map)
@@ -183,13 +221,23 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
         ("stable direction", result.direction_error, FORCE, "s", ":"),
     )
     for name, errors, colour, marker, dash in curves:
-        # The kinks' share of what the second order leaves vanishes before the rest: it has no single order.
+        # The kinks' share of what the second order leaves vanishes before the rest: it has no
+        # single order.
         known = "" if "second" in name else f": order {order(result.scales, errors):.1f}"
         label = f"{name}{known}"
         axes.loglog(
-            result.scales, np.degrees(errors), color=colour, marker=marker, linestyle=dash, markersize=5.0, label=label
+            result.scales,
+            np.degrees(errors),
+            color=colour,
+            marker=marker,
+            linestyle=dash,
+            markersize=5.0,
+            label=label,
         )
-    axes.set_xticks(result.scales, [f"1/{round(1.0 / scale)}" if scale < 1.0 else "1" for scale in result.scales])
+    axes.set_xticks(
+        result.scales,
+        [f"1/{round(1.0 / scale)}" if scale < 1.0 else "1" for scale in result.scales],
+    )
     axes.minorticks_off()
     axes.set(xlabel="anisotropy over plywood's (1)", ylabel="error (°)")
     axes.set_title("Errors")
@@ -202,16 +250,32 @@ def caption(result: FingerprintAgainstFull) -> str:
         result.prediction.fingerprint.cycle,
         [checked for checked in result.checked.directions if checked.predicted.stable],
     )
-    numbers = (found.turn, found.offset_amplitude, found.offset_phase, found.ellipse_amplitude, found.ellipse_phase)
-    five = "Ω {:.2f}°, A₁ {:.1f}°, δ₁ {:.1f}°, A₂ {:.1f}°, δ₂ {:.1f}°".format(*map(math.degrees, numbers))
-    theta, error, miss = (math.degrees(v) for v in (stable.predicted.theta, stable.predicted.error, stable.miss))
+    numbers = (
+        found.turn,
+        found.offset_amplitude,
+        found.offset_phase,
+        found.ellipse_amplitude,
+        found.ellipse_phase,
+    )
+    five = "Ω {:.2f}°, A₁ {:.1f}°, δ₁ {:.1f}°, A₂ {:.1f}°, δ₂ {:.1f}°".format(
+        *map(math.degrees, numbers)
+    )
+    theta, error, miss = (
+        math.degrees(v) for v in (stable.predicted.theta, stable.predicted.error, stable.miss)
+    )
     within = "within" if stable.within_error else "beyond"
-    off = np.abs(1.0 - np.linalg.norm(result.predicted_edge, axis=1) / np.linalg.norm(result.full_edge, axis=1))
-    turn, direction = (order(result.scales, errors) for errors in (result.turn_error, result.direction_error))
+    off = np.abs(
+        1.0
+        - np.linalg.norm(result.predicted_edge, axis=1) / np.linalg.norm(result.full_edge, axis=1)
+    )
+    turn, direction = (
+        order(result.scales, errors) for errors in (result.turn_error, result.direction_error)
+    )
     return (
-        f"Five numbers of the protocol ({five}) predict plywood's stable direction, {theta:.1f}° ± {error:.1f}°; the "
-        f"full map's is {miss:.1f}° away, {within} that error. The edge of lock-in is predicted to {off.max():.0%} or "
-        f"better. Where the anisotropy is small, the error of the turn falls with its power {turn:.2f}, that of the "
-        f"stable direction with its power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from "
-        "the centre, where an isotropic cycle turns nothing."
+        f"Five numbers of the protocol ({five}) predict plywood's stable direction, {theta:.1f}° ± "
+        f"{error:.1f}°; the full map's is {miss:.1f}° away, {within} that error. The edge of "
+        f"lock-in is predicted to {off.max():.0%} or better. Where the anisotropy is small, the "
+        f"error of the turn falls with its power {turn:.2f}, that of the stable direction with its "
+        f"power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from the "
+        "centre, where an isotropic cycle turns nothing."
     )

@@ -1,4 +1,6 @@
-"""Figure: what the anisotropy of friction explains of the measured plywood map, and what the floor's shape explains."""
+"""Figure: what the anisotropy of friction explains of the measured plywood map, and what the
+floor's shape explains.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,13 @@ from matplotlib.patches import Polygon as Patch
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, TurnBins, turn_bins
-from cyclemap.mechanics import EllipseFriction, Pose, PressedFootprint, SurfaceShape, resting_pressure
+from cyclemap.mechanics import (
+    EllipseFriction,
+    Pose,
+    PressedFootprint,
+    SurfaceShape,
+    resting_pressure,
+)
 from cyclemap.views.style import (
     FORCE,
     INK,
@@ -36,7 +44,8 @@ from .measured_sets import measured_theta0
 SURFACE = "plywood"
 # The same board as identified from single pushes and drag-backs; no cycle was among them.
 FROM_PUSHES = "plywood-floor"
-# The plywood board as single pushes see it: a stiff trough along the robot's x axis, q = 20 y^2, in mean pressures.
+# The plywood board as single pushes see it: a stiff trough along the robot's x axis, q = 20 y^2, in
+# mean pressures.
 TROUGH = SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2)
 # Measured pushes that are taken: the board still changes before them.
 FIRST_CYCLE = 500
@@ -51,8 +60,8 @@ _PIXELS = 160
 class FloorTurn:
     """Turns of a cycle on one floor.
 
-    name : what the floor is. turn : (n,) rad, at the orientations of the figure. miss : rad, root mean square of the
-    measured turns less these, nan where nothing was measured.
+    name : what the floor is. turn : (n,) rad, at the orientations of the figure. miss : rad, root
+        mean square of the measured turns less these, nan where nothing was measured.
     """
 
     name: str
@@ -66,10 +75,11 @@ class FloorTurn:
 
 @dataclass(frozen=True, eq=False)
 class FloorShapes:
-    """Turns over θ0 (n,), rad, of floors, measured ones where there are some, and where the plate rests.
+    """Turns over θ0 (n,), rad, of floors, measured ones where there are some, and where the plate
+    rests.
 
-    resting : for each of RESTING the pressure (k, k), mean pressures, over the square of half width `reach` (m) about
-    the plate's centre, world axes; nan outside the plate.
+    resting : for each of RESTING the pressure (k, k), mean pressures, over the square of half width
+        `reach` (m) about the plate's centre, world axes; nan outside the plate.
     """
 
     theta: Array
@@ -84,14 +94,18 @@ def compute(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
     """Run cycles from `angles` orientations on each floor, and look for measured ones."""
     theta = 2.0 * np.pi * np.arange(angles) / angles
     plywood = CollectionLoop.mit(SURFACE, accuracy=_ACCURACY)
-    law = EllipseFriction.isotropic(math.sqrt(plywood.material.friction.mu_a * plywood.material.friction.mu_b))
+    law = EllipseFriction.isotropic(
+        math.sqrt(plywood.material.friction.mu_a * plywood.material.friction.mu_b)
+    )
     even = replace(plywood, material=replace(plywood.material, friction=law))
     footprint = PressedFootprint(even.slider.outline, floor=TROUGH)
     loops = {
         "friction alike all around, flat floor": even,
         "ellipse of friction (Table I), flat floor": plywood,
         "friction alike all around, floor a trough": replace(even, footprint=footprint),
-        "shapes identified from pushes and drag-backs": CollectionLoop.mit(FROM_PUSHES, accuracy=_ACCURACY),
+        "shapes identified from pushes and drag-backs": CollectionLoop.mit(
+            FROM_PUSHES, accuracy=_ACCURACY
+        ),
     }
     pairs = measured_theta0(measured, SURFACE)
     bins = None
@@ -113,23 +127,44 @@ def compute(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
 
 
 def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
-    """Pressures over a square about the plate's centre in the world's axes; nan outside the plate."""
+    """Pressures over a square about the plate's centre in the world's axes;
+    nan outside the plate."""
     places = reach * (2.0 * (np.arange(_PIXELS) + 0.5) / _PIXELS - 1.0)
     x, y = np.meshgrid(places, places)
     c, s = math.cos(theta), math.sin(theta)
     own = np.stack([c * x + s * y, c * y - s * x], axis=-1)
     pressure = resting_pressure(footprint, theta, own)
-    return np.where(footprint.outline.contains(own.reshape(-1, 2)).reshape(x.shape), pressure, np.nan)
+    return np.where(
+        footprint.outline.contains(own.reshape(-1, 2)).reshape(x.shape), pressure, np.nan
+    )
 
 
 def draw(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
     with picture_style():
         figure = new_figure(10.5, 6.4)
-        upper = GridSpec(1, 2, figure, width_ratios=(2.2, 1.0), left=0.07, right=0.98, bottom=0.53, top=0.9, wspace=0.2)
+        upper = GridSpec(
+            1,
+            2,
+            figure,
+            width_ratios=(2.2, 1.0),
+            left=0.07,
+            right=0.98,
+            bottom=0.53,
+            top=0.9,
+            wspace=0.2,
+        )
         widths = (1.0,) * len(RESTING) + (0.05,)
         lower = GridSpec(
-            1, len(widths), figure, width_ratios=widths, left=0.07, right=0.93, bottom=0.09, top=0.39, wspace=0.3
+            1,
+            len(widths),
+            figure,
+            width_ratios=widths,
+            left=0.07,
+            right=0.93,
+            bottom=0.09,
+            top=0.39,
+            wspace=0.3,
         )
         _draw_turns(figure.add_subplot(upper[0]), result)
         _draw_harmonics(figure.add_subplot(upper[1]), result)
@@ -152,7 +187,12 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 def _draw_turns(axes: Axes, result: FloorShapes) -> None:
     around = np.append(result.theta, 2.0 * np.pi)
     for floor, line in zip(result.floors, _LOOKS, strict=True):
-        axes.plot(np.degrees(around), np.degrees(np.append(floor.turn, floor.turn[0])), label=floor.name, **line)
+        axes.plot(
+            np.degrees(around),
+            np.degrees(np.append(floor.turn, floor.turn[0])),
+            label=floor.name,
+            **line,
+        )
     if result.measured is not None:
         look: dict[str, Any] = {
             "color": MEASURED,
@@ -173,7 +213,12 @@ def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
     for place, (floor, look) in enumerate(zip(result.floors[1:], _LOOKS[1:], strict=True)):
         heights = [math.degrees(floor.harmonic(order)) for order in orders]
         axes.bar(
-            np.add(orders, (place - 1.0) * width), heights, width, color=look["color"], edgecolor=INK, linewidth=0.6
+            np.add(orders, (place - 1.0) * width),
+            heights,
+            width,
+            color=look["color"],
+            edgecolor=INK,
+            linewidth=0.6,
         )
     axes.set_xticks(orders)
     axes.set_xlabel("harmonic of θ0")
@@ -186,7 +231,13 @@ def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> 
     extent = (-millimetres, millimetres, -millimetres, millimetres)
     top = float(np.nanmax(result.resting))
     image = axes.imshow(
-        result.resting[place], origin="lower", extent=extent, cmap="Blues", vmin=0.0, vmax=top, zorder=1
+        result.resting[place],
+        origin="lower",
+        extent=extent,
+        cmap="Blues",
+        vmin=0.0,
+        vmax=top,
+        zorder=1,
     )
     pose = Pose(theta=angle)
     corners = np.array([pose.to_world(x, y) for x, y in result.outline])
@@ -206,23 +257,27 @@ def caption(result: FloorShapes) -> str:
     mean = [math.degrees(float(np.mean(floor.turn))) for floor in result.floors]
     low, high = np.degrees([trough.turn.min(), trough.turn.max()])
     sentences = [
-        "Turn of a whole cycle over θ0. On a flat floor with friction alike in all directions every cycle turns by the "
-        f"same {mean[0]:.1f}°. The friction ellipse of Table I makes it depend on θ0, by a first harmonic (its offset, "
-        f"{math.degrees(ellipse.harmonic(1)):.1f}°) and a second ({math.degrees(ellipse.harmonic(2)):.1f}°). So does "
-        "the floor's shape with friction alike in all directions and nothing fitted to any cycle: on a trough along "
-        "the robot's x axis (q = 20 y² mean pressures at 50 mm, as single pushes of other plates found it) turns go "
-        f"from {low:.1f}° to {high:.1f}°, a second harmonic of {math.degrees(trough.harmonic(2)):.1f}°, and the same "
-        "half a turn further: a floor's shape alone makes no first harmonic. The shapes of floor and plate that are "
-        f"identified from single pushes and drag-backs ({FROM_PUSHES}), where the floor's varies with the place, make "
-        f"one of {math.degrees(pushes.harmonic(1)):.1f}°. Below: where the square rests on the trough.",
+        "Turn of a whole cycle over θ0. On a flat floor with friction alike in all directions "
+        f"every cycle turns by the same {mean[0]:.1f}°. The friction ellipse of Table I makes it "
+        f"depend on θ0, by a first harmonic (its offset, {math.degrees(ellipse.harmonic(1)):.1f}°) "
+        f"and a second ({math.degrees(ellipse.harmonic(2)):.1f}°). So does the floor's shape with "
+        "friction alike in all directions and nothing fitted to any cycle: on a trough along the "
+        "robot's x axis (q = 20 y² mean pressures at 50 mm, as single pushes of other plates found "
+        f"it) turns go from {low:.1f}° to {high:.1f}°, a second harmonic of "
+        f"{math.degrees(trough.harmonic(2)):.1f}°, and the same half a turn further: a floor's "
+        "shape alone makes no first harmonic. The shapes of floor and plate that are identified "
+        f"from single pushes and drag-backs ({FROM_PUSHES}), where the floor's varies with the "
+        f"place, make one of {math.degrees(pushes.harmonic(1)):.1f}°. Below: where the square "
+        "rests on the trough.",
     ]
     if result.measured is None:
         sentences.append(f"{NO_DATA.capitalize()} of plywood.")
     else:
         sentences.append(
-            f"Measured: medians over 10° of pushes {FIRST_CYCLE} to 2000. They lie {math.degrees(flat.miss):.1f}° "
-            f"(root mean square) from the rotation, {math.degrees(ellipse.miss):.1f}° from Table I's map, "
-            f"{math.degrees(trough.miss):.1f}° from the trough's and {math.degrees(pushes.miss):.1f}° from that of "
-            "the shapes found in pushes."
+            f"Measured: medians over 10° of pushes {FIRST_CYCLE} to 2000. They lie "
+            f"{math.degrees(flat.miss):.1f}° (root mean square) from the rotation, "
+            f"{math.degrees(ellipse.miss):.1f}° from Table I's map, "
+            f"{math.degrees(trough.miss):.1f}° from the trough's and "
+            f"{math.degrees(pushes.miss):.1f}° from that of the shapes found in pushes."
         )
     return " ".join(sentences)

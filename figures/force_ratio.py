@@ -1,4 +1,6 @@
-"""Tangential over normal force at the pushing point over one push: predicted, and of one recorded push."""
+"""Tangential over normal force at the pushing point over one push: predicted, and of one recorded
+push.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,23 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.data_blocks.force_blocks import SLIDING, STICKING, SlidingForces, sliding_forces
+from cyclemap.evidence.data_blocks.force_blocks import (
+    SLIDING,
+    STICKING,
+    SlidingForces,
+    sliding_forces,
+)
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
-from cyclemap.views.style import MEASURED, MEASURED_EDGE, PREDICTED, QUIET, new_figure, picture_style
+from cyclemap.views.style import (
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    new_figure,
+    picture_style,
+)
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import push_file_names, readable_pushes
@@ -33,7 +47,8 @@ _STEPS = 240
 
 @dataclass(frozen=True, eq=False)
 class PredictedRatio:
-    """travel (n,) m, of the rod; ratio (n,) tangential over normal force; sliding (n,); friction : of the rod.
+    """travel (n,) m, of the rod; ratio (n,) tangential over normal force; sliding (n,); friction :
+    of the rod.
 
     The tangent is a quarter turn counter-clockwise from the normal into the object.
     """
@@ -48,9 +63,9 @@ class PredictedRatio:
 class RecordedRatio:
     """The samples of one recorded push in which rod and object touch.
 
-    name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the motion alone, neither
-    where the poses do not tell. forces : of its pieces. files : looked through; unreadable :
-    those passed over.
+    name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the
+        motion alone, neither where the poses do not tell. forces : of its pieces. files : looked
+        through; unreadable : those passed over.
     """
 
     name: str
@@ -70,14 +85,17 @@ class RecordedRatio:
 
 @dataclass(frozen=True, eq=False)
 class ForceRatio:
-    """The predicted push, and the recorded one; None where none was found that sticks and slides."""
+    """The predicted push, and the recorded one;
+    None where none was found that sticks and slides."""
 
     predicted: PredictedRatio
     recorded: RecordedRatio | None
 
 
 def compute(measured: MeasuredFolder) -> ForceRatio:
-    """Run the MIT push on plywood from θ0 = 0, and read the recorded push that sticks and slides most."""
+    """Run the MIT push on plywood from θ0 = 0, and read the recorded push that sticks and slides
+    most.
+    """
     loop = CollectionLoop.mit("plywood")
     push = loop.model.push(loop.start_pose(0.0), loop.push, loop.push.distance / _STEPS)
     predicted = predicted_ratio(push.trajectory, loop.pusher.radius, loop.pusher.friction)
@@ -85,26 +103,39 @@ def compute(measured: MeasuredFolder) -> ForceRatio:
 
 
 def predicted_ratio(course: Trajectory, radius: float, friction: float) -> PredictedRatio:
-    """Return the ratio along a push of a rod of `radius` (m) and friction coefficient `friction`."""
+    """Return the ratio along a push of a rod of `radius` (m) and friction
+    coefficient `friction`."""
     normal = (course.contact_point - course.pusher) / radius
     tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
-    along, into = np.sum(course.contact_force * tangent, axis=1), np.sum(course.contact_force * normal, axis=1)
+    along, into = (
+        np.sum(course.contact_force * tangent, axis=1),
+        np.sum(course.contact_force * normal, axis=1),
+    )
     sliding = np.char.startswith(np.asarray(course.mode, dtype=str), "slide")
     return PredictedRatio(read_only(course.path), read_only(along / into), sliding, friction)
 
 
 def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
-    """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and of sliding both."""
+    """Return the ratio of that recorded push of an MIT shape which has most samples of sticking and
+    of sliding both.
+    """
     home = measured.find(FOLDER)
     named = [] if home is None else [(path, push_facts(path)) for path in push_file_names(home)]
-    shapes = {path: facts for path, facts in named if facts is not None and facts.object in MIT_SHAPE_NAMES}
+    shapes = {
+        path: facts
+        for path, facts in named
+        if facts is not None and facts.object in MIT_SHAPE_NAMES
+    }
     records, unreadable = readable_pushes(list(shapes)[:MOST_FILES])
     most, best = 0, None
     for path, record in records:
         outline = Slider.mit(str(shapes[path].object)).outline_points(360)
         forces = sliding_forces([(record, outline)])
         if min(forces.samples, forces.sticking) > most:
-            most, best = min(forces.samples, forces.sticking), (shapes[path], record, outline, forces)
+            most, best = (
+                min(forces.samples, forces.sticking),
+                (shapes[path], record, outline, forces),
+            )
     if best is None:
         return None
     facts, record, outline, forces = best
@@ -120,22 +151,35 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     ratio = samples.tangential[kept] / samples.pressing[kept]
     name = f"{facts.object} on {facts.surface}, {MM * facts.speed:.0f} mm/s"
     motion = slip > SLIDING, slip < STICKING
-    return RecordedRatio(name, read_only(travel), read_only(ratio), *motion, forces, len(records), unreadable)
+    return RecordedRatio(
+        name, read_only(travel), read_only(ratio), *motion, forces, len(records), unreadable
+    )
 
 
 def draw(result: ForceRatio) -> Figure:
-    """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on one scale."""
-    shown = [np.abs(result.predicted.ratio)] + ([np.abs(result.recorded.ratio)] if result.recorded else [])
+    """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on
+    one scale.
+    """
+    shown = [np.abs(result.predicted.ratio)] + (
+        [np.abs(result.recorded.ratio)] if result.recorded else []
+    )
     half = 1.4 * max(float(ratio.max()) for ratio in shown)
     with picture_style():
         count = 1 if result.recorded is None else 2
         figure = new_figure(5.5 * count, 4.3)
-        grid = GridSpec(1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17)
+        grid = GridSpec(
+            1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17
+        )
         left, *right = (figure.add_subplot(grid[number]) for number in range(count))
         predicted = result.predicted
         _bounds(left, predicted.friction)
-        travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
-        left.plot(travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5)
+        travel, sticking = (
+            MM * predicted.travel,
+            np.where(predicted.sliding, np.nan, predicted.ratio),
+        )
+        left.plot(
+            travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5
+        )
         left.plot(travel, sticking, color=PREDICTED, linewidth=3.0, label="sticking", zorder=5)
         left.set_title("Predicted, plywood")
         left.legend(loc="lower center", ncols=3)
@@ -150,7 +194,14 @@ def draw(result: ForceRatio) -> Figure:
 def _bounds(axes: Axes, friction: float) -> None:
     for sign in (-1.0, 1.0):
         label = f"±μp = ±{friction:.2f}" if sign > 0 else None
-        axes.axhline(sign * friction, color=QUIET, linewidth=1.0, linestyle=(0, (5, 4)), label=label, zorder=1)
+        axes.axhline(
+            sign * friction,
+            color=QUIET,
+            linewidth=1.0,
+            linestyle=(0, (5, 4)),
+            label=label,
+            zorder=1,
+        )
 
 
 def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
@@ -158,12 +209,27 @@ def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
     _bounds(axes, recorded.friction)
     unclear = ~(recorded.sliding | recorded.sticking)
     kinds: tuple[tuple[str, Chosen, dict[str, Any]], ...] = (
-        ("sliding", recorded.sliding, {"marker": "o", "markerfacecolor": "white", "markeredgecolor": MEASURED_EDGE}),
-        ("sticking", recorded.sticking, {"marker": "o", "markerfacecolor": MEASURED, "markeredgecolor": MEASURED_EDGE}),
+        (
+            "sliding",
+            recorded.sliding,
+            {"marker": "o", "markerfacecolor": "white", "markeredgecolor": MEASURED_EDGE},
+        ),
+        (
+            "sticking",
+            recorded.sticking,
+            {"marker": "o", "markerfacecolor": MEASURED, "markeredgecolor": MEASURED_EDGE},
+        ),
         ("neither", unclear, {"marker": ".", "markerfacecolor": QUIET, "markeredgecolor": "none"}),
     )
     for name, chosen, look in kinds:
-        axes.plot(MM * recorded.travel[chosen], recorded.ratio[chosen], label=name, ls="none", ms=4.0, **look)
+        axes.plot(
+            MM * recorded.travel[chosen],
+            recorded.ratio[chosen],
+            label=name,
+            ls="none",
+            ms=4.0,
+            **look,
+        )
     axes.legend(loc="lower center", ncols=4)
 
 
@@ -172,18 +238,21 @@ def caption(result: ForceRatio) -> str:
     predicted, recorded = result.predicted, result.recorded
     stuck = predicted.travel[~predicted.sliding]
     words = (
-        "Ratio of tangential to normal force of the rod on the object over one push; the tangent is a quarter turn "
-        "counter-clockwise from the normal into the object. The push from θ0 = 0 on plywood, predicted: "
-        f"±{predicted.friction:.2f} where the rod slides (thin), between where it sticks (thick, from "
-        f"{MM * stuck[0]:.0f} to {MM * stuck[-1]:.0f} mm)."
+        "Ratio of tangential to normal force of the rod on the object over one push; the tangent "
+        "is a quarter turn counter-clockwise from the normal into the object. The push from θ0 = 0 "
+        f"on plywood, predicted: ±{predicted.friction:.2f} where the rod slides (thin), between "
+        f"where it sticks (thick, from {MM * stuck[0]:.0f} to {MM * stuck[-1]:.0f} mm)."
     )
     if recorded is None:
-        return f"{words} {NO_DATA.capitalize()} of a push that sticks and slides (sought in {FOLDER})."
+        return (
+            f"{words} {NO_DATA.capitalize()} of a push that sticks and slides (sought in {FOLDER})."
+        )
     over = float(np.mean(np.abs(recorded.ratio[recorded.sticking]) < recorded.friction))
     damaged = f" ({recorded.unreadable} more could not be read)" if recorded.unreadable else ""
     return (
-        f"{words} On the right, of {recorded.files} recorded pushes{damaged} the one that both sticks and slides most, "
-        f"{recorded.name}. Whether the rod slides is read off the motion, not off the forces. While it slides the "
-        f"ratio is {recorded.friction:.3f} (median of {len(recorded.forces.ratio)} pieces; the paper's push has "
-        f"0.15); while it sticks {100 * over:.0f} % of the samples lie below that."
+        f"{words} On the right, of {recorded.files} recorded pushes{damaged} the one that both "
+        f"sticks and slides most, {recorded.name}. Whether the rod slides is read off the motion, "
+        f"not off the forces. While it slides the ratio is {recorded.friction:.3f} (median of "
+        f"{len(recorded.forces.ratio)} pieces; the paper's push has 0.15); while it sticks "
+        f"{100 * over:.0f} % of the samples lie below that."
     )

@@ -1,4 +1,6 @@
-"""A point's limit ellipse and its traction, the ellipse fitted to friction scans, and the forces of the patch."""
+"""A point's limit ellipse and its traction, the ellipse fitted to friction scans, and the forces of
+the patch.
+"""
 
 from __future__ import annotations
 
@@ -34,9 +36,11 @@ from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_scans
 
 MM = 1000.0
-# Direction (rad) in which the point of the first panel slides: one whose traction leans visibly away from it.
+# Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
+# away from it.
 SLIDING = math.radians(100.0)
-# The ellipse of the first panel, drawn rounder than no surface is: Table I's axes differ too little to be seen.
+# The ellipse of the first panel, drawn rounder than no surface is: Table I's axes differ too little
+# to be seen.
 SKETCHED = EllipseFriction(0.30, 0.15, m0=0.05, n0=0.02, phi=math.radians(25.0))
 _FEWEST_SCANS = 3
 # Millimetres of arrow a force of one point, and of the whole patch.
@@ -49,7 +53,8 @@ _STEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class LimitEllipseAndPatch:
-    """What the panels show beside a sketched law: the law of plywood with scans and their fit, and the patch.
+    """What the panels show beside a sketched law: the law of plywood with scans and their fit, and
+    the patch.
 
     table : Table I. scans (n, 2) tractions, fitted : None where no scans were found.
     """
@@ -61,16 +66,28 @@ class LimitEllipseAndPatch:
 
 
 def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
-    """Read and fit the friction scans of rect1 on plywood where there are any, and run one push on the 8 x 8 grid."""
+    """Read and fit the friction scans of rect1 on plywood where there are any, and run one push on
+    the 8 x 8 grid.
+    """
     loop = CollectionLoop.mit("plywood")
-    found, weight, scans, fitted = measured_scans(measured, "plywood"), loop.model.weight, None, None
+    found, weight, scans, fitted = (
+        measured_scans(measured, "plywood"),
+        loop.model.weight,
+        None,
+        None,
+    )
     if found is not None and len(found) >= _FEWEST_SCANS:
-        scans, fitted = scan_traction(found, weight), friction_ellipse_from_scans(found, weight).friction()
+        scans, fitted = (
+            scan_traction(found, weight),
+            friction_ellipse_from_scans(found, weight).friction(),
+        )
     return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
 
 def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
-    """Return the limit ellipse as a closed polyline (count, 2), by the traction of every direction of sliding."""
+    """Return the limit ellipse as a closed polyline (count, 2), by the traction of every direction
+    of sliding.
+    """
     angle = np.linspace(0.0, 2.0 * math.pi, count)
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
@@ -93,19 +110,39 @@ def _draw_law(axes: Axes) -> None:
     axes.fill(*curve.T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
     for reach, turn, name in ((law.mu_a, 0.0, "m"), (law.mu_b, 0.5 * math.pi, "n")):
         axis = _turned(np.array([reach, 0.0]), law.phi + turn)
-        axes.plot(*np.stack([centre - axis, centre + axis]).T, color=QUIET, linewidth=0.9, linestyle="--")
+        axes.plot(
+            *np.stack([centre - axis, centre + axis]).T, color=QUIET, linewidth=0.9, linestyle="--"
+        )
         x, y = (centre + (1.0 + 0.03 / reach) * axis).tolist()
         axes.text(x, y, name, color=QUIET, ha="center", va="center", style="italic")
     along = np.array([-velocity[1], velocity[0]])
-    axes.plot(*np.stack([traction - 0.25 * along, traction + 0.1 * along]).T, color=QUIET, linewidth=1.2, linestyle=":")
+    axes.plot(
+        *np.stack([traction - 0.25 * along, traction + 0.1 * along]).T,
+        color=QUIET,
+        linewidth=1.2,
+        linestyle=":",
+    )
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
     arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
     arrow(axes, traction, traction + 0.13 * velocity, INK, 2.2, 6, mutation_scale=14.0)
-    axes.text(0.75 * traction[0] + 0.025, 0.75 * traction[1] - 0.003, "traction μ", color=FORCE, va="center")
+    axes.text(
+        0.75 * traction[0] + 0.025,
+        0.75 * traction[1] - 0.003,
+        "traction μ",
+        color=FORCE,
+        va="center",
+    )
     head = traction + 0.13 * velocity
     axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
-    axes.text(centre[0] + 0.012, centre[1] - 0.012, "centre (m0, n0)", color=PREDICTED, fontsize=8, va="top")
+    axes.text(
+        centre[0] + 0.012,
+        centre[1] - 0.012,
+        "centre (m0, n0)",
+        color=PREDICTED,
+        fontsize=8,
+        va="top",
+    )
     _traction_axes(axes, 0.34, "Limit ellipse of a point (sketch)", centre)
 
 
@@ -114,14 +151,28 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(*limit_curve(law).T, color=PREDICTED, linewidth=1.8, label="Table I")
     mean = math.sqrt(law.mu_a * law.mu_b)
     axes.plot(
-        *limit_curve(EllipseFriction.isotropic(mean)).T, color=QUIET, linewidth=1.0, linestyle=":", label="isotropic"
+        *limit_curve(EllipseFriction.isotropic(mean)).T,
+        color=QUIET,
+        linewidth=1.0,
+        linestyle=":",
+        label="isotropic",
     )
     axes.plot(*_turned(np.array([law.m0, law.n0]), law.phi), "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
     if result.scans is not None and result.fitted is not None:
-        look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markersize": 4.0}
+        look: dict[str, Any] = {
+            "color": MEASURED,
+            "markeredgecolor": MEASURED_EDGE,
+            "markersize": 4.0,
+        }
         axes.plot(*result.scans.T, "o", label="friction scans", zorder=2, **look)
-        axes.plot(*limit_curve(result.fitted).T, color=MEASURED_EDGE, linewidth=1.5, linestyle="--", label="fitted")
+        axes.plot(
+            *limit_curve(result.fitted).T,
+            color=MEASURED_EDGE,
+            linewidth=1.5,
+            linestyle="--",
+            label="fitted",
+        )
     _traction_axes(axes, 0.34, "Plywood", np.zeros(2))
     legend_above(axes, columns=2)
 
@@ -148,7 +199,13 @@ def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     words = f"friction on the object: {force:.2f} N\nand {torque:.1f} N mm about its centre"
     axes.text(2.0, tail[1] + 8.0, words, color=FORCE, fontsize=8, va="top")
     axes.text(tail[0] - 3.0, tail[1] - 2.0, "rod", color=INK, ha="right", va="top")
-    axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal", xlabel="x (mm), object's frame", ylabel="y (mm)")
+    axes.set(
+        xlim=(-58, 96),
+        ylim=(-58, 96),
+        aspect="equal",
+        xlabel="x (mm), object's frame",
+        ylabel="y (mm)",
+    )
     axes.set_title("Patch of 8 x 8 points")
 
 
@@ -164,7 +221,9 @@ def _turned(vector: Array, angle: float) -> Array:
 
 
 def caption(result: LimitEllipseAndPatch) -> str:
-    """What the law says, how far scans and their fit lie from Table I, and what the patch adds up to."""
+    """What the law says, how far scans and their fit lie from Table I, and what the patch adds up
+    to.
+    """
     patch, lean = result.patch, math.degrees(lean_of(SKETCHED, SLIDING))
     law, fitted = result.table, result.fitted
     surface = f"{NO_DATA.capitalize()} of friction scans (record_surface=plywood_shape=rect1_...)."
@@ -175,21 +234,24 @@ def caption(result: LimitEllipseAndPatch) -> str:
             f"{fitted.mu_a:.4f} and {fitted.mu_b:.4f}, at most {apart:.4f} from Table I."
         )
     return (
-        "Left: the traction of a sliding point is the point of its limit ellipse where the outward normal is the "
-        f"direction of sliding (maximum dissipation); here the two differ by {lean:.0f}°. Axes differ more, and the "
-        "offset is larger, than on plywood, to be seen. Middle: the limit ellipse of plywood in Table I, axes "
-        f"{law.mu_a:g} and {law.mu_b:g}, its centre {math.hypot(law.m0, law.n0):.3f} off zero, beside the isotropic "
-        f"circle of the same area. {surface} Right: the forces of the "
-        "ground on the 8 x 8 "
-        f"points after {100 * SHARE:.0f} % of the push from θ0 = 0 on plywood (Table I), and their resultant: "
-        f"{np.hypot(*patch.wrench[:2]):.2f} N and {1e3 * patch.wrench[2]:.1f} N mm about the centre, which balance the "
-        f"rod's {np.hypot(*patch.rod[:2]):.2f} N. Each point's force is one {len(patch.force)}th of the weight times "
-        "its traction; the object turns about the star."
+        "Left: the traction of a sliding point is the point of its limit ellipse where the outward "
+        "normal is the direction of sliding (maximum dissipation); here the two differ by "
+        f"{lean:.0f}°. Axes differ more, and the offset is larger, than on plywood, to be seen. "
+        f"Middle: the limit ellipse of plywood in Table I, axes {law.mu_a:g} and {law.mu_b:g}, its "
+        f"centre {math.hypot(law.m0, law.n0):.3f} off zero, beside the isotropic circle of the "
+        f"same area. {surface} Right: the forces of the ground on the 8 x 8 points after "
+        f"{100 * SHARE:.0f} % of the push from θ0 = 0 on plywood (Table I), and their resultant: "
+        f"{np.hypot(*patch.wrench[:2]):.2f} N and {1e3 * patch.wrench[2]:.1f} N mm about the "
+        f"centre, which balance the rod's {np.hypot(*patch.rod[:2]):.2f} N. Each point's force is "
+        f"one {len(patch.force)}th of the weight times its traction; the object turns about the "
+        "star."
     )
 
 
 def lean_of(law: EllipseFriction, angle: float) -> float:
-    """Return the angle (rad, positive) between the sliding velocity in direction `angle` and its traction."""
+    """Return the angle (rad, positive) between the sliding velocity in direction `angle` and its
+    traction.
+    """
     traction = law.traction(np.array([math.cos(angle), math.sin(angle)]))
     return abs(math.remainder(math.atan2(traction[1], traction[0]) - angle, 2.0 * math.pi))
 
@@ -198,9 +260,11 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
 class PatchForces:
     """The forces on the patch during one push, in the object's frame.
 
-    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the rod's way.
-    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench : (3,) N, N, N m, of
-    the ground on the object about its centre; rod : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
+    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the
+        rod's way.
+    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench :
+        (3,) N, N, N m, of the ground on the object about its centre; rod
+        : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
     """
 
     angle: float
@@ -217,14 +281,19 @@ class PatchForces:
 def patch_forces(loop: CollectionLoop) -> PatchForces:
     """Return the forces on the 8 x 8 grid of `loop` during its push from θ0 = 0.
 
-    The twist is the slope of the computed course, by central differences; that it balances the rod is not used.
+    The twist is the slope of the computed course, by central differences; that it balances the rod
+    is not used.
     """
     footprint = grid_footprint(loop.slider.outline, GRID)
     gridded = replace(loop, footprint=footprint)
-    course = gridded.model.push(gridded.start_pose(0.0), loop.push, loop.push.distance / _STEPS).trajectory
+    course = gridded.model.push(
+        gridded.start_pose(0.0), loop.push, loop.push.distance / _STEPS
+    ).trajectory
     at = int(np.searchsorted(course.path, SHARE * course.path[-1]))
     pose = course.pose[at]
-    slope = (course.pose[at + 1] - course.pose[at - 1]) / (course.path[at + 1] - course.path[at - 1])
+    slope = (course.pose[at + 1] - course.pose[at - 1]) / (
+        course.path[at + 1] - course.path[at - 1]
+    )
     twist = np.array([*_turned(slope[:2], -pose[2]), slope[2]])
     points, weights = footprint.quadrature
     velocity = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=-1)
@@ -235,7 +304,9 @@ def patch_forces(loop: CollectionLoop) -> PatchForces:
     push = _turned(course.contact_force[at], -pose[2])
     rod = np.array([*push, float(_torque(contact, push))])
     outline = loop.slider.outline.points(4)
-    return PatchForces(float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline)
+    return PatchForces(
+        float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline
+    )
 
 
 def _torque(lever: Array, force: Array) -> Array:

@@ -1,4 +1,6 @@
-"""Animation: the loop of push and drag locks in: seen from above, as a cobweb, and as θ0 over the cycles."""
+"""Animation: the loop of push and drag locks in: seen from above, as a cobweb, and as θ0 over the
+cycles.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,8 @@ START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
 LOCKED = math.radians(0.5)
 MOST_CYCLES = 120
-# Pictures of the push and of the drag of a cycle: slow at first, then faster, until one shows a whole cycle.
+# Pictures of the push and of the drag of a cycle: slow at first, then faster, until one shows a
+# whole cycle.
 PACE = ((2, 13, 9), (5, 6, 4), (9, 3, 2))
 SLOW, FAST = (13, 9), (1, 0)
 SECONDS, LAST_SECONDS = 0.07, 2.0
@@ -46,7 +49,8 @@ MM = 1000.0
 INCHES, DPI = (7.2, 4.1), 100
 RING_MM, MARGIN_MM = 7.0, 12.0
 TABLE_COLOUR = "#faf6ee"
-# Colours of the one palette that all frames share: a palette of its own a frame would flicker and take space.
+# Colours of the one palette that all frames share: a palette of its own a frame would flicker and
+# take space.
 COLOURS = 64
 _ALL_BUT_WHITE = 14.0
 # Frames from which the palette is taken.
@@ -59,9 +63,10 @@ _TICK, _SHORTEST = 0.01, 0.02
 class Moment:
     """One picture's worth of motion.
 
-    cycle : number of the cycle, from 0. outline : (k, 2) m, the object. side : (2, 2) m, ends of the side pushed.
-    ring, rod : (2,) m. pushing : else dragged. rod_path : (n, 2) m, of the rod since this stroke began. seconds : how
-    long it is shown.
+    cycle : number of the cycle, from 0. outline : (k, 2) m, the object. side : (2, 2) m, ends of
+        the side pushed.
+    ring, rod : (2,) m. pushing : else dragged. rod_path : (n, 2) m, of
+        the rod since this stroke began. seconds : how long it is shown.
     """
 
     cycle: int
@@ -78,9 +83,12 @@ class Moment:
 class LockingIn:
     """A run of the loop until it locks in.
 
-    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. stable : rad, the stable direction on the turn where the run
-    ends. multiplier : of the stable direction. curve : (m, 2) rad, θ0 and next θ0 over the run's range. moments : what
-    the pictures show. rod_radius : m. unstable : rad, the unstable direction nearest below the start.
+    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. stable : rad, the stable direction on the
+        turn where the run
+    ends. multiplier : of the stable direction. curve : (m, 2) rad, θ0 and next θ0 over the
+        run's range. moments : what
+    the pictures show. rod_radius : m. unstable : rad, the unstable direction nearest below the
+        start.
     """
 
     theta: Array
@@ -104,34 +112,58 @@ def compute(
     pace: tuple[tuple[int, int, int], ...] = PACE,
     slow: tuple[int, int] = SLOW,
 ) -> LockingIn:
-    """Run the MIT loop on plywood from `start` (rad) until it is within `locked` (rad) of its stable direction.
+    """Run the MIT loop on plywood from `start` (rad) until it is within `locked` (rad) of its
+    stable direction.
 
-    pace : (up to this cycle, pictures of its push, of its drag), in order; slow : those of the last cycle.
+    pace : (up to this cycle, pictures of its push, of its drag), in order; slow : those of the last
+        cycle.
     Raises ConvergenceError where MOST_CYCLES cycles do not lock in.
     """
     del measured
     loop = CollectionLoop.mit(material="plywood")
     circle_map = loop.circle_map(tolerance=1e-4)
-    rest, edge = (next(orbit for orbit in fixed_points(circle_map) if orbit.stable == kind) for kind in (True, False))
+    rest, edge = (
+        next(orbit for orbit in fixed_points(circle_map) if orbit.stable == kind)
+        for kind in (True, False)
+    )
     stable = float(rest.points[0])
     run = [loop.cycle(start)]
     while abs(math.remainder(run[-1].theta - stable, 2 * math.pi)) > locked:
         if len(run) > MOST_CYCLES:
-            raise ConvergenceError(f"{MOST_CYCLES} cycles from {math.degrees(start):.4g} deg do not lock in")
+            raise ConvergenceError(
+                f"{MOST_CYCLES} cycles from {math.degrees(start):.4g} deg do not lock in"
+            )
         run.append(loop.cycle(run[-1].theta_next))
     theta = np.array([run[0].theta, *(cycle.theta_next for cycle in run)])
     stable = stable + 2 * np.pi * round((theta[-1] - stable) / (2 * np.pi))
-    unstable = float(edge.points[0]) + 2 * np.pi * math.floor((theta[0] - float(edge.points[0])) / (2 * np.pi))
+    unstable = float(edge.points[0]) + 2 * np.pi * math.floor(
+        (theta[0] - float(edge.points[0])) / (2 * np.pi)
+    )
     reach = np.linspace(min(theta.min(), unstable) - 0.1, theta.max() + 0.25, 241)
     curve = np.stack([reach, circle_map(reach)], axis=1)
-    return LockingIn(theta, stable, unstable, rest.multiplier, curve, moments(run, pace, slow), loop.pusher.radius)
+    return LockingIn(
+        theta,
+        stable,
+        unstable,
+        rest.multiplier,
+        curve,
+        moments(run, pace, slow),
+        loop.pusher.radius,
+    )
 
 
-def moments(run: list[Cycle], pace: tuple[tuple[int, int, int], ...], slow: tuple[int, int]) -> list[Moment]:
-    """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the last at its end."""
+def moments(
+    run: list[Cycle], pace: tuple[tuple[int, int, int], ...], slow: tuple[int, int]
+) -> list[Moment]:
+    """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the
+    last at its end.
+    """
     loop, found = run[0].loop, []
     assert isinstance(loop.slider.outline, PolygonOutline)
-    outline, hitch = np.asarray(loop.slider.outline.vertices), np.asarray(loop.slider.hitch, dtype=float)
+    outline, hitch = (
+        np.asarray(loop.slider.outline.vertices),
+        np.asarray(loop.slider.hitch, dtype=float),
+    )
     side = outline[[loop.push.side, (loop.push.side + 1) % len(outline)]]
     for number, cycle in enumerate(run):
         counts = next(((p, d) for until, p, d in pace if number < until), FAST)
@@ -143,7 +175,9 @@ def moments(run: list[Cycle], pace: tuple[tuple[int, int, int], ...], slow: tupl
                 rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
                 path = np.concatenate([motion.pusher[way < share], [rod]])
                 body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
-                found.append(Moment(number, body, pushed, ring, rod, motion is strokes[0], path, SECONDS))
+                found.append(
+                    Moment(number, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
+                )
     found[-1] = replace(found[-1], seconds=LAST_SECONDS)
     return found
 
@@ -152,12 +186,13 @@ def caption(result: LockingIn) -> str:
     """What is seen, with its numbers."""
     near = math.degrees(result.theta[-1] - result.stable)
     return (
-        f"The loop of push and drag on plywood (Table I), to scale: the rod pushes the object, then drags it back by "
-        f"its ring to the same spot (first cycles slowly, later ones at a glance). Started at "
-        f"{math.degrees(result.theta[0]):.0f}°, each cycle begins where the last one left θ0: on the cycle map it "
-        f"climbs the stairs of a cobweb, until after {result.cycles} cycles it repeats the same push at "
-        f"{math.degrees(result.stable) % 360:.0f}°, {abs(near):.1f}° from the stable direction. There every cycle "
-        f"leaves {100 * result.multiplier:.0f} % of the distance."
+        "The loop of push and drag on plywood (Table I), to scale: the rod pushes the object, then "
+        "drags it back by its ring to the same spot (first cycles slowly, later ones at a glance). "
+        f"Started at {math.degrees(result.theta[0]):.0f}°, each cycle begins where the last one "
+        f"left θ0: on the cycle map it climbs the stairs of a cobweb, until after {result.cycles} "
+        f"cycles it repeats the same push at {math.degrees(result.stable) % 360:.0f}°, "
+        f"{abs(near):.1f}° from the stable direction. There every cycle leaves "
+        f"{100 * result.multiplier:.0f} % of the distance."
     )
 
 
@@ -200,14 +235,25 @@ class _Stage:
         (self.stairs,) = axes.plot([], [], color=MEASURED_EDGE, linewidth=0.9)
         for place, face in ((self.result.stable, PREDICTED), (self.result.unstable, "white")):
             at = math.degrees(place)
-            axes.plot(at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5)
-        axes.set(xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)")
+            axes.plot(
+                at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5
+            )
+        axes.set(
+            xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)"
+        )
         for axis in (axes.xaxis, axes.yaxis):
             _on_the_circle(axis)
         axes.set_title("The cycle map", fontsize=9)
         axes = self.figure.add_subplot(grid[1, 1])
-        axes.axhline(math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--")
-        look = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.5, "markersize": 3.5}
+        axes.axhline(
+            math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--"
+        )
+        look = {
+            "color": MEASURED,
+            "markeredgecolor": MEASURED_EDGE,
+            "markeredgewidth": 0.5,
+            "markersize": 3.5,
+        }
         (self.dots,) = axes.plot([], [], "o", **look)  # type: ignore[arg-type]
         theta = np.degrees(self.result.theta)
         span = (theta.min() - 12.0, theta.max() + 15.0)
@@ -219,16 +265,29 @@ class _Stage:
         everything = MM * np.concatenate([moment.outline for moment in self.result.moments])
         low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
         axes.set(
-            xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[], facecolor=TABLE_COLOUR
+            xlim=(low[0], high[0]),
+            ylim=(low[1], high[1]),
+            aspect="equal",
+            xticks=[],
+            yticks=[],
+            facecolor=TABLE_COLOUR,
         )
         axes.grid(visible=False)
         axes.spines[:].set_visible(False)
         axes.plot(0, 0, "+", color=QUIET, markersize=10, zorder=1)
         (self.path,) = axes.plot([], [], color=INK, linewidth=1.2, zorder=4)
-        self.body = Polygon(np.zeros((3, 2)), facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, zorder=2)
-        self.ring = Circle((0, 0), RING_MM, fill=False, edgecolor=PREDICTED, linewidth=1.6, zorder=3)
-        self.rod = Circle((0, 0), MM * self.result.rod_radius, facecolor=INK, edgecolor=INK, zorder=5)
-        (self.side,) = axes.plot([], [], color=PREDICTED, linewidth=4.5, solid_capstyle="butt", zorder=3)
+        self.body = Polygon(
+            np.zeros((3, 2)), facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, zorder=2
+        )
+        self.ring = Circle(
+            (0, 0), RING_MM, fill=False, edgecolor=PREDICTED, linewidth=1.6, zorder=3
+        )
+        self.rod = Circle(
+            (0, 0), MM * self.result.rod_radius, facecolor=INK, edgecolor=INK, zorder=5
+        )
+        (self.side,) = axes.plot(
+            [], [], color=PREDICTED, linewidth=4.5, solid_capstyle="butt", zorder=3
+        )
         for patch in (self.body, self.ring, self.rod):
             axes.add_patch(patch)
         bar = low + 14.0
@@ -259,7 +318,8 @@ def _on_the_circle(axis: object) -> None:
 
 
 def animated_gif(frames: Iterable[Frame]) -> bytes:
-    """Return the frames as a GIF that repeats for ever; InvalidInput without frames or where their sizes differ.
+    """Return the frames as a GIF that repeats for ever; InvalidInput without frames or where their
+    sizes differ.
 
     Durations are rounded to 0.01 s, and are 0.02 s at least.
     """
@@ -276,14 +336,19 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
     # The commonest colours are means of a few; what is all but white must stay white.
     colours[np.abs(colours - 255.0).sum(axis=1) < _ALL_BUT_WHITE] = 255.0
     palette.putpalette(colours.astype(np.uint8).ravel().tolist())
-    pictures = [Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in pixels]
+    pictures = [
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in pixels
+    ]
     buffer = BytesIO()
     pictures[0].save(
         buffer,
         format="GIF",
         save_all=True,
         append_images=pictures[1:],
-        duration=[round(1000 * max(_TICK * round(frame.seconds / _TICK), _SHORTEST)) for frame in given],
+        duration=[
+            round(1000 * max(_TICK * round(frame.seconds / _TICK), _SHORTEST)) for frame in given
+        ],
         loop=0,
         optimize=False,
         disposal=1,

@@ -1,4 +1,6 @@
-"""Families of loops: their cycle maps interpolated over a parameter or two, and variants of a loop along one fact."""
+"""Families of loops: their cycle maps interpolated over a parameter or two, and variants of a loop
+along one fact.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,8 @@ from cyclemap.maps import CircleMap, ParametricLift
 
 Range = tuple[float, float]
 LoopAt = Callable[..., CollectionLoop]
-# Newton's method on a fold: radians of the turn and of its slope that count as none, and steps at most.
+# Newton's method on a fold: radians of the turn and of its slope that count as none, and steps at
+# most.
 _FOLDED, _STEPS = 1e-9, 12
 _ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
 
@@ -32,12 +35,13 @@ _ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
 class LoopFamily:
     """The cycle maps of a family of loops, interpolated.
 
-    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ..., K) complex: by
-    Chebyshev polynomials of the parameters the Fourier coefficients of the turn: the real part of Σ c_k e^{ikθ} is the
-    turn f(θ) - θ in rad. Called with one number a parameter it gives the CircleMap.
+    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ...,
+        K) complex: by Chebyshev polynomials of the parameters the Fourier coefficients of the turn:
+        the real part of Σ c_k e^{ikθ} is the turn f(θ) - θ in rad. Called with one number a
+        parameter it gives the CircleMap.
 
-    Where the mechanics is smooth the error falls with every node; kinks of f' (stick to slip) slow that down. Measure
-    it with `error_at`.
+    Where the mechanics is smooth the error falls with every node; kinks of f' (stick to slip) slow
+    that down. Measure it with `error_at`.
     """
 
     loop_at: LoopAt
@@ -47,7 +51,9 @@ class LoopFamily:
     def series(self, *parameters: Any) -> NDArray[np.complex128]:
         """Return the coefficients (..., K) of the turn at parameters of shape (...) each."""
         polynomials = []
-        for value, (low, high), count in zip(parameters, self.ranges, self.coefficients.shape, strict=False):
+        for value, (low, high), count in zip(
+            parameters, self.ranges, self.coefficients.shape, strict=False
+        ):
             place = (2.0 * np.asarray(value, dtype=float) - low - high) / (high - low)
             polynomials.append(chebvander(place, count - 1).reshape(*place.shape, count))
         if len(polynomials) == 1:
@@ -71,25 +77,39 @@ class LoopFamily:
 
         def scalar(theta: float) -> float:
             turner = cmath.exp(1j * theta)
-            return theta + reduce(lambda total, coefficient: total * turner + coefficient, descending, 0j).real
+            return (
+                theta
+                + reduce(
+                    lambda total, coefficient: total * turner + coefficient, descending, 0j
+                ).real
+            )
 
         return CircleMap.with_scalar(
-            lambda theta: theta + _wave(theta, series).real, lambda theta: 1.0 + _wave(theta, slopes).real, scalar
+            lambda theta: theta + _wave(theta, series).real,
+            lambda theta: 1.0 + _wave(theta, slopes).real,
+            scalar,
         )
 
     @property
     def parametric(self) -> ParametricLift:
         """The family in the form that the tools for many maps at once take."""
-        return ParametricLift(lambda theta, *p: theta + self.turn(theta, *p), self.slope, circle_map=self)
+        return ParametricLift(
+            lambda theta, *p: theta + self.turn(theta, *p), self.slope, circle_map=self
+        )
 
     def error_at(self, theta: Any, *parameters: float) -> Array:
         """Return |interpolated - computed| (rad) of f at angles (...), running the mechanics."""
         angles = np.asarray(theta, dtype=float)
-        return np.asarray(np.abs(self(*parameters)(angles) - self.loop_at(*parameters).next_theta(angles)))
+        return np.asarray(
+            np.abs(self(*parameters)(angles) - self.loop_at(*parameters).next_theta(angles))
+        )
 
 
-def loop_family(loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ...], angles: int) -> LoopFamily:
-    """Run `angles` cycles at each of `nodes` Chebyshev nodes a parameter (one or two), and interpolate them.
+def loop_family(
+    loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ...], angles: int
+) -> LoopFamily:
+    """Run `angles` cycles at each of `nodes` Chebyshev nodes a parameter (one or two), and
+    interpolate them.
 
     >>> from cyclemap.protocol import loop_from_settings
     >>> push = lambda distance: loop_from_settings({"push_mm": distance})
@@ -97,9 +117,13 @@ def loop_family(loop_at: LoopAt, ranges: tuple[Range, ...], nodes: tuple[int, ..
     >>> family.coefficients.shape
     (2, 5)
     """
-    grid = np.meshgrid(*(chebyshev_nodes(*ends, n) for ends, n in zip(ranges, nodes, strict=True)), indexing="ij")
+    grid = np.meshgrid(
+        *(chebyshev_nodes(*ends, n) for ends, n in zip(ranges, nodes, strict=True)), indexing="ij"
+    )
     theta = 2.0 * np.pi * np.arange(angles) / angles
-    loops = [loop_at(*place) for place in zip(*(axis.ravel().tolist() for axis in grid), strict=True)]
+    loops = [
+        loop_at(*place) for place in zip(*(axis.ravel().tolist() for axis in grid), strict=True)
+    ]
     turns = np.array([loop.next_theta(theta) - theta for loop in loops])
     series = np.fft.rfft(turns, axis=-1) / angles
     # Each wave but the mean and, for an even count, the fastest stands for two of the transform's.
@@ -122,7 +146,9 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
 
 def _wave(theta: Any, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Σ c_k e^{ikθ} with coefficients (..., K), which broadcast over θ."""
-    found = polyval(np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False)
+    found = polyval(
+        np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False
+    )
     return np.asarray(found, dtype=np.complex128)
 
 
@@ -132,7 +158,8 @@ def ring_radius(loop: CollectionLoop) -> float:
 
 
 def with_ring_at(loop: CollectionLoop, radius: float) -> CollectionLoop:
-    """Return the loop with its ring at a distance (m, positive) from the object's origin, in the same direction.
+    """Return the loop with its ring at a distance (m, positive) from the object's origin, in the
+    same direction.
 
     >>> round(1000 * ring_radius(with_ring_at(CollectionLoop.mit(), 0.01)), 9)
     10.0
@@ -143,16 +170,22 @@ def with_ring_at(loop: CollectionLoop, radius: float) -> CollectionLoop:
 
 
 def with_anisotropy_times(loop: CollectionLoop, scale: float) -> CollectionLoop:
-    """Return the loop on its surface with offset and ellipticity times `scale`: 0 isotropic, 1 as it is.
+    """Return the loop on its surface with offset and ellipticity times `scale`: 0 isotropic, 1 as
+    it is.
 
-    Offset and ellipticity are those of `Anisotropy`; the mean radius of the ellipse stays. The result does not wear.
+    Offset and ellipticity are those of `Anisotropy`; the mean radius of the ellipse stays. The
+    result does not wear.
 
     >>> with_anisotropy_times(CollectionLoop.mit(), 0.0).material.friction.m0
     0.0
     """
     law = loop.material.friction
     mean = math.sqrt(law.mu_a * law.mu_b)
-    scaled = Anisotropy.of(law).scaled(non_negative_number("scale of the anisotropy", scale)).friction(mean)
+    scaled = (
+        Anisotropy.of(law)
+        .scaled(non_negative_number("scale of the anisotropy", scale))
+        .friction(mean)
+    )
     return replace(loop, material=replace(loop.material, friction=scaled, wear=None))
 
 
@@ -160,8 +193,8 @@ def with_anisotropy_times(loop: CollectionLoop, scale: float) -> CollectionLoop:
 class RingFold:
     """A saddle-node of the cycle map over the ring's radius: f(θ) = θ and f'(θ) = 1.
 
-    theta : rad. radius : m. by_radius : ∂f/∂radius, rad/m. curvature : half of f'', per rad: the move of a cycle beside
-    it is by_radius·(r - radius) + curvature·(θ - theta)².
+    theta : rad. radius : m. by_radius : ∂f/∂radius, rad/m. curvature : half of f'', per rad: the
+        move of a cycle beside it is by_radius·(r - radius) + curvature·(θ - theta)².
     """
 
     theta: float
@@ -170,23 +203,32 @@ class RingFold:
     curvature: float
 
     def passage_cycles(self, radius: float) -> float:
-        """Return the cycles π/√(ε a) that the bottleneck takes at a radius (m) beyond the fold; inf where locked."""
+        """Return the cycles π/√(ε a) that the bottleneck takes at a radius (m) beyond the fold; inf
+        where locked.
+        """
         product = self.by_radius * (radius - self.radius) * self.curvature
         return math.pi / math.sqrt(product) if product > 0.0 else math.inf
 
 
 def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
-    """Solve f(θ) = θ, f'(θ) = 1 for angle and radius by Newton's method from `theta` (rad) and `radius` (m).
+    """Solve f(θ) = θ, f'(θ) = 1 for angle and radius by Newton's method from `theta` (rad) and
+    `radius` (m).
 
-    loop_at : radius -> loop. f, f' and ∂f/∂radius are the exact tangents of the mechanics (`sensitivity`), second
-    derivatives differences of them. Raises ConvergenceError where 12 steps do not reach 1e-9 rad.
+    loop_at : radius -> loop. f, f' and ∂f/∂radius are the exact tangents of the mechanics
+        (`sensitivity`), second derivatives differences of them. Raises ConvergenceError where 12
+        steps do not reach 1e-9 rad.
     """
     for _ in range(_STEPS):
         turn, slope, by_radius = _tangent(loop_at(radius), theta)
-        ahead, behind = (_tangent(loop_at(radius), theta + side * _ANGLE_STEP)[1] for side in (1, -1))
+        ahead, behind = (
+            _tangent(loop_at(radius), theta + side * _ANGLE_STEP)[1] for side in (1, -1)
+        )
         out, back = (_tangent(loop_at(radius + side * _LENGTH_STEP), theta)[1] for side in (1, -1))
         bend, twist = (ahead - behind) / (2.0 * _ANGLE_STEP), (out - back) / (2.0 * _LENGTH_STEP)
-        residual, jacobian = np.array([turn, slope - 1.0]), np.array([[slope - 1.0, by_radius], [bend, twist]])
+        residual, jacobian = (
+            np.array([turn, slope - 1.0]),
+            np.array([[slope - 1.0, by_radius], [bend, twist]]),
+        )
         if np.abs(residual).max() <= _FOLDED:
             return RingFold(theta, radius, float(jacobian[0, 1]), 0.5 * float(jacobian[1, 0]))
         step = np.linalg.solve(jacobian, -residual)

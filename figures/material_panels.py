@@ -1,4 +1,6 @@
-"""What the figures of the four materials share: a grid of panels, the look of simulated data, a line at the foot."""
+"""What the figures of the four materials share: a grid of panels, the look of simulated data, a
+line at the foot.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +21,12 @@ SIMULATED_FILL = "#c4c4c4"
 _SIDE, _HEAD, _FOOT = 0.75, 0.75, 0.85
 
 
-def draw_materials(names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]) -> Figure:
-    """A figure with a panel for each of a few materials, titled with the names; room above each for a legend."""
+def draw_materials(
+    names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]
+) -> Figure:
+    """A figure with a panel for each of a few materials, titled with the names; room above each for
+    a legend.
+    """
     columns = 2 if len(names) <= 4 else 3
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
@@ -44,7 +50,8 @@ def draw_materials(names: Sequence[str], panels: Sequence[One], draw_one: Callab
 
 
 def as_simulated(axes: Axes) -> None:
-    """Show what a view drew as measured for what it is here: simulated, in grey, in the legend too."""
+    """Show what a view drew as measured for what it is here: simulated, in grey,
+    in the legend too."""
     for artist in axes.get_children():
         if artist.get_label() != "measured":
             continue

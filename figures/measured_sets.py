@@ -1,4 +1,6 @@
-"""The repeated pushes that the user's folder holds of each material, and what a caption says where it holds none."""
+"""The repeated pushes that the user's folder holds of each material, and what a caption says where
+it holds none.
+"""
 
 from __future__ import annotations
 
@@ -43,10 +45,12 @@ class MeasuredRun:
 
 
 def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
-    """Return the set of ``surface`` with the most pushes in the folder, in the MIT layout; None where there is none.
+    """Return the set of ``surface`` with the most pushes in the folder, in the MIT layout; None
+    where there is none.
 
-    Looked for in all sub-folders by the names of the files, ``motion_surface=SURFACE_shape=rect1_..._rep=NNNN`` with
-    the paper's protocol (``PROTOCOL``); at least 20 of them, in one folder, make a set.
+    Looked for in all sub-folders by the names of the files,
+    ``motion_surface=SURFACE_shape=rect1_..._rep=NNNN`` with the paper's protocol (``PROTOCOL``); at
+    least 20 of them, in one folder, make a set.
     """
     found = None if measured.path is None else _run_below(measured.path, surface)
     if measured.path is not None and found is not None:
@@ -56,7 +60,9 @@ def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
 
 
 def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | None:
-    """Return the measured θ0 of ``surface`` in order: of its set, else for plywood of its own file; None without."""
+    """Return the measured θ0 of ``surface`` in order: of its set, else for plywood of its own file;
+    None without.
+    """
     found = measured_run(measured, surface)
     if found is not None and found.pushes.pairs is not None:
         return found.pushes.pairs
@@ -65,16 +71,20 @@ def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | Non
 
 
 def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame | None:
-    """Return the friction scans of rect1 on ``surface`` as ``PushTable.scans`` has them; None where there are none.
+    """Return the friction scans of rect1 on ``surface`` as ``PushTable.scans`` has them; None where
+    there are none.
 
-    Of several folders that hold some, the one with the most; scans whose force could not be told are left out.
+    Of several folders that hold some, the one with the most; scans whose force could not be told
+    are left out.
     """
     if measured.path is None:
         return None
     homes: Counter[str] = Counter()
     for home, _, names in sorted(os.walk(measured.path)):
         scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
-        homes[home] += sum(one is not None and (one.surface, one.object) == (surface, OBJECT) for one in scans)
+        homes[home] += sum(
+            one is not None and (one.surface, one.object) == (surface, OBJECT) for one in scans
+        )
     for home, count in homes.most_common(1):
         if count:
             measured.find(Path(home).relative_to(measured.path).as_posix())
@@ -109,7 +119,11 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
     homes: Counter[str] = Counter()
     for home, _, names in sorted(os.walk(folder)):
         for facts in map(push_facts, (name for name in names if name.endswith(SUFFIXES))):
-            if facts is not None and (facts.surface, facts.object) == (surface, OBJECT) and facts.repetition >= 0:
+            if (
+                facts is not None
+                and (facts.surface, facts.object) == (surface, OBJECT)
+                and facts.repetition >= 0
+            ):
                 told = [getattr(facts, name) for name in PROTOCOL]
                 homes[home] += np.allclose(told, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
     for home, count in homes.most_common():
@@ -124,8 +138,14 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
 
 
 def push_file_names(folder: Path) -> list[Path]:
-    """Return the files of a folder that are pushes by name and suffix, sorted; sub-folders are not entered."""
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and push_facts(path) is not None)
+    """Return the files of a folder that are pushes by name and suffix, sorted; sub-folders are not
+    entered.
+    """
+    return sorted(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in SUFFIXES and push_facts(path) is not None
+    )
 
 
 def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]], int]:

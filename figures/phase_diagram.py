@@ -1,4 +1,6 @@
-"""Figure: ring radius against anisotropy: where the robot locks into a direction, and how it winds elsewhere."""
+"""Figure: ring radius against anisotropy: where the robot locks into a direction, and how it winds
+elsewhere.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -45,9 +47,11 @@ ROWS = (0.0, 0.25, 0.5, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """The lock-in boundary to first order in the anisotropy: Ω(r) + ε h(θ; r) touches zero, h by the fingerprint.
+    """The lock-in boundary to first order in the anisotropy: Ω(r) + ε h(θ; r) touches zero, h by
+    the fingerprint.
 
-    radius : (n,) m. turn : (n,) rad, Ω, the isotropic turn of a cycle. scale : (n,) ε at which it locks.
+    radius : (n,) m. turn : (n,) rad, Ω, the isotropic turn of a cycle. scale : (n,) ε at which it
+        locks.
     neutral : m, the radius where Ω is zero: the tip of the tongue.
     """
 
@@ -61,10 +65,14 @@ class FirstOrder:
 class PhaseDiagram:
     """The loop on plywood with its ring at a radius (m) and its anisotropy times a scale.
 
-    plane : rotation numbers, turns a cycle; rows radii, columns scales. stable : (rows, columns) stable fixed points.
-    inner, outer : ((scale, fold), ...) of the boundary nearer to the centre and farther from it, exact. first : to
-    first order. error : rad, the most by which the interpolated f differs from cycles that were run at some places.
-    mit : m, the ring of the MIT protocol; mit_scale : from which scale on it locks, by the interpolated maps.
+    plane : rotation numbers, turns a cycle; rows radii, columns scales. stable : (rows, columns)
+        stable fixed points.
+    inner, outer : ((scale, fold), ...) of the boundary nearer to
+        the centre and farther from it, exact. first : to
+    first order. error : rad, the most by which the interpolated f differs from cycles that were run
+        at some places.
+    mit : m, the ring of the MIT protocol; mit_scale : from which scale on it locks, by the
+        interpolated maps.
     """
 
     plane: RotationPlane
@@ -90,9 +98,11 @@ def compute(
     scales: int = 9,
     fingerprints: int = 9,
 ) -> PhaseDiagram:
-    """Interpolate the maps, wind them on a grid of `shape`, and trace the boundary exactly at `scales` scales a side.
+    """Interpolate the maps, wind them on a grid of `shape`, and trace the boundary exactly at
+    `scales` scales a side.
 
-    nodes, angles : of `loop_family`. fingerprints : at so many radii, for the boundary to first order.
+    nodes, angles : of `loop_family`. fingerprints : at so many radii, for the boundary to first
+        order.
     """
     del measured
     loop = CollectionLoop.mit(material="plywood")
@@ -108,11 +118,15 @@ def compute(
         turn = family.turn(_THETA, np.full((scale.size, 1), r), scale[:, np.newaxis])
         stable.append(np.sum((turn > 0.0) & (np.roll(turn, -1, axis=1) <= 0.0), axis=1))
     first, mit = first_order(loop, fingerprints), ring_radius(loop)
-    return PhaseDiagram(plane, np.array(stable), inner, outer, first, error, mit, _touch(family, 1, mit))
+    return PhaseDiagram(
+        plane, np.array(stable), inner, outer, first, error, mit, _touch(family, 1, mit)
+    )
 
 
 def _margin(family: LoopFamily, side: int, radius: float, scale: float) -> float:
-    """The least turn (side 1), or the largest with its sign changed (side -1): negative where the robot may lock."""
+    """The least turn (side 1), or the largest with its sign changed (side -1): negative where the
+    robot may lock.
+    """
     return float((side * family.turn(_THETA, radius, scale)).min())
 
 
@@ -124,8 +138,12 @@ def _touch(family: LoopFamily, side: int, radius: float) -> float:
     return float(brentq(lambda scale: _margin(family, side, radius, scale), *SCALES))
 
 
-def _boundary(loop: CollectionLoop, family: LoopFamily, side: int, count: int) -> tuple[tuple[float, RingFold], ...]:
-    """The folds where the least (side 1) or the largest (side -1) turn is zero, up to where they leave the radii."""
+def _boundary(
+    loop: CollectionLoop, family: LoopFamily, side: int, count: int
+) -> tuple[tuple[float, RingFold], ...]:
+    """The folds where the least (side 1) or the largest (side -1) turn is zero, up to where they
+    leave the radii.
+    """
     edge = RADII[0] if side > 0 else RADII[1]
     top, found = _touch(family, side, edge), []
     for step in range(1, count + 1):
@@ -134,15 +152,22 @@ def _boundary(loop: CollectionLoop, family: LoopFamily, side: int, count: int) -
             radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
         theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
         found.append(
-            (scale, ring_fold(partial(with_ring_at, with_anisotropy_times(loop, scale)), float(theta), radius))
+            (
+                scale,
+                ring_fold(
+                    partial(with_ring_at, with_anisotropy_times(loop, scale)), float(theta), radius
+                ),
+            )
         )
     return tuple(found)
 
 
 def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:
-    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at `count` radii.
+    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at
+    `count` radii.
 
-    Turn and gradient of a fingerprint belong to the protocol alone; between the Chebyshev nodes they are interpolated.
+    Turn and gradient of a fingerprint belong to the protocol alone; between the Chebyshev nodes
+    they are interpolated.
     """
     radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, count)
     found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
@@ -155,11 +180,21 @@ def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> First
 
 
 def draw(result: PhaseDiagram) -> Figure:
-    """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its rows."""
+    """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
+    rows.
+    """
     with picture_style():
         figure = new_figure(11.4, 4.9)
         grid = GridSpec(
-            1, 2, figure, width_ratios=(1.75, 1.0), left=0.07, right=0.985, bottom=0.125, top=0.86, wspace=0.22
+            1,
+            2,
+            figure,
+            width_ratios=(1.75, 1.0),
+            left=0.07,
+            right=0.985,
+            bottom=0.125,
+            top=0.86,
+            wspace=0.22,
         )
         _draw_plane(figure.add_subplot(grid[0]), result)
         axes = figure.add_subplot(grid[1])
@@ -170,11 +205,19 @@ def draw(result: PhaseDiagram) -> Figure:
             column = int(np.argmin(np.abs(plane.second_values - scale)))
             label = "isotropic" if scale == 0.0 else f"× {plane.second_values[column]:.2g}"
             turn = 360 * plane.value[:, column]
-            axes.plot(MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label)
+            axes.plot(
+                MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label
+            )
         axes.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
         axes.set_xlim(MM * RADII[0], MM * RADII[1])
         axes.set_title("Along rows", pad=24)
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, columnspacing=1.0)
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=4,
+            borderaxespad=0.2,
+            columnspacing=1.0,
+        )
     return figure
 
 
@@ -183,17 +226,34 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value.T
     axes.grid(visible=False)
     shades = axes.pcolormesh(
-        radius, scale, np.abs(turn), cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud", rasterized=True
+        radius,
+        scale,
+        np.abs(turn),
+        cmap="YlGnBu",
+        vmin=-4,
+        vmax=45,
+        shading="gouraud",
+        rasterized=True,
     )
     figure = axes.get_figure(root=True)
     assert figure is not None
-    bar = figure.colorbar(shades, ax=axes, fraction=0.05, pad=0.03, label="size of the mean turn of a cycle (°)")
+    bar = figure.colorbar(
+        shades, ax=axes, fraction=0.05, pad=0.03, label="size of the mean turn of a cycle (°)"
+    )
     bar.ax.set_ylim(0.0, np.abs(turn).max())
     lines = axes.contour(radius, scale, turn, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
     _draw_tongue(axes, result)
     first = result.first
-    axes.plot(MM * first.radius, first.scale, "--", color=INK, linewidth=1.3, label="first order", zorder=3)
+    axes.plot(
+        MM * first.radius,
+        first.scale,
+        "--",
+        color=INK,
+        linewidth=1.3,
+        label="first order",
+        zorder=3,
+    )
     look: dict[str, Any] = {
         "markerfacecolor": UNSTABLE,
         "markeredgecolor": INK,
@@ -203,7 +263,10 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     }
     axes.plot(MM * result.mit, 1.0, "*", label="MIT ring, plywood", **look)
     axes.text(20.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
-    axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="anisotropy over that of Table I (1)")
+    axes.set(
+        xlabel="distance of the ring from the centre (mm)",
+        ylabel="anisotropy over that of Table I (1)",
+    )
     axes.set_xlim(MM * RADII[0], MM * RADII[1])
     axes.set_ylim(*SCALES)
     outline = MM * CollectionLoop.mit("plywood").slider.outline.points(4)
@@ -212,7 +275,9 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
     inset.plot(*np.outer([MM * RADII[0], MM * RADII[1]], way).T, color=PREDICTED, linewidth=1.0)
     inset.plot(0.0, 0.0, "+", color=INK, markersize=6)
-    inset.plot(*(MM * result.mit * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9)
+    inset.plot(
+        *(MM * result.mit * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9
+    )
     inset.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
     inset.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
     inset.axis("off")
@@ -228,7 +293,9 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
         for side in (result.inner, result.outer)
     )
     corners = [(MM * RADII[1], SCALES[1]), (MM * RADII[0], SCALES[1])]
-    axes.fill(*np.concatenate([outer, corners, inner[::-1]]).T, facecolor="white", linewidth=0, zorder=2)
+    axes.fill(
+        *np.concatenate([outer, corners, inner[::-1]]).T, facecolor="white", linewidth=0, zorder=2
+    )
     look: dict[str, Any] = {"color": PREDICTED, "markersize": 4, "linewidth": 2.0, "zorder": 4}
     axes.plot(*inner.T, "o-", label="saddle-nodes", **look)
     axes.plot(*outer.T, "o-", **look)
@@ -245,11 +312,13 @@ def caption(result: PhaseDiagram) -> str:
     if not count:
         others = f"No other locking was found on the grid, to {TOLERANCE:g} turns a cycle."
     return (
-        f"Plywood's anisotropy (offset and ellipticity of Table I, times 0 to {SCALES[1]:g}) against the distance of "
-        f"the ring from the centre. In the tongue the robot locks{' into one stable direction' if one else ''}, "
-        f"elsewhere it winds, shaded by the size of its mean turn (lines: with sign). The tongue starts at "
-        f"{MM * first.neutral:.1f} mm, where isotropic friction turns the object by nothing in a cycle; its edges are "
-        f"saddle-nodes, solved with the mechanics itself. The MIT ring at {MM * result.mit:.0f} mm locks from "
-        f"{result.mit_scale:.2f} times Table I on; to first order in the anisotropy (dashes) from {at_mit:.2f} times. "
-        f"{others} The interpolated maps miss cycles that were run by at most {math.degrees(result.error):.1g}°."
+        f"Plywood's anisotropy (offset and ellipticity of Table I, times 0 to {SCALES[1]:g}) "
+        "against the distance of the ring from the centre. In the tongue the robot "
+        f"locks{' into one stable direction' if one else ''}, elsewhere it winds, shaded by the "
+        f"size of its mean turn (lines: with sign). The tongue starts at {MM * first.neutral:.1f} "
+        "mm, where isotropic friction turns the object by nothing in a cycle; its edges are "
+        f"saddle-nodes, solved with the mechanics itself. The MIT ring at {MM * result.mit:.0f} mm "
+        f"locks from {result.mit_scale:.2f} times Table I on; to first order in the anisotropy "
+        f"(dashes) from {at_mit:.2f} times. {others} The interpolated maps miss cycles that were "
+        f"run by at most {math.degrees(result.error):.1g}°."
     )

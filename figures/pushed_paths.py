@@ -1,4 +1,6 @@
-"""Paths of an object's centre in the pushes of a collection: recorded where there are files, simulated where not."""
+"""Paths of an object's centre in the pushes of a collection: recorded where there are files,
+simulated where not.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,14 @@ from cyclemap.maps import DriftingMap, sample_staircase
 from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
-from .measured_sets import listed, measured_run, measured_theta0, not_found, push_file_names, readable_pushes
+from .measured_sets import (
+    listed,
+    measured_run,
+    measured_theta0,
+    not_found,
+    push_file_names,
+    readable_pushes,
+)
 from .published_statistics import published_statistics
 from .simulated_collections import NOISE, STANDS_FOR
 
@@ -38,7 +47,8 @@ _ACCURACY = 1e-6
 _WEAR_STAGES = 2
 MM = 1000.0
 ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
-# From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey print too.
+# From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey
+# print too.
 SHADES = ListedColormap(colormaps["YlGnBu"](np.linspace(0.32, 1.0, 256)))
 
 
@@ -46,11 +56,14 @@ SHADES = ListedColormap(colormaps["YlGnBu"](np.linspace(0.32, 1.0, 256)))
 class PushedPaths:
     """Paths of the object's centre in k pushes on one surface.
 
-    surface : as the paper names it. material : what was simulated, "" where the pushes are recorded ones. origin : of
-    the pushes, `RECORDED`, `MEASURED_THETA0` (simulated from measured orientations) or `SIMULATED`.
-    theta0, turn : (k,) rad, before the push, and of the push. object_frame : (k, m, 2) m, in the object's frame before
-    the push. robot_frame : (k, m, 2) m, in the world, from the reset's target. orientations : (n,) rad, θ0 of all
-    cycles of the run from which the pushes were taken at equal distances.
+    surface : as the paper names it. material : what was simulated, ""
+        where the pushes are recorded ones. origin : of the pushes, `RECORDED`, `MEASURED_THETA0`
+        (simulated from measured
+        orientations) or `SIMULATED`.
+    theta0, turn : (k,) rad, before the push, and of the push. object_frame : (k, m, 2) m, in the
+        object's frame before
+    the push. robot_frame : (k, m, 2) m, in the world, from the reset's target. orientations : (n,)
+        rad, θ0 of all cycles of the run from which the pushes were taken at equal distances.
     """
 
     surface: str
@@ -64,15 +77,21 @@ class PushedPaths:
 
     @property
     def spread(self) -> Array:
-        """Standard deviations (3,) of turn (rad), dx and dy (m, in the object's frame) over the pushes."""
+        """Standard deviations (3,) of turn (rad), dx and dy (m, in the object's frame) over the
+        pushes.
+        """
         return np.array([self.turn.std(), *self.object_frame[:, -1].std(axis=0)])
 
 
-def paths_on_four_surfaces(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> list[PushedPaths]:
-    """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0, else of a run.
+def paths_on_four_surfaces(
+    measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN
+) -> list[PushedPaths]:
+    """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0,
+    else of a run.
 
-    cycles : of a simulated run. drawn : how many of all these pushes, at equal distances. Recorded pushes are looked
-    for by the names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
+    cycles : of a simulated run. drawn : how many of all these pushes, at equal distances. Recorded
+        pushes are looked for by the names of the MIT dataset, as `measured_run` does, θ0 as
+        `measured_theta0` does.
     """
     return [
         recorded_paths(measured, surface, drawn)
@@ -82,18 +101,27 @@ def paths_on_four_surfaces(measured: MeasuredFolder, cycles: int = CYCLES, drawn
     ]
 
 
-def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
-    """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where `measured_run` finds none.
+def recorded_paths(
+    measured: MeasuredFolder, surface: str, drawn: int = DRAWN
+) -> PushedPaths | None:
+    """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where
+    `measured_run` finds none.
 
-    Of the files chosen those that cannot be read are left out. orientations : those of all the recorded pushes.
+    Of the files chosen those that cannot be read are left out. orientations : those of all the
+    recorded pushes.
     """
     run = measured_run(measured, surface)
     if run is None:
         return None
-    # A folder may hold others than the set, too: their names say other things than all of its pushes share.
+    # A folder may hold others than the set, too: their names say other things than all of its
+    # pushes share.
     shared = run.pushes.facts.items()
     named = [(path, push_facts(path)) for path in push_file_names(run.pushes.source)]
-    files = [path for path, facts in named if all(getattr(facts, name) == value for name, value in shared)]
+    files = [
+        path
+        for path, facts in named
+        if all(getattr(facts, name) == value for name, value in shared)
+    ]
     records, _ = readable_pushes(files[number] for number in _evenly(len(files), drawn).tolist())
     courses = []
     for _, record in records:
@@ -107,8 +135,11 @@ def recorded_paths(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -
     return _paths(surface, "", RECORDED, poses, run.pushes.theta)
 
 
-def paths_from_measured_theta0(measured: MeasuredFolder, surface: str, drawn: int = DRAWN) -> PushedPaths | None:
-    """Return paths simulated from `drawn` of the measured θ0, on the surface as worn as it then was; None without θ0.
+def paths_from_measured_theta0(
+    measured: MeasuredFolder, surface: str, drawn: int = DRAWN
+) -> PushedPaths | None:
+    """Return paths simulated from `drawn` of the measured θ0, on the surface as worn as it then
+    was; None without θ0.
 
     orientations : all the measured ones.
     """
@@ -121,17 +152,25 @@ def paths_from_measured_theta0(measured: MeasuredFolder, surface: str, drawn: in
 
 @lru_cache(maxsize=16)
 def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> PushedPaths:
-    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1 degrees.
+    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1
+    degrees.
 
-    The run starts at the direction that the paper names first, else at 0; where the material wears it goes from fresh
-    to worn within the run, whatever its length.
+    The run starts at the direction that the paper names first, else at 0; where the material wears
+    it goes from fresh to worn within the run, whatever its length.
     """
     loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
     wear, start = loop.material.wear, (*published_statistics(surface).directions, 0.0)[0]
-    worn, stages = (wear.cycles, np.linspace(0.0, 1.0, _WEAR_STAGES + 1)) if wear else (0.0, np.zeros(1))
-    states = [(cycles * share, worn_loop(loop, share * worn).circle_map(MAP_TOLERANCE)) for share in stages]
+    worn, stages = (
+        (wear.cycles, np.linspace(0.0, 1.0, _WEAR_STAGES + 1)) if wear else (0.0, np.zeros(1))
+    )
+    states = [
+        (cycles * share, worn_loop(loop, share * worn).circle_map(MAP_TOLERANCE))
+        for share in stages
+    ]
     run = sample_staircase(DriftingMap.between(states), NOISE, cycles, start, seed=1)
-    return _simulated(surface, loop, SIMULATED, run.theta[:-1], worn * np.arange(cycles) / cycles, drawn)
+    return _simulated(
+        surface, loop, SIMULATED, run.theta[:-1], worn * np.arange(cycles) / cycles, drawn
+    )
 
 
 def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
@@ -139,20 +178,32 @@ def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
 
 
-def _simulated(surface: str, loop: CollectionLoop, origin: str, theta: Array, cycle: Array, drawn: int) -> PushedPaths:
+def _simulated(
+    surface: str, loop: CollectionLoop, origin: str, theta: Array, cycle: Array, drawn: int
+) -> PushedPaths:
     """Paths of `drawn` of the pushes from orientations (n,) at cycles (n,) of the wear.
 
     At equal distances of the rod's stroke; the object rests where the rod has left it.
     """
-    chosen, travel, found = _evenly(theta.size, drawn), np.linspace(0.0, loop.push.distance, STATIONS), []
+    chosen, travel, found = (
+        _evenly(theta.size, drawn),
+        np.linspace(0.0, loop.push.distance, STATIONS),
+        [],
+    )
     for start, now in zip(theta[chosen].tolist(), cycle[chosen].tolist(), strict=True):
         worn = worn_loop(loop, now)
-        course = worn.model.push(worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)).trajectory
-        found.append(np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1))
+        course = worn.model.push(
+            worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)
+        ).trajectory
+        found.append(
+            np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1)
+        )
     return _paths(surface, loop.material.name, origin, np.array(found), theta)
 
 
-def _paths(surface: str, material: str, origin: str, poses: Array, orientations: Array) -> PushedPaths:
+def _paths(
+    surface: str, material: str, origin: str, poses: Array, orientations: Array
+) -> PushedPaths:
     """Paths of pushes with poses (k, m, 3)."""
     theta0 = poses[:, 0, 2]
     offset = poses[..., :2] - poses[:, :1, :2]
@@ -165,7 +216,8 @@ def _paths(surface: str, material: str, origin: str, poses: Array, orientations:
 
 
 def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return how many pairs of paths (k, m, 2) cross, and how many there are, among those with `apart` (k, k) true.
+    """Return how many pairs of paths (k, m, 2) cross, and how many there are, among those with
+    `apart` (k, k) true.
 
     Paths that meet at an end do not cross there.
 
@@ -175,8 +227,12 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     """
 
     def side(a: Array, b: Array, point: Array) -> Array:
-        """Twice the area of the triangles a, b, point: positive where the point lies left of the way from a to b."""
-        return np.asarray((b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0])
+        """Twice the area of the triangles a, b, point: positive where the point lies left of the
+        way from a to b.
+        """
+        return np.asarray(
+            (b - a)[..., 0] * (point - a)[..., 1] - (b - a)[..., 1] * (point - a)[..., 0]
+        )
 
     later = np.triu(apart, 1)
     crossed = 0
@@ -188,10 +244,14 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     return crossed, int(np.sum(later))
 
 
-def shade_bar(figure: Figure, place: tuple[float, float, float, float], surfaces: list[PushedPaths]) -> ScalarMappable:
-    """Draw the bar of shades at a place (left, bottom, width, height) of the figure, and return the shades.
+def shade_bar(
+    figure: Figure, place: tuple[float, float, float, float], surfaces: list[PushedPaths]
+) -> ScalarMappable:
+    """Draw the bar of shades at a place (left, bottom, width, height) of the figure, and return the
+    shades.
 
-    They are those of the turns (degrees) of all pushes, from the least to the largest in whole degrees.
+    They are those of the turns (degrees) of all pushes, from the least to the largest in whole
+    degrees.
     """
     turns = np.degrees(np.concatenate([paths.turn for paths in surfaces]))
     shades = ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
@@ -202,8 +262,12 @@ def shade_bar(figure: Figure, place: tuple[float, float, float, float], surfaces
 
 
 def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) -> None:
-    """Draw paths (k, m, 2) m from the cross, in millimetres, each in the shade of its turn (k,) rad."""
-    collection = LineCollection(list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75)
+    """Draw paths (k, m, 2) m from the cross, in millimetres, each in the shade of its turn (k,)
+    rad.
+    """
+    collection = LineCollection(
+        list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75
+    )
     axes.add_collection(collection)
     axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
     axes.set_aspect("equal")
@@ -211,24 +275,28 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
 
 def material_sentence(surfaces: list[PushedPaths]) -> str:
     """What is recorded, what was simulated in its stead, and why plywood stands as it does."""
-    by_origin = {origin: [paths for paths in surfaces if paths.origin == origin] for origin in ORIGINS}
+    by_origin = {
+        origin: [paths for paths in surfaces if paths.origin == origin] for origin in ORIGINS
+    }
     recorded, started, simulated = by_origin.values()
     words = [f"Recorded pushes: {listed(paths.surface for paths in recorded)}."] if recorded else []
     words.append(not_found("pushes", [paths.surface for paths in (*started, *simulated)]))
     for paths in started:
         words.append(
-            f"Simulated instead: on {paths.material} from {len(paths.theta0)} of the {len(paths.orientations)} "
-            f"measured orientations of {paths.surface}, at equal distances."
+            f"Simulated instead: on {paths.material} from {len(paths.theta0)} of the "
+            f"{len(paths.orientations)} measured orientations of {paths.surface}, at equal "
+            "distances."
         )
     if simulated:
         names, count = listed(paths.material for paths in simulated), len(simulated[0].orientations)
         words.append(
-            f"Simulated as a whole: {names}, {len(simulated[0].theta0)} pushes at equal distances in a run of {count} "
-            f"cycles with {np.degrees(NOISE.sigma):.1f}° of noise each."
+            f"Simulated as a whole: {names}, {len(simulated[0].theta0)} pushes at equal distances "
+            f"in a run of {count} cycles with {np.degrees(NOISE.sigma):.1f}° of noise each."
         )
     if any(paths.material == "plywood-measured" for paths in surfaces):
         words.append(
-            "Plywood is the one inferred from the measured orientations, wearing as it did: with Table I a run stays "
-            "in one direction, where the measured one climbs through all of them."
+            "Plywood is the one inferred from the measured orientations, wearing as it did: with "
+            "Table I a run stays in one direction, where the measured one climbs through all of "
+            "them."
         )
     return " ".join(filter(None, words))

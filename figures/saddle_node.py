@@ -1,4 +1,6 @@
-"""Figure: as the ring moves towards the centre, the stable and the unstable direction walk together and meet."""
+"""Figure: as the ring moves towards the centre, the stable and the unstable direction walk together
+and meet.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -16,7 +18,16 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views.style import INK, MEASURED, PREDICTED, QUIET, UNSTABLE, degree_axis, new_figure, picture_style
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    PREDICTED,
+    QUIET,
+    UNSTABLE,
+    degree_axis,
+    new_figure,
+    picture_style,
+)
 
 from .catalogue import MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
@@ -35,10 +46,14 @@ _ACCURACY = 1e-6
 class SaddleNode:
     """The pair of fixed points over the ring's radius (m), and what is left beyond their meeting.
 
-    branch : both, stable and unstable, followed round the fold. fold : where they meet, by the exact tangents of the
-    mechanics. error : rad, the most by which f on the branch differs from cycles that were run. distances : (n,) m,
-    of the radius inside the fold. cycles_a_turn : (n,) there. counted : (k, 2) distance (m) and cycles of one turn,
-    run cycle by cycle. graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the fold.
+    branch : both, stable and unstable, followed round the fold. fold : where they meet, by the
+        exact tangents of the
+    mechanics. error : rad, the most by which f on the branch
+        differs from cycles that were run. distances : (n,) m, of the radius inside the fold.
+        cycles_a_turn : (n,) there. counted : (k,
+        2) distance (m) and cycles of one turn,
+    run cycle by cycle. graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the
+        fold.
     """
 
     branch: OrbitBranch
@@ -71,32 +86,52 @@ def compute(
     count: int = 14,
     counted: tuple[float, ...] = (1e-4, 5e-4),
 ) -> SaddleNode:
-    """Follow the pair, meet it exactly, and time what is left: `nodes` radii of `angles` cycles each.
+    """Follow the pair, meet it exactly, and time what is left: `nodes` radii of `angles` cycles
+    each.
 
-    count : distances beyond the fold at which cycles a turn are computed; counted : those (m) at which they are run.
+    count : distances beyond the fold at which cycles a turn are computed; counted : those (m) at
+        which they are run.
     """
     del measured
     loop = CollectionLoop.mit(material="plywood")
     loop_at = partial(with_ring_at, loop)
-    family = loop_family(partial(with_ring_at, replace(loop, accuracy=_ACCURACY)), (RADII,), (nodes,), angles)
-    folding = (one for one in orbit_branches(family, RADII, resolution=6) if [s.kind for s in one.special] == [_FOLD])
+    family = loop_family(
+        partial(with_ring_at, replace(loop, accuracy=_ACCURACY)), (RADII,), (nodes,), angles
+    )
+    folding = (
+        one
+        for one in orbit_branches(family, RADII, resolution=6)
+        if [s.kind for s in one.special] == [_FOLD]
+    )
     if (branch := next(folding, None)) is None:
-        raise ConvergenceError("no pair of fixed points meets between these radii: take a wider range of radii")
+        raise ConvergenceError(
+            "no pair of fixed points meets between these radii: take a wider range of radii"
+        )
     fold = ring_fold(loop_at, branch.special[0].theta, float(branch.special[0].parameter))
     distances = np.geomspace(NEAREST, FARTHEST, count)
     # The interpolated pair meets a hair beside the exact fold: distances are taken from there.
     turns = rotation_numbers(
         family.parametric, float(branch.special[0].parameter) - distances, tolerance=2e-5, threads=1
     )
-    runs = [(distance, _counted(loop_at(fold.radius - distance), fold.theta)) for distance in counted]
-    graphs = tuple((radius, _GRID, family.turn(_GRID, radius)) for radius in (SHOWN[0], fold.radius, SHOWN[1]))
+    runs = [
+        (distance, _counted(loop_at(fold.radius - distance), fold.theta)) for distance in counted
+    ]
+    graphs = tuple(
+        (radius, _GRID, family.turn(_GRID, radius)) for radius in (SHOWN[0], fold.radius, SHOWN[1])
+    )
     places = np.linspace(0, branch.parameter.size - 1, 7).astype(int)
-    error = max(float(family.error_at(branch.points[i], float(branch.parameter[i])).max()) for i in places)
-    return SaddleNode(branch, fold, error, distances, 1.0 / turns.value, np.array(runs).reshape(-1, 2), graphs)
+    error = max(
+        float(family.error_at(branch.points[i], float(branch.parameter[i])).max()) for i in places
+    )
+    return SaddleNode(
+        branch, fold, error, distances, 1.0 / turns.value, np.array(runs).reshape(-1, 2), graphs
+    )
 
 
 def _counted(loop: CollectionLoop, slow: float) -> float:
-    """Cycles of one turn, run one by one from half a turn behind the slow direction `slow` (rad); part cycles count."""
+    """Cycles of one turn, run one by one from half a turn behind the slow direction `slow` (rad);
+    part cycles count.
+    """
     theta, cycles = slow - np.pi, 0
     end = theta + 2 * np.pi
     while True:
@@ -107,11 +142,20 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
 
 
 def draw(result: SaddleNode) -> Figure:
-    """The pair over the radius, its multiplier, the passage beyond, and three graphs of the turn."""
+    """The pair over the radius, its multiplier, the passage beyond,
+    and three graphs of the turn."""
     with picture_style():
         figure = new_figure(10.0, 7.2)
         grid = GridSpec(
-            2, 1, figure, height_ratios=(2.0, 1.0), left=0.075, right=0.98, bottom=0.08, top=0.95, hspace=0.36
+            2,
+            1,
+            figure,
+            height_ratios=(2.0, 1.0),
+            left=0.075,
+            right=0.98,
+            bottom=0.08,
+            top=0.95,
+            hspace=0.36,
         )
         upper = grid[0].subgridspec(2, 2, width_ratios=(1.35, 1.0), hspace=0.62, wspace=0.24)
         _draw_pair(figure.add_subplot(upper[:, 0]), result)
@@ -126,11 +170,31 @@ def draw(result: SaddleNode) -> Figure:
         axes.set_title("Multipliers meet at 1")
         axes = figure.add_subplot(upper[1, 1])
         beyond = MM * result.distances
-        axes.loglog(beyond, result.cycles_a_turn, "o-", color=PREDICTED, markersize=3.5, label="cycles a turn")
-        axes.loglog(beyond, result.passage, "--", color=INK, linewidth=1.2, label="bottleneck, π/√(εa)")
+        axes.loglog(
+            beyond,
+            result.cycles_a_turn,
+            "o-",
+            color=PREDICTED,
+            markersize=3.5,
+            label="cycles a turn",
+        )
+        axes.loglog(
+            beyond, result.passage, "--", color=INK, linewidth=1.2, label="bottleneck, π/√(εa)"
+        )
         if result.counted.size:
-            look = {"markerfacecolor": MEASURED, "markeredgecolor": INK, "markersize": 7, "zorder": 5}
-            axes.plot(MM * result.counted[:, 0], result.counted[:, 1], "D", label="run cycle by cycle", **look)
+            look = {
+                "markerfacecolor": MEASURED,
+                "markeredgecolor": INK,
+                "markersize": 7,
+                "zorder": 5,
+            }
+            axes.plot(
+                MM * result.counted[:, 0],
+                result.counted[:, 1],
+                "D",
+                label="run cycle by cycle",
+                **look,
+            )
         axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
         axes.set_xticks((0.01, 0.03, 0.1, 0.3, 1.0))
         axes.set_yticks((20, 50, 100, 200))
@@ -154,7 +218,11 @@ def _sides(branch: OrbitBranch) -> list[tuple[str, NDArray[np.intp], dict[str, A
     sides = []
     for stable, name in ((True, "stable"), (False, "unstable")):
         chosen = np.union1d(np.flatnonzero(branch.stable == stable), [fold])
-        look = {"color": PREDICTED if stable else QUIET, "linestyle": "-" if stable else "--", "linewidth": 2.0}
+        look = {
+            "color": PREDICTED if stable else QUIET,
+            "linestyle": "-" if stable else "--",
+            "linewidth": 2.0,
+        }
         sides.append((name, chosen[np.argsort(branch.parameter[chosen])], look))
     return sides
 
@@ -162,9 +230,13 @@ def _sides(branch: OrbitBranch) -> list[tuple[str, NDArray[np.intp], dict[str, A
 def _draw_pair(axes: Axes, result: SaddleNode) -> None:
     branch, fold = result.branch, result.fold
     for name, chosen, look in _sides(branch):
-        axes.plot(MM * branch.parameter[chosen], np.degrees(branch.points[chosen, 0]), label=name, **look)
+        axes.plot(
+            MM * branch.parameter[chosen], np.degrees(branch.points[chosen, 0]), label=name, **look
+        )
     axes.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
-    axes.text(MM * (RADII[0] + fold.radius) / 2, 60, "no fixed\ndirection", ha="center", color=QUIET)
+    axes.text(
+        MM * (RADII[0] + fold.radius) / 2, 60, "no fixed\ndirection", ha="center", color=QUIET
+    )
     _mark(axes, fold, math.degrees(fold.theta))
     axes.annotate(
         f"saddle-node\n{MM * fold.radius:.3f} mm, {math.degrees(fold.theta):.1f}°",
@@ -181,7 +253,12 @@ def _draw_pair(axes: Axes, result: SaddleNode) -> None:
 
 
 def _mark(axes: Axes, fold: RingFold, height: float) -> None:
-    look: dict[str, Any] = {"markerfacecolor": UNSTABLE, "markeredgecolor": INK, "markersize": 7, "zorder": 5}
+    look: dict[str, Any] = {
+        "markerfacecolor": UNSTABLE,
+        "markeredgecolor": INK,
+        "markersize": 7,
+        "zorder": 5,
+    }
     axes.plot(MM * fold.radius, height, "o", **look)
 
 
@@ -189,7 +266,10 @@ def _draw_graph(axes: Axes, graph: tuple[float, Array, Array], place: int) -> No
     radius, theta, turn = graph
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     axes.plot(np.degrees(theta), np.degrees(turn), color=PREDICTED, linewidth=1.8)
-    axes.set_title(f"ring {MM * radius:.{3 if place == 1 else 1}f} mm: {('two zeros', 'a touch', 'none')[place]}")
+    axes.set_title(
+        f"ring {MM * radius:.{3 if place == 1 else 1}f} mm: "
+        f"{('two zeros', 'a touch', 'none')[place]}"
+    )
     degree_axis(axes, "θ0 (°)")
     axes.set_xticks(range(0, 361, 90))
     if place == 0:
@@ -203,11 +283,12 @@ def caption(result: SaddleNode) -> str:
     stable, unstable = (math.degrees(theta) for theta in result.directions(0.013))
     near, law = result.distances[0], result.passage[0]
     return (
-        f"Plywood (Table I), exact patch. With the ring 13 mm from the centre the robot locks in at {stable:.1f}° and "
-        f"is driven away from {unstable:.1f}°; as the ring moves in the two directions walk together and meet at "
-        f"{math.degrees(result.fold.theta):.1f}° with the ring at {MM * result.fold.radius:.3f} mm, both multipliers "
-        f"1. Nearer the centre no direction repeats, but the robot lingers: a turn takes {result.cycles_a_turn[0]:.0f} "
-        f"cycles {MM * near:.2g} mm inside, {law:.0f} of which passage theory gives the bottleneck, and the passage "
-        f"shortens as one over the square root of the distance. The curves miss cycles that were run by at most "
-        f"{math.degrees(result.error):.2g}°."
+        "Plywood (Table I), exact patch. With the ring 13 mm from the centre the robot locks in at "
+        f"{stable:.1f}° and is driven away from {unstable:.1f}°; as the ring moves in the two "
+        f"directions walk together and meet at {math.degrees(result.fold.theta):.1f}° with the "
+        f"ring at {MM * result.fold.radius:.3f} mm, both multipliers 1. Nearer the centre no "
+        f"direction repeats, but the robot lingers: a turn takes {result.cycles_a_turn[0]:.0f} "
+        f"cycles {MM * near:.2g} mm inside, {law:.0f} of which passage theory gives the "
+        "bottleneck, and the passage shortens as one over the square root of the distance. The "
+        f"curves miss cycles that were run by at most {math.degrees(result.error):.2g}°."
     )

@@ -45,8 +45,8 @@ _CURVE = np.linspace(0.0, 2.0 * np.pi, 721)
 class SimulatedTurns:
     """Simulated pushes and cycles from equally spaced orientations, and curves through them.
 
-    name : what was simulated. theta : (n,) rad. push, cycle : of which the turns are those of a push, Δθ, and of a
-    whole cycle; shape-preserving cubics.
+    name : what was simulated. theta : (n,) rad. push, cycle : of which the turns are those of a
+        push, Δθ, and of a whole cycle; shape-preserving cubics.
     """
 
     name: str
@@ -57,10 +57,11 @@ class SimulatedTurns:
 
 @dataclass(frozen=True, eq=False)
 class SimulatedAgainstMeasured:
-    """Table I on the paper's grid, then plywood-measured, fresh and worn; and what was measured, None where it is not.
+    """Table I on the paper's grid, then plywood-measured, fresh and worn; and what was measured,
+    None where it is not.
 
-    recorded : the repeated pushes with their Δθ. cycles : for each of `simulated` the measured turns of the whole
-    cycle, push and drag, set against it; empty where no θ0 was found.
+    recorded : the repeated pushes with their Δθ. cycles : for each of `simulated` the measured
+        turns of the whole cycle, push and drag, set against it; empty where no θ0 was found.
     """
 
     simulated: tuple[SimulatedTurns, ...]
@@ -68,7 +69,9 @@ class SimulatedAgainstMeasured:
     cycles: tuple[MeasuredOverlay, ...]
 
     def push_statistics(self, number: int) -> tuple[float, float]:
-        """Mean and standard deviation (rad) of the simulated Δθ at the measured θ0, without any at all θ0 alike."""
+        """Mean and standard deviation (rad) of the simulated Δθ at the measured θ0, without any at
+        all θ0 alike.
+        """
         simulated = self.simulated[number]
         turn = simulated.push.turn(self.cycles[0].pairs.theta if self.cycles else simulated.theta)
         return float(np.mean(turn)), float(np.std(turn))
@@ -82,7 +85,9 @@ class SimulatedAgainstMeasured:
 
 
 def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMeasured:
-    """Simulate cycles from `nodes` orientations on each of three floors, and look for measured pushes and θ0."""
+    """Simulate cycles from `nodes` orientations on each of three floors, and look for measured
+    pushes and θ0.
+    """
     table = CollectionLoop.mit("plywood", accuracy=_ACCURACY)
     gridded = replace(table, footprint=grid_footprint(table.slider.outline, GRID))
     inferred = CollectionLoop.mit("plywood-measured", accuracy=_ACCURACY)
@@ -90,10 +95,14 @@ def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMea
     simulated = (
         simulated_turns("Table I, 8 x 8 points", gridded, nodes),
         simulated_turns("plywood-measured, fresh", worn_loop(inferred, 0.0), nodes),
-        simulated_turns("plywood-measured, worn", worn_loop(inferred, inferred.material.wear.cycles), nodes),
+        simulated_turns(
+            "plywood-measured, worn", worn_loop(inferred, inferred.material.wear.cycles), nodes
+        ),
     )
     pairs = measured_theta0(measured, SURFACE)
-    cycles = () if pairs is None else tuple(measured_overlay(pairs, one.cycle.turn) for one in simulated)
+    cycles = (
+        () if pairs is None else tuple(measured_overlay(pairs, one.cycle.turn) for one in simulated)
+    )
     return SimulatedAgainstMeasured(simulated, measured_run(measured, SURFACE), cycles)
 
 
@@ -101,7 +110,9 @@ def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> Simu
     """Return pushes and cycles of `loop` from `nodes` equally spaced orientations."""
     theta = np.linspace(0.0, 2.0 * np.pi, whole_number("nodes", nodes, least=4), endpoint=False)
     runs = loop.cycles(theta)
-    push, cycle = (CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next))
+    push, cycle = (
+        CircleMap.from_samples(theta, end) for end in (theta + runs.push_turn, runs.theta_next)
+    )
     return SimulatedTurns(name, read_only(theta), push, cycle)
 
 
@@ -113,7 +124,9 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
         push, cycle = (figure.add_subplot(grid[number]) for number in range(2))
         published = published_statistics(SURFACE)
         mean, spread = np.degrees([published.mean[0], published.std[0]])
-        push.axhspan(mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ")
+        push.axhspan(
+            mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ"
+        )
         push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
         if result.recorded is not None:
             pushes = result.recorded.pushes
@@ -164,7 +177,11 @@ def caption(result: SimulatedAgainstMeasured) -> str:
     pushes = []
     for number, simulated in enumerate(result.simulated):
         here = np.degrees(result.push_statistics(number))
-        off = "" if result.recorded is None else f", {np.degrees(result.recorded_error(number)):.1f}° RMS off"
+        off = (
+            ""
+            if result.recorded is None
+            else f", {np.degrees(result.recorded_error(number)):.1f}° RMS off"
+        )
         pushes.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
     dots = f"{NO_DATA} of Δθ."
     if result.recorded is not None:
@@ -174,12 +191,14 @@ def caption(result: SimulatedAgainstMeasured) -> str:
         both = zip(result.simulated, result.cycles, strict=True)
         errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
         cycles = (
-            f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive pushes; squares, "
-            f"their medians in 5°. Root mean square of these less the simulated: {', '.join(errors)}."
+            f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive "
+            "pushes; squares, their medians in 5°. Root mean square of these less the simulated: "
+            f"{', '.join(errors)}."
         )
     return (
-        "Turns over the orientation before the push, on plywood. Simulated: Table I on the paper's 8 x 8 points, and "
-        "plywood-measured, which was inferred from the measured turns of the cycle, fresh and after 2000 cycles. "
-        f"Left, the push: {dots} The band is the published mean and standard deviation, {mean:.1f}° ± {spread:.1f}° "
-        f"(Table II); simulated {where}: {'; '.join(pushes)}. Right, push and drag together: {cycles}"
+        "Turns over the orientation before the push, on plywood. Simulated: Table I on the paper's "
+        "8 x 8 points, and plywood-measured, which was inferred from the measured turns of the "
+        f"cycle, fresh and after 2000 cycles. Left, the push: {dots} The band is the published "
+        f"mean and standard deviation, {mean:.1f}° ± {spread:.1f}° (Table II); simulated {where}: "
+        f"{'; '.join(pushes)}. Right, push and drag together: {cycles}"
     )

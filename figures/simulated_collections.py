@@ -1,4 +1,6 @@
-"""Simulated repeated pushes on each material, sampled from maps of the cycle and of the push: not 2000 full cycles."""
+"""Simulated repeated pushes on each material, sampled from maps of the cycle and of the push: not
+2000 full cycles.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,22 @@ from cyclemap.checks import positive_number, read_only, whole_number
 from cyclemap.collection import CollectionLoop, worn_loop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import PushSet, Theta0Pairs, set_laws
-from cyclemap.maps import CircleMap, DriftingMap, Staircase, WrappedNormal, sample_staircase, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    Staircase,
+    WrappedNormal,
+    sample_staircase,
+    transfer_operator,
+)
 
 from .catalogue import MeasuredFolder
 from .measured_sets import measured_run
 from .published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
 
-# The material that stands for each of the paper's: for plywood the one inferred from the measured staircase, since it
-# alone wears and climbs as the robot saw it; Table I's plywood locks in and stays.
+# The material that stands for each of the paper's: for plywood the one inferred from the measured
+# staircase, since it alone wears and climbs as the robot saw it; Table I's plywood locks in and
+# stays.
 STANDS_FOR = {"plywood": "plywood-measured", "abs": "abs", "delrin": "delrin", "pu": "pu"}
 NOISE = WrappedNormal(DEFAULT_SIGMA)
 # Radians: accuracy of the cycle maps, far below the noise of a cycle.
@@ -33,9 +43,13 @@ _ACCURACY = 1e-6
 _SLOPES = 36
 _OUTPUTS = ("push_turn", "push_dx", "push_dy", "theta_next")
 _OFFSET = ("m0", "n0")
-# Of each of the paper's materials, those that a table simulates: plywood by Table I, and as the staircase tells it.
-SIMULATED = {surface: tuple(dict.fromkeys((surface, material))) for surface, material in STANDS_FOR.items()}
-# Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and this package's signs.
+# Of each of the paper's materials, those that a table simulates: plywood by Table I, and as the
+# staircase tells it.
+SIMULATED = {
+    surface: tuple(dict.fromkeys((surface, material))) for surface, material in STANDS_FOR.items()
+}
+# Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and
+# this package's signs.
 QUANTITIES = (("Δθ", "°", 57.29577951308232), ("Δx", "mm", 1e3), ("Δy", "mm", -1e3))
 # The laws of Δθ, Δx and Δy over θ0 of a set; one and the same set is fitted once.
 fitted_laws = lru_cache(maxsize=32)(set_laws)
@@ -45,8 +59,9 @@ fitted_laws = lru_cache(maxsize=32)(set_laws)
 class Sampling:
     """How long and how finely a run is sampled.
 
-    pushes : in the run, 2 or more. states : of a wearing surface, 2 or more, between which maps are blended; with 5 the
-    blend is within 0.07 degrees of the map of a cycle between them. tolerance : rad, of the cycle maps.
+    pushes : in the run, 2 or more. states : of a wearing surface, 2 or more, between which maps are
+        blended; with 5 the blend is within 0.07 degrees of the
+        map of a cycle between them. tolerance : rad, of the cycle maps.
     """
 
     pushes: int = PUBLISHED_CYCLES
@@ -66,10 +81,11 @@ PAPER = Sampling()
 class SurfaceState:
     """The cycle and the push on a surface as it is at one cycle.
 
-    cycle : its number. map : the cycle map, rad. motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and Δy (m, initial
-    object frame) of the push, the periodic cubic spline through pushes computed where the map had to be sampled.
-    slopes : of θ0: (n, 4, 2), derivatives of Δθ, Δx, Δy and the next θ0 by the centre (m0, n0) of the limit ellipse,
-    linear between 36 orientations.
+    cycle : its number. map : the cycle map, rad. motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and
+        Δy (m, initial object frame) of the push, the periodic cubic spline through pushes computed
+        where the map had to be sampled.
+    slopes : of θ0: (n, 4, 2), derivatives of Δθ, Δx, Δy and the next θ0 by the centre (m0, n0) of
+        the limit ellipse, linear between 36 orientations.
     """
 
     cycle: float
@@ -79,8 +95,11 @@ class SurfaceState:
 
 
 @lru_cache(maxsize=32)
-def surface_states(material: str, count: int, tolerance: float = MAP_TOLERANCE) -> tuple[SurfaceState, ...]:
-    """Compute the state of a built-in material, or `count` of one that wears, evenly over the cycles of its wear.
+def surface_states(
+    material: str, count: int, tolerance: float = MAP_TOLERANCE
+) -> tuple[SurfaceState, ...]:
+    """Compute the state of a built-in material, or `count` of one that wears, evenly over the
+    cycles of its wear.
 
     Time: about 2 s each. Raises what the mechanics raise where they have no answer.
 
@@ -99,13 +118,21 @@ def surface_states(material: str, count: int, tolerance: float = MAP_TOLERANCE) 
         theta = cycle_map.pieces.knots[:-1]
         runs = worn.cycles(theta)
         motion = np.column_stack([runs.push_turn, runs.push_displacement])
-        spline = CubicSpline(np.append(theta, theta[0] + TWO_PI), np.vstack([motion, motion[:1]]), bc_type="periodic")
+        spline = CubicSpline(
+            np.append(theta, theta[0] + TWO_PI), np.vstack([motion, motion[:1]]), bc_type="periodic"
+        )
         places, slopes = TWO_PI * np.arange(_SLOPES + 1) / _SLOPES, []
         for start in places[:-1].tolist():
             tangent = worn.sensitivity(start, _OFFSET)
-            slopes.append([[tangent.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS])
+            slopes.append(
+                [[tangent.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS]
+            )
         linear = make_interp_spline(places, [*slopes, slopes[0]], k=1)
-        found.append(SurfaceState(cycle, cycle_map, spline, BSpline(linear.t, linear.c, 1, extrapolate="periodic")))
+        found.append(
+            SurfaceState(
+                cycle, cycle_map, spline, BSpline(linear.t, linear.c, 1, extrapolate="periodic")
+            )
+        )
     return tuple(found)
 
 
@@ -113,9 +140,12 @@ def surface_states(material: str, count: int, tolerance: float = MAP_TOLERANCE) 
 class SampledRun:
     """A run of noisy cycles on one material, each push with its motion.
 
-    surface, material : the paper's name, and that of what stands for it. states : one, or several of a surface that
-    wears. map : of the cycle. run : the orientations, rad, lifted. pushes : the same as recorded pushes.
-    jitter : (n, 2), by how much the centre (m0, n0) of each push's limit ellipse was off, over the mean coefficient.
+    surface, material : the paper's name, and that of what stands for it. states : one, or several
+        of a surface that
+    wears. map : of the cycle. run : the orientations, rad, lifted. pushes : the same as recorded
+        pushes.
+    jitter : (n, 2), by how much the centre (m0, n0) of each push's limit ellipse was off, over the
+        mean coefficient.
     """
 
     surface: str
@@ -132,9 +162,11 @@ class SampledRun:
         return published_statistics(self.surface)
 
     def density(self, theta: Array) -> tuple[Array, float]:
-        """Stationary density (n,), per rad, of θ0 at angles (n,), and a bound on its error; the mean over the wear.
+        """Stationary density (n,), per rad, of θ0 at angles (n,), and a bound on its error; the
+        mean over the wear.
 
-        As if each state had been there for ever: a run of finite length need not have forgotten where it began.
+        As if each state had been there for ever: a run of finite length need not have forgotten
+        where it began.
         """
         weight = np.ones(len(self.states))
         if weight.size > 1:
@@ -147,14 +179,17 @@ class SampledRun:
 
 @lru_cache(maxsize=32)
 def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
-    """Return a run of pushes on a built-in material, from the direction that the paper names first, else 0.
+    """Return a run of pushes on a built-in material, from the direction that the paper names first,
+    else 0.
 
-    θ_{n+1} = f_n(θ_n) + ξ_n, ξ_n normal with the scatter of measured plywood cycles, 1.1 degrees. The cause is taken to
-    be friction that is not the same everywhere: in each push the centre of the limit ellipse is off by a random vector,
-    equally likely in any direction and of the size at which the next θ0 scatters by just that much. The same vector
-    moves Δθ, Δx and Δy, by their exact derivatives: their scatter is predicted from that of θ0.
+    θ_{n+1} = f_n(θ_n) + ξ_n, ξ_n normal with the scatter of measured plywood cycles, 1.1 degrees.
+    The cause is taken to be friction that is not the same everywhere: in each push the centre of
+    the limit ellipse is off by a random vector, equally likely in any direction and of the size at
+    which the next θ0 scatters by just that much. The same vector moves Δθ, Δx and Δy, by their
+    exact derivatives: their scatter is predicted from that of θ0.
 
-    Where the material wears, cycle map and push are blended between states evenly spread over the cycles of its wear.
+    Where the material wears, cycle map and push are blended between states evenly spread over the
+    cycles of its wear.
 
     >>> run = sampled_run("pu", Sampling(pushes=50, states=2, tolerance=1e-3))
     >>> run.pushes.count, len(run.states)
@@ -164,7 +199,11 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     start = (*published_statistics(surface).directions, 0.0)[0]
     states = surface_states(material, sampling.states, sampling.tolerance)
     places = [state.cycle for state in states]
-    cycle_map = states[0].map if len(states) == 1 else DriftingMap.between([(one.cycle, one.map) for one in states])
+    cycle_map = (
+        states[0].map
+        if len(states) == 1
+        else DriftingMap.between([(one.cycle, one.map) for one in states])
+    )
     run = sample_staircase(cycle_map, NOISE, sampling.pushes, start)
     theta, ahead, cycle = run.theta[:-1], run.theta[1:], np.arange(sampling.pushes + 1.0)
     # How much of each state the surface of each cycle has, linear between neighbours.
@@ -172,7 +211,8 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     kick = ahead - np.einsum("kn,kn->n", share, np.array([state.map(theta) for state in states]))
     motion = np.einsum("kn,knj->nj", share, np.array([state.motion(theta) for state in states]))
     slopes = np.einsum("kn,knij->nij", share, np.array([state.slopes(theta) for state in states]))
-    # Along the slope of the next θ0 an offset is kick / |slope|; across it, where it turns nothing, as large.
+    # Along the slope of the next θ0 an offset is kick / |slope|; across it, where it turns nothing,
+    # as large.
     size = np.hypot(*slopes[:, -1].T)
     along = slopes[:, -1] / size[:, np.newaxis]
     across = np.column_stack([-along[:, 1], along[:, 0]])
@@ -191,8 +231,9 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
 class MaterialPushes:
     """One of the paper's materials.
 
-    published : what the paper prints. runs : simulated, of each material that stands for it. sets : of these and, last,
-    the recorded one where it was found, each with the words for where it comes from. recorded : whether it was.
+    published : what the paper prints. runs : simulated, of each material that stands for it. sets :
+        of these and, last, the recorded one where it was found, each with the
+        words for where it comes from. recorded : whether it was.
     """
 
     published: PublishedStatistics
@@ -205,8 +246,13 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> lis
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
     found = []
     for surface, materials in SIMULATED.items():
-        runs, recorded = [sampled_run(material, sampling) for material in materials], measured_run(measured, surface)
+        runs, recorded = (
+            [sampled_run(material, sampling) for material in materials],
+            measured_run(measured, surface),
+        )
         sets = [(f"simulated, {run.material}", run.pushes) for run in runs]
         sets += [] if recorded is None else [("recorded", recorded.pushes)]
-        found.append(MaterialPushes(published_statistics(surface), runs, sets, recorded is not None))
+        found.append(
+            MaterialPushes(published_statistics(surface), runs, sets, recorded is not None)
+        )
     return found

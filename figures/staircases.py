@@ -31,10 +31,12 @@ AWAY = float(np.deg2rad(30.0))
 class Climb:
     """A path and what it does.
 
-    path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it, without a model.
-    turns : from the first push to the last. turn_pushes : (k,) pushes that each full turn took, in order, from where
-    the map is fastest. first_stay : pushes before the path is first more than 30 degrees from where it began; all,
-    where it never is.
+    path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it,
+        without a model.
+    turns : from the first push to the last. turn_pushes : (k,) pushes that each full turn took, in
+        order, from where
+    the map is fastest. first_stay : pushes before the path is first more than 30 degrees from where
+        it began; all, where it never is.
     """
 
     path: Array
@@ -48,8 +50,10 @@ class Climb:
 class MaterialStaircase:
     """One panel.
 
-    run, climb : the predicted path that is drawn. lower, upper : (m,) rad, between which 95 % of such paths lie at each
-    push. turns : (runs,) full turns that these climb. recorded : the measured path; None where none was found.
+    run, climb : the predicted path that is drawn. lower, upper : (m,) rad, between which 95 % of
+        such paths lie at each
+    push. turns : (runs,) full turns that these climb. recorded : the measured path; None where none
+        was found.
     """
 
     run: SampledRun
@@ -78,12 +82,17 @@ def compute(
             # By whole turns as near as may be to where the simulated run starts.
             beside = pairs.path - TWO_PI * np.round((pairs.path[0] - run.run.start) / TWO_PI)
             recorded = climb_of(beside, level)
-        found.append(MaterialStaircase(run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded))
+        found.append(
+            MaterialStaircase(
+                run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded
+            )
+        )
     return tuple(found)
 
 
 def climb_of(path: Array, level: float) -> Climb:
-    """Find the steps of a path (m,), rad, and how long its full turns take; level : rad, where a turn begins.
+    """Find the steps of a path (m,), rad, and how long its full turns take; level : rad, where a
+    turn begins.
 
     >>> climb = climb_of(np.linspace(0.0, 13.0, 131), 0.0)
     >>> round(climb.turns, 3), climb.turn_pushes.tolist(), climb.first_stay
@@ -101,7 +110,12 @@ def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
     lower, upper = np.degrees(one.lower), np.degrees(one.upper)
-    look: dict[str, Any] = {"color": PREDICTED_FILL, "linewidth": 0, "label": "95 % of predicted runs", "zorder": 1}
+    look: dict[str, Any] = {
+        "color": PREDICTED_FILL,
+        "linewidth": 0,
+        "label": "95 % of predicted runs",
+        "zorder": 1,
+    }
     axes.fill_between(np.arange(lower.size), lower, upper, **look)
     draw_staircase(axes, one.climb.path, None if one.recorded is None else one.recorded.path)
     axes.set_xlabel("push")
@@ -112,10 +126,12 @@ def caption(result: tuple[MaterialStaircase, ...]) -> str:
     """What is drawn, and how each material climbs."""
     first = result[0]
     told = [
-        f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the predicted cycle map climbs "
-        f"with 1.1° of noise a cycle, and where 95 % of {first.turns.size} runs are. Plywood is plywood-measured, "
-        "which wears over the run and was inferred from the very path that is drawn beside it where it was found: that "
-        "agreement is a fit, not a test. The other materials are inferred from the paper's tables and words.",
+        f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the "
+        "predicted cycle map climbs with 1.1° of noise a cycle, and where 95 % of "
+        f"{first.turns.size} runs are. Plywood is plywood-measured, which wears over the run and "
+        "was inferred from the very path that is drawn beside it where it was found: that "
+        "agreement is a fit, not a test. The other materials are inferred from the paper's tables "
+        "and words.",
         *[_sentence(one) for one in result],
         not_found("θ0", [one.run.surface for one in result if one.recorded is None]),
     ]
@@ -128,7 +144,10 @@ def _sentence(one: MaterialStaircase) -> str:
     told += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
     if one.run.published.first_share is not None:
         first = float(np.degrees(one.climb.path[0])) % 360.0
-        told += f"; it stays within 30° of its first direction, {first:.0f}°, for {one.climb.first_stay} pushes"
+        told += (
+            f"; it stays within 30° of its first direction, {first:.0f}°, for "
+            f"{one.climb.first_stay} pushes"
+        )
         told += " (paper: about 150)"
     if one.recorded is not None:
         told += f". The recorded path of {one.recorded.path.size} pushes {_told(one.recorded)}"
@@ -137,17 +156,25 @@ def _sentence(one: MaterialStaircase) -> str:
 
 def _told(climb: Climb) -> str:
     """The steps, the rests and the turns of one path."""
-    steps, turns, pushes = climb.steps, f"ends {_signed(climb.turns)} turns from its start", climb.turn_pushes
-    paces = f", the first whole one in {pushes[0]} pushes and the last in {pushes[-1]}" if pushes.size > 1 else ""
+    steps, turns, pushes = (
+        climb.steps,
+        f"ends {_signed(climb.turns)} turns from its start",
+        climb.turn_pushes,
+    )
+    paces = (
+        f", the first whole one in {pushes[0]} pushes and the last in {pushes[-1]}"
+        if pushes.size > 1
+        else ""
+    )
     if not steps.levels.size:
         return f"rests nowhere and {turns}{paces}"
     if not steps.count:
         return f"stays at {float(np.degrees(steps.levels[0])) % 360.0:.0f}° and {turns}"
     heights = np.degrees(steps.heights)
     return (
-        f"makes {steps.count} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to {heights.max():.0f}°) after "
-        f"rests of {np.median(steps.lengths):.0f} pushes (median; {steps.lengths.min()} to {steps.lengths.max()}) and "
-        f"{turns}{paces}"
+        f"makes {steps.count} steps of {np.median(heights):.0f}° ({heights.min():.0f}° to "
+        f"{heights.max():.0f}°) after rests of {np.median(steps.lengths):.0f} pushes (median; "
+        f"{steps.lengths.min()} to {steps.lengths.max()}) and {turns}{paces}"
     )
 
 

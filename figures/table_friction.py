@@ -31,7 +31,9 @@ HEADER = (
 
 @dataclass(frozen=True)
 class FrictionRow:
-    """One limit ellipse. surface : the paper's name. material : the row's. source : where the numbers come from."""
+    """One limit ellipse. surface : the paper's name. material : the row's. source : where the
+    numbers come from.
+    """
 
     surface: str
     material: str
@@ -61,7 +63,9 @@ class FrictionRow:
 
 @dataclass(frozen=True)
 class FrictionEllipses:
-    """The table. absent : materials without friction scans. unfitted : those whose scans fix no ellipse, and why."""
+    """The table. absent : materials without friction scans. unfitted : those whose scans fix no
+    ellipse, and why.
+    """
 
     rows: tuple[FrictionRow, ...]
     absent: tuple[str, ...]
@@ -69,7 +73,9 @@ class FrictionEllipses:
 
 
 def compute(measured: MeasuredFolder) -> FrictionEllipses:
-    """Gather the materials' ellipses, and fit one to the friction scans of each where the folder has them."""
+    """Gather the materials' ellipses, and fit one to the friction scans of each where the folder
+    has them.
+    """
     weight = CollectionLoop.mit().model.weight
     rows: list[FrictionRow] = []
     absent, unfitted = [], []
@@ -81,7 +87,11 @@ def compute(measured: MeasuredFolder) -> FrictionEllipses:
             fresh = source if wear is None else f"{source}, fresh"
             rows.append(FrictionRow(surface, name, fresh, material.friction))
             if wear is not None:
-                rows.append(FrictionRow(surface, name, f"{source}, after {wear.cycles:.0f} pushes", wear.friction))
+                rows.append(
+                    FrictionRow(
+                        surface, name, f"{source}, after {wear.cycles:.0f} pushes", wear.friction
+                    )
+                )
         scans = measured_scans(measured, surface)
         if scans is None:
             absent.append(surface)
@@ -91,7 +101,9 @@ def compute(measured: MeasuredFolder) -> FrictionEllipses:
         except (InvalidInput, ConvergenceError) as error:
             unfitted.append((surface, str(error)))
         else:
-            rows.append(FrictionRow(surface, surface, f"{len(scans)} recorded scans", law.friction()))
+            rows.append(
+                FrictionRow(surface, surface, f"{len(scans)} recorded scans", law.friction())
+            )
     return FrictionEllipses(tuple(rows), tuple(absent), tuple(unfitted))
 
 
@@ -113,14 +125,18 @@ def caption(result: FrictionEllipses) -> str:
     ratios, offsets = [row.axis_ratio for row in others], [100 * row.offset for row in others]
     scanned = [row.surface for row in result.rows if row.source.endswith("recorded scans")]
     told = [
-        f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ = "
-        f"{paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and its centre lies "
-        f"{100 * paper.offset:.1f} % of the mean coefficient from zero, towards "
-        f"{math.degrees(paper.offset_direction):.0f}°. The others are inferred from how objects moved, which does not "
-        f"tell the size of friction: their mean is 0.25 by convention. Their axis ratios are {min(ratios):.2f} to "
-        f"{max(ratios):.2f}, their offsets {min(offsets):.1f} to {max(offsets):.1f} % of the mean.",
+        f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ "
+        f"= {paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and "
+        f"its centre lies {100 * paper.offset:.1f} % of the mean coefficient from zero, towards "
+        f"{math.degrees(paper.offset_direction):.0f}°. The others are inferred from how objects "
+        "moved, which does not tell the size of friction: their mean is 0.25 by convention. Their "
+        f"axis ratios are {min(ratios):.2f} to {max(ratios):.2f}, their offsets {min(offsets):.1f} "
+        f"to {max(offsets):.1f} % of the mean.",
         f"Ellipses are fitted to recorded friction scans on {listed(scanned)}." if scanned else "",
-        *[f"The recorded friction scans on {name} fix no ellipse: {why}." for name, why in result.unfitted],
+        *[
+            f"The recorded friction scans on {name} fix no ellipse: {why}."
+            for name, why in result.unfitted
+        ],
         not_found("friction scans", result.absent),
     ]
     return " ".join(filter(None, told))

@@ -10,26 +10,42 @@ from cyclemap.evidence.tables.set_fit import MotionLaw
 from .catalogue import MeasuredFolder
 from .measured_sets import listed, not_found
 from .published_statistics import PUBLISHED_CYCLES
-from .simulated_collections import PAPER, QUANTITIES, MaterialPushes, Sampling, fitted_laws, material_pushes
+from .simulated_collections import (
+    PAPER,
+    QUANTITIES,
+    MaterialPushes,
+    Sampling,
+    fitted_laws,
+    material_pushes,
+)
 
-_COLUMNS = [word for name, unit, _ in QUANTITIES for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")]
+_COLUMNS = [
+    word
+    for name, unit, _ in QUANTITIES
+    for word in (f"{name} RMSE ({unit})", "% of mean", "harmonics")
+]
 HEADER = ("material", "source", "pushes", *_COLUMNS)
 # A material's pushes, and of each of its sets source and laws.
 LawErrors = list[tuple[MaterialPushes, list[tuple[str, SetLaws]]]]
 
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> LawErrors:
-    """Simulate pushes on each material, look for recorded ones, and fit the laws of Δθ, Δx and Δy."""
+    """Simulate pushes on each material, look for recorded ones, and fit the laws of Δθ,
+    Δx and Δy."""
     materials = material_pushes(measured, sampling)
     return [(each, [(source, fitted_laws(one)) for source, one in each.sets]) for each in materials]
 
 
 def rows(result: LawErrors) -> list[tuple[str, ...]]:
-    """The paper's row of each material, then those simulated, then the recorded one where it was found."""
+    """The paper's row of each material, then those simulated, then the recorded one where it was
+    found.
+    """
     told = []
     for each, sets in result:
         cells, paper = [], each.published
-        for rmse, percent, (_, _, factor) in zip(paper.rmse, paper.rmse_percent, QUANTITIES, strict=True):
+        for rmse, percent, (_, _, factor) in zip(
+            paper.rmse, paper.rmse_percent, QUANTITIES, strict=True
+        ):
             cells += [f"{abs(factor) * rmse:.2f}", f"{percent:.2f}", ""]
         told.append((paper.material, "paper", str(PUBLISHED_CYCLES), *cells))
         for source, laws in sets:
@@ -44,7 +60,9 @@ def rows(result: LawErrors) -> list[tuple[str, ...]]:
 
 def caption(result: LawErrors) -> str:
     """What the rows are, and how much of the paper's errors the simulated scatter explains."""
-    jitter = [np.sqrt(np.mean(np.sum(run.jitter**2, axis=1))) for each, _ in result for run in each.runs]
+    jitter = [
+        np.sqrt(np.mean(np.sum(run.jitter**2, axis=1))) for each, _ in result for run in each.runs
+    ]
     sentences = []
     for index, (name, unit, factor) in enumerate(QUANTITIES):
         errors = []
@@ -55,13 +73,14 @@ def caption(result: LawErrors) -> str:
             errors.append(f"{_error(law, factor)} of {paper}")
         sentences.append(f"{name} ({unit}): {listed(errors)}.")
     told = [
-        "Root mean square error of the law of θ0 fitted to the pushes, the number of harmonics chosen by "
-        "cross-validation. The paper's percentages are as it prints them, of means up to 3 % off those of Table II. "
-        "Simulated: in each push the centre of the limit "
-        f"ellipse is off by {100 * min(jitter):.1f} to {100 * max(jitter):.1f} % RMS of the mean coefficient, as much "
-        "as makes the next θ0 scatter by 1.1°, and nothing else.",
+        "Root mean square error of the law of θ0 fitted to the pushes, the number of harmonics "
+        "chosen by cross-validation. The paper's percentages are as it prints them, of means up to "
+        "3 % off those of Table II. Simulated: in each push the centre of the limit ellipse is off "
+        f"by {100 * min(jitter):.1f} to {100 * max(jitter):.1f} % RMS of the mean coefficient, as "
+        "much as makes the next θ0 scatter by 1.1°, and nothing else.",
         *sentences,
-        "What is left of the paper's errors may be wear, other scatter of friction and the instruments.",
+        "What is left of the paper's errors may be wear, other scatter of friction and the "
+        "instruments.",
         not_found("pushes", [each.published.material for each, _ in result if not each.recorded]),
     ]
     return " ".join(filter(None, told))

@@ -33,9 +33,9 @@ NEAR = float(np.deg2rad(30.0))
 class MaterialDirections:
     """One panel.
 
-    run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``, stationary, of the map
-    with its noise, known to density_error. theta0 : (m,) rad, the recorded orientations, and recorded, their
-    histogram; None where not found.
+    run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``,
+        stationary, of the map with its noise, known to density_error. theta0 : (m,) rad, the
+        recorded orientations, and recorded, their histogram; None where not found.
     """
 
     run: SampledRun
@@ -47,9 +47,15 @@ class MaterialDirections:
 
     @property
     def peaks(self) -> Array:
-        """(k,) rad, where the stationary density has a maximum above half the uniform one, the highest first."""
+        """(k,) rad, where the stationary density has a maximum above half the uniform one, the
+        highest first.
+        """
         value = self.density[:-1]
-        top = (value >= np.roll(value, 1)) & (value > np.roll(value, -1)) & (value > LEAST_PEAK * UNIFORM)
+        top = (
+            (value >= np.roll(value, 1))
+            & (value > np.roll(value, -1))
+            & (value > LEAST_PEAK * UNIFORM)
+        )
         places = np.flatnonzero(top)
         return np.asarray(CIRCLE[places[np.argsort(-value[places])]])
 
@@ -60,7 +66,9 @@ def share_near(theta: ArrayLike, directions: ArrayLike) -> float:
     >>> share_near([0.1, 3.0, 6.2], [0.0])
     0.6666666666666666
     """
-    apart = np.cos(np.subtract.outer(np.asarray(theta, dtype=float), np.asarray(directions, dtype=float)))
+    apart = np.cos(
+        np.subtract.outer(np.asarray(theta, dtype=float), np.asarray(directions, dtype=float))
+    )
     return float(np.mean((apart >= np.cos(NEAR)).any(axis=-1)))
 
 
@@ -87,19 +95,40 @@ def _draw_material(axes: Axes, one: MaterialDirections) -> None:
     edges, height = np.degrees(one.simulated.edges), PER_DEGREE * one.simulated.density
     axes.stairs(height, edges, color=INK, linewidth=0.9, label="simulated", zorder=3)
     density = PER_DEGREE * one.density
-    axes.plot(np.degrees(CIRCLE), density, color=PREDICTED, linewidth=1.8, label="stationary density", zorder=4)
+    axes.plot(
+        np.degrees(CIRCLE),
+        density,
+        color=PREDICTED,
+        linewidth=1.8,
+        label="stationary density",
+        zorder=4,
+    )
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
     degree_axis(axes)
     axes.set_ylabel("probability per degree")
-    shown = [height, density] if one.recorded is None else [height, density, PER_DEGREE * one.recorded.density]
+    shown = (
+        [height, density]
+        if one.recorded is None
+        else [height, density, PER_DEGREE * one.recorded.density]
+    )
     axes.set_ylim(0.0, 1.3 * float(np.max(np.concatenate(shown))))
     label, top = "paper's peak", axes.get_ylim()[1]
     for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
-        axes.axvline(place, ymax=0.9, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2)
+        axes.axvline(
+            place, ymax=0.9, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2
+        )
         name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
         label = "_"
     if not PEAK_WORDS[one.run.surface]:
-        axes.text(0.5, 0.94, "paper: no stable direction", transform=axes.transAxes, ha="center", va="center", size=7.5)
+        axes.text(
+            0.5,
+            0.94,
+            "paper: no stable direction",
+            transform=axes.transAxes,
+            ha="center",
+            va="center",
+            size=7.5,
+        )
     legend_above(axes, columns=2)
 
 
@@ -112,10 +141,11 @@ def caption(result: tuple[MaterialDirections, ...]) -> str:
     count = result[0].run.pushes.count
     error = max(one.density_error for one in result) * PER_DEGREE
     told = [
-        f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a cycle, and the stationary "
-        f"density of the noisy map (within {error:.1g} per degree). Plywood is plywood-measured, "
-        f"whose density is the mean over {len(result[0].run.states)} states of its wear. Dashed: the "
-        "peaks that the paper names. Maxima above half the uniform density count as peaks.",
+        f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a "
+        f"cycle, and the stationary density of the noisy map (within {error:.1g} per degree). "
+        f"Plywood is plywood-measured, whose density is the mean over {len(result[0].run.states)} "
+        "states of its wear. Dashed: the peaks that the paper names. Maxima above half the uniform "
+        "density count as peaks.",
         *[_sentence(one) for one in result],
         not_found("θ0", [one.run.surface for one in result if one.theta0 is None]),
     ]
@@ -127,10 +157,18 @@ def _sentence(one: MaterialDirections) -> str:
     where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
     told = f"On {name} the density {where}"
     if not _published(one):
-        return f"{told}, {one.density.max() / UNIFORM:.1f} times the uniform one at most (paper: none)."
-    words = [f"{at:.0f}° {word}" for at, word in zip(_published(one), PEAK_WORDS[name], strict=True)]
+        return (
+            f"{told}, {one.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
+            "none)."
+        )
+    words = [
+        f"{at:.0f}° {word}" for at, word in zip(_published(one), PEAK_WORDS[name], strict=True)
+    ]
     near = share_near(one.run.pushes.theta, one.run.published.directions)
-    told += f" (paper: {listed(words)}); {near:.0%} of the simulated pushes start within 30° of the paper's"
+    told += (
+        f" (paper: {listed(words)}); {near:.0%} of the simulated pushes start within 30° of "
+        "the paper's"
+    )
     if one.theta0 is None or one.recorded is None:
         return f"{told}."
     recorded = share_near(one.theta0, one.run.published.directions)
@@ -138,6 +176,6 @@ def _sentence(one: MaterialDirections) -> str:
     low, high = np.degrees(one.recorded.edges[highest : highest + 2])
     apart = float(total_variation(one.theta0, one.run.pushes.theta))
     return (
-        f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is {low:.0f}° to "
-        f"{high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
+        f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is "
+        f"{low:.0f}° to {high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )

@@ -1,4 +1,6 @@
-"""Paths of the pushed object's centre in the object's own frame before the push, on the paper's four surfaces."""
+"""Paths of the pushed object's centre in the object's own frame before the push, on the paper's
+four surfaces.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -21,7 +23,9 @@ from .pushed_paths import (
 )
 
 
-def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> list[PushedPaths]:
+def compute(
+    measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN
+) -> list[PushedPaths]:
     """Run or read the pushes on the four surfaces: `drawn` of a run of `cycles`."""
     return paths_on_four_surfaces(measured, cycles, drawn)
 
@@ -54,15 +58,21 @@ def caption(result: list[PushedPaths]) -> str:
     spreads, units = [], ((float(np.degrees(1.0)), "°"), (MM, " mm"), (MM, " mm"))
     for paths in result:
         both = zip(paths.spread, published_statistics(paths.surface).std, units, strict=True)
-        told = ", ".join(f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, (unit, name) in both)
+        told = ", ".join(
+            f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, (unit, name) in both
+        )
         spreads.append(f"{paths.surface} {told}")
     # A simulated push has no scatter about the law that Table III tells of.
-    scatter = "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about it too (Table III). "
+    scatter = (
+        "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about "
+        "it too (Table III). "
+    )
     return (
-        "Paths of the object's centre in equal pushes, in the object's frame before each push (it starts at the "
-        "origin and is pushed along -y); a darker shade is a larger turn. In this frame isotropic friction would give "
-        "a single path. σ is the standard deviation of (Δθ, Δx, Δy) over the pushes drawn, in brackets the "
-        f"published one (Table II): {'; '.join(spreads)}. "
+        "Paths of the object's centre in equal pushes, in the object's frame before each push (it "
+        "starts at the origin and is pushed along -y); a darker shade is a larger turn. In this "
+        "frame isotropic friction would give a single path. σ is the standard deviation of (Δθ, "
+        "Δx, Δy) over the pushes drawn, in brackets the published one (Table II): "
+        f"{'; '.join(spreads)}. "
         f"{'' if all(paths.origin == RECORDED for paths in result) else scatter}"
         f"{material_sentence(result)}"
     )

@@ -1,4 +1,6 @@
-"""Paths of the pushed object's centre in the robot's frame, on the paper's four surfaces: they seldom cross."""
+"""Paths of the pushed object's centre in the robot's frame, on the paper's four surfaces: they
+seldom cross.
+"""
 
 from dataclasses import dataclass
 
@@ -26,9 +28,11 @@ from .pushed_paths import (
 
 Arc = tuple[float, float]
 
-# A direction is crowded where it is recorded this many times as often as if all were recorded alike.
+# A direction is crowded where it is recorded this many times as often as if all were recorded
+# alike.
 CROWDED = 2.0
-# Crossings are counted among so many pushes, between those whose θ0 differ by at least so much (rad).
+# Crossings are counted among so many pushes, between those whose θ0 differ by at least so much
+# (rad).
 COUNTED, APART = 60, np.deg2rad(5.0)
 _BINS = 36
 _MARK_GAP = 8.0
@@ -38,8 +42,8 @@ _MARK_GAP = 8.0
 class RobotFramePaths:
     """The pushes on each surface, the crowded arcs of θ0, and how many pairs of paths cross.
 
-    arcs : for each surface, (begin, end) in rad, begin in [0, 2π). crossed : for each surface, pairs of paths that
-    cross in the robot's frame, in the object's frame, and pairs looked at.
+    arcs : for each surface, (begin, end) in rad, begin in [0, 2π). crossed : for each surface,
+        pairs of paths that cross in the robot's frame, in the object's frame, and pairs looked at.
     """
 
     surfaces: list[PushedPaths]
@@ -48,7 +52,9 @@ class RobotFramePaths:
 
 
 def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> RobotFramePaths:
-    """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their crossings."""
+    """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their
+    crossings.
+    """
     surfaces = paths_on_four_surfaces(measured, cycles, drawn)
     crossed = []
     for paths in surfaces:
@@ -58,7 +64,9 @@ def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) 
         # Every second station: the paths bend too little between them to hide a crossing.
         here, pairs = crossing_pairs(paths.robot_frame[chosen, ::2], apart)
         crossed.append((here, crossing_pairs(paths.object_frame[chosen, ::2], apart)[0], pairs))
-    return RobotFramePaths(surfaces, [crowded_arcs(paths.orientations) for paths in surfaces], crossed)
+    return RobotFramePaths(
+        surfaces, [crowded_arcs(paths.orientations) for paths in surfaces], crossed
+    )
 
 
 def crowded_arcs(orientations: Array) -> list[Arc]:
@@ -71,7 +79,10 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
     crowded = histogram.density * (2 * np.pi) >= CROWDED
     size = crowded.size
     begins = np.flatnonzero(crowded & ~np.roll(crowded, 1))
-    widths = [next(k for k in range(1, size + 1) if not crowded[(first + k) % size]) for first in begins.tolist()]
+    widths = [
+        next(k for k in range(1, size + 1) if not crowded[(first + k) % size])
+        for first in begins.tolist()
+    ]
     return [
         (float(histogram.edges[first]), float(histogram.edges[first] + width * 2 * np.pi / size))
         for first, width in zip(begins.tolist(), widths, strict=True)
@@ -79,26 +90,41 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
 
 
 def draw(result: RobotFramePaths) -> Figure:
-    """Draw four panels on one scale, the crowded directions marked outside the ends of the paths."""
+    """Draw four panels on one scale, the crowded directions marked outside the ends
+    of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
     with picture_style():
         figure = new_figure(8.8, 8.4)
         shades = shade_bar(figure, (0.9, 0.28, 0.018, 0.44), result.surfaces)
-        grid = GridSpec(2, 2, figure, left=0.085, right=0.86, bottom=0.065, top=0.94, wspace=0.25, hspace=0.22)
+        grid = GridSpec(
+            2, 2, figure, left=0.085, right=0.86, bottom=0.065, top=0.94, wspace=0.25, hspace=0.22
+        )
         for number, paths in enumerate(result.surfaces):
             axes = figure.add_subplot(grid[number])
             draw_paths(axes, paths.robot_frame, paths.turn, shades)
             for arc in result.arcs[number]:
                 _mark(axes, paths, arc)
-            axes.set(xlim=(-window, window), ylim=(-window, window), title=f"{paths.surface}, {paths.origin}")
+            axes.set(
+                xlim=(-window, window),
+                ylim=(-window, window),
+                title=f"{paths.surface}, {paths.origin}",
+            )
             axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        figure.text(0.9, 0.2, "thick arcs:\nwhere pushes\nfrom crowded\nθ0 end", color=FORCE, fontsize=8, va="top")
+        figure.text(
+            0.9,
+            0.2,
+            "thick arcs:\nwhere pushes\nfrom crowded\nθ0 end",
+            color=FORCE,
+            fontsize=8,
+            va="top",
+        )
     return figure
 
 
 def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
-    """A thick arc about the target, outside the ends of the paths that start within an arc of θ0."""
+    """A thick arc about the target, outside the ends of the paths that start within
+    an arc of θ0."""
     end = paths.robot_frame[:, -1]
     inside = np.mod(paths.theta0 - arc[0], 2 * np.pi) <= arc[1] - arc[0]
     if not inside.any():
@@ -107,21 +133,30 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
     middle = float(np.angle(np.mean(np.exp(1j * ahead))))
     radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
     angle = np.linspace(*arc, 60) + middle
-    axes.plot(radius * np.cos(angle), radius * np.sin(angle), color=FORCE, linewidth=4.0, solid_capstyle="butt")
+    axes.plot(
+        radius * np.cos(angle),
+        radius * np.sin(angle),
+        color=FORCE,
+        linewidth=4.0,
+        solid_capstyle="butt",
+    )
 
 
 def caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
     marked = []
     for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
-        told = ", ".join(f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs)
+        told = ", ".join(
+            f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs
+        )
         marked.append(f"{paths.surface} {told or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
-        "Paths of the object's centre in equal pushes, in the robot's frame about the reset's target (cross); a darker "
-        "shade is a larger turn. Thick arcs are where those pushes end whose orientation before the push occurs at "
-        f"least twice as often as if all were alike (in bins of 10°): {'; '.join(marked)}. "
-        f"Of {pairs} pairs of paths from orientations "
-        f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's frame: seen from the "
-        f"floor the pushes are told apart. {material_sentence(result.surfaces)}"
+        "Paths of the object's centre in equal pushes, in the robot's frame about the reset's "
+        "target (cross); a darker shade is a larger turn. Thick arcs are where those pushes end "
+        "whose orientation before the push occurs at least twice as often as if all were alike (in "
+        f"bins of 10°): {'; '.join(marked)}. Of {pairs} pairs of paths from orientations "
+        f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's "
+        "frame: seen from the floor the pushes are told apart. "
+        f"{material_sentence(result.surfaces)}"
     )

@@ -1,4 +1,6 @@
-"""Fig. 7: histograms of the turn Δθ, as a fitted law predicts it from the orientations, and as it was."""
+"""Fig. 7: histograms of the turn Δθ, as a fitted law predicts it from the orientations, and as it
+was.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +29,12 @@ PUSH_BINS, CYCLE_BINS = 40, 120
 class TurnPanel:
     """One panel.
 
-    surface : the material. recorded : whether its turns were measured on a robot, else they are simulated.
-    whole_cycle : whether a turn is that of push and drag together, since only θ0 was recorded; else of the push alone.
-    law : fitted to the turns over θ0. histogram : of the turns and of what the law makes of the same θ0; None where no
-    law could be fitted.
+    surface : the material. recorded : whether its turns were measured on a robot, else they are
+        simulated.
+    whole_cycle : whether a turn is that of push and drag together, since only θ0 was recorded; else
+        of the push alone.
+    law : fitted to the turns over θ0. histogram : of the turns and of what the law makes of the
+        same θ0; None where no law could be fitted.
     """
 
     surface: str
@@ -42,14 +46,19 @@ class TurnPanel:
 
 @dataclass(frozen=True, eq=False)
 class TurnHistograms:
-    """A panel a material, and those of whole cycles where only θ0 was recorded. absent : without recorded pushes."""
+    """A panel a material, and those of whole cycles where only θ0 was recorded. absent : without
+    recorded pushes.
+    """
 
     panels: tuple[TurnPanel, ...]
     absent: tuple[str, ...]
 
 
-def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS) -> TurnHistograms:
-    """Fit the law of Δθ to recorded pushes, else to simulated ones, and let it predict their histogram.
+def compute(
+    measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
+) -> TurnHistograms:
+    """Fit the law of Δθ to recorded pushes, else to simulated ones, and let it predict their
+    histogram.
 
     runs : simulated sets that tell how far apart the two histograms may be by chance.
     """
@@ -63,23 +72,35 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DE
             pairs = measured_theta0(measured, surface)
             if pairs is not None:
                 # θ0 was recorded without its pushes: whole cycles are at hand.
-                cycle_laws.append((surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn)))
+                cycle_laws.append(
+                    (surface, True, True, motion_law("dtheta", pairs.theta, pairs.turn))
+                )
     panels = []
     for surface, recorded, whole, law in laws + cycle_laws:
         bins = CYCLE_BINS if whole else PUSH_BINS
-        known = None if law.law is None else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
+        known = (
+            None
+            if law.law is None
+            else turn_histogram(law.theta, law.value, law.law, bins=bins, runs=runs)
+        )
         panels.append(TurnPanel(surface, recorded, whole, law, known))
     return TurnHistograms(tuple(panels), tuple(absent))
 
 
 def draw(result: TurnHistograms) -> Figure:
     """Draw the panels."""
-    names = [f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels]
+    names = [
+        f"{panel.surface}, cycle" if panel.whole_cycle else panel.surface for panel in result.panels
+    ]
     return draw_materials(names, result.panels, _draw_panel)
 
 
 def _draw_panel(axes: Axes, panel: TurnPanel) -> None:
-    turn = "turn of the whole cycle, push and drag (°)" if panel.whole_cycle else "turn of the push, Δθ (°)"
+    turn = (
+        "turn of the whole cycle, push and drag (°)"
+        if panel.whole_cycle
+        else "turn of the push, Δθ (°)"
+    )
     if panel.histogram is None:
         say(axes, "no law")
         axes.set(xlabel=turn, ylabel="pushes")
@@ -94,8 +115,9 @@ def _draw_panel(axes: Axes, panel: TurnPanel) -> None:
 def caption(result: TurnHistograms) -> str:
     """What is drawn, and how far the law's histogram is from what was recorded or simulated."""
     told = [
-        "Histogram of the turn of each push, and the one that the fitted law predicts from the same θ0, with its "
-        "scatter and, as the paper drew it, alone. Simulated plywood is plywood-measured, which wears.",
+        "Histogram of the turn of each push, and the one that the fitted law predicts from the "
+        "same θ0, with its scatter and, as the paper drew it, alone. Simulated plywood is "
+        "plywood-measured, which wears.",
         *[_sentence(panel) for panel in result.panels],
         not_found("pushes", result.absent),
     ]
@@ -113,7 +135,8 @@ def _sentence(panel: TurnPanel) -> str:
     low, high = np.degrees(np.quantile(panel.law.value, [0.025, 0.975]))
     chance = "within" if found.total_variation <= found.chance_total_variation else "beyond"
     return (
-        f"Of {found.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; the law's histogram is "
-        f"{found.total_variation:.2f} off in total variation, {chance} the {found.chance_total_variation:.2f} that "
-        f"chance makes in 19 of 20 sets, and without its scatter {found.law_alone_total_variation:.2f}."
+        f"Of {found.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; the "
+        f"law's histogram is {found.total_variation:.2f} off in total variation, {chance} the "
+        f"{found.chance_total_variation:.2f} that chance makes in 19 of 20 sets, and without its "
+        f"scatter {found.law_alone_total_variation:.2f}."
     )

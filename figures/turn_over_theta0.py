@@ -1,4 +1,5 @@
-"""Fig. 5: the turn Δθ of the push over the orientation θ0 that it starts from, on four materials."""
+"""Fig. 5: the turn Δθ of the push over the orientation θ0 that it starts from,
+on four materials."""
 
 from __future__ import annotations
 
@@ -27,10 +28,12 @@ MOST = 0.95
 class MaterialTurns:
     """One panel.
 
-    run : simulated pushes. measured : the recorded set, None where none was found. law : of the recorded Δθ where
-    there are any, else of the simulated. simulated_law : of these. curves : (states, 721) rad, the mechanics' Δθ at
-    ``CIRCLE``, fresh and worn; one where the surface does not wear. arc : rad, the shortest in which 95 % of the
-    simulated pushes start. worst_miss : rad, how far their law lies from the mechanics of the fresh surface, at worst.
+    run : simulated pushes. measured : the recorded set, None where none was found. law : of the
+        recorded Δθ where there are any, else of the simulated. simulated_law : of these. curves :
+        (states, 721) rad, the mechanics' Δθ at ``CIRCLE``, fresh and worn; one
+        where the surface does not wear. arc : rad, the shortest in which 95 % of the
+    simulated pushes start. worst_miss : rad, how far their law lies from the mechanics of the fresh
+        surface, at worst.
     """
 
     run: SampledRun
@@ -43,7 +46,8 @@ class MaterialTurns:
 
 
 def shortest_arc(theta: Array, share: float) -> float:
-    """Length (rad) of the shortest arc of the circle that holds a share, in (0, 1], of the angles (n,), any turn.
+    """Length (rad) of the shortest arc of the circle that holds a share, in (0, 1], of the angles
+    (n,), any turn.
 
     >>> round(shortest_arc(np.array([0.1, 6.2, 0.3, 3.0]), 0.75), 6)
     0.383185
@@ -64,7 +68,11 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
         shown = run.states[:: max(len(run.states) - 1, 1)]
         curves = np.array([state.motion(CIRCLE)[:, 0] for state in shown])
         arc = shortest_arc(run.pushes.theta, MOST)
-        miss = math.nan if simulated.law is None else float(np.max(np.abs(simulated.law(CIRCLE) - curves[0])))
+        miss = (
+            math.nan
+            if simulated.law is None
+            else float(np.max(np.abs(simulated.law(CIRCLE) - curves[0])))
+        )
         panels.append(MaterialTurns(run, found, law, simulated, curves, arc, miss))
     return tuple(panels)
 
@@ -81,12 +89,24 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
     if one.measured is not None:
         theta = np.degrees(np.mod(one.run.pushes.theta, 2 * np.pi))
         dots = np.degrees(one.run.pushes.dtheta)
-        axes.plot(theta, dots, ".", color=QUIET, markersize=2, alpha=0.5, label="simulated", zorder=2)
+        axes.plot(
+            theta, dots, ".", color=QUIET, markersize=2, alpha=0.5, label="simulated", zorder=2
+        )
     names = ("mechanics",) if len(one.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
     for curve, name, dash in zip(one.curves, names, ("--", ":"), strict=False):
-        axes.plot(np.degrees(CIRCLE), np.degrees(curve), color=INK, linewidth=1.3, linestyle=dash, label=name, zorder=5)
+        axes.plot(
+            np.degrees(CIRCLE),
+            np.degrees(curve),
+            color=INK,
+            linewidth=1.3,
+            linestyle=dash,
+            label=name,
+            zorder=5,
+        )
     margin = 0.08 * float(np.ptp(shown)) + 0.5
-    axes.set_ylim(min(float(np.min(shown)) - margin, band_low), max(float(np.max(shown)) + margin, band_high))
+    axes.set_ylim(
+        min(float(np.min(shown)) - margin, band_low), max(float(np.max(shown)) + margin, band_high)
+    )
     if one.measured is None:
         as_simulated(axes)
     legend_above(axes, columns=2)
@@ -96,17 +116,20 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
     count = result[0].run.pushes.count
     recorded = [
-        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within {np.degrees(one.law.law.rmse):.2f}° RMS)"
+        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within "
+        f"{np.degrees(one.law.law.rmse):.2f}° RMS)"
         for one in result
         if one.measured is not None and one.law.law is not None
     ]
     told = [
-        f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a material with the law "
-        "fitted to them. In each push friction is off by a random offset, as much as makes the next θ0 scatter by "
-        "1.1°, as measured cycles on plywood do. Plywood is the one inferred from the measured staircase "
-        "(plywood-measured), which wears; the curve of its last cycle is drawn too.",
+        f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a "
+        "material with the law fitted to them. In each push friction is off by a random offset, as "
+        "much as makes the next θ0 scatter by 1.1°, as measured cycles on plywood do. Plywood is "
+        "the one inferred from the measured staircase (plywood-measured), which wears; the curve "
+        "of its last cycle is drawn too.",
         *[_sentence(one) for one in result],
-        "Where no push starts, a law only guesses: around the circle it misses the mechanics by up to "
+        "Where no push starts, a law only guesses: around the circle it misses the mechanics by up "
+        "to "
         f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
         f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [one.run.surface for one in result if one.measured is None]),
@@ -117,9 +140,13 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
 def _sentence(one: MaterialTurns) -> str:
     low, high = np.degrees([one.curves[0].min(), one.curves[0].max()])
     rmse = one.simulated_law.law
-    fitted = "no law could be fitted" if rmse is None else f"the law is {np.degrees(rmse.rmse):.2f}° RMS off"
+    fitted = (
+        "no law could be fitted"
+        if rmse is None
+        else f"the law is {np.degrees(rmse.rmse):.2f}° RMS off"
+    )
     return (
-        f"On {one.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the simulated pushes "
-        f"(paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 % of these start on an arc of "
-        f"{np.degrees(one.arc):.0f}°."
+        f"On {one.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the "
+        f"simulated pushes (paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 "
+        f"% of these start on an arc of {np.degrees(one.arc):.0f}°."
     )

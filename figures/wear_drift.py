@@ -1,4 +1,6 @@
-"""Figure: the cycle map as plywood wears: its bottleneck opens, and a turn takes fewer and fewer cycles."""
+"""Figure: the cycle map as plywood wears: its bottleneck opens, and a turn takes fewer and fewer
+cycles.
+"""
 
 import math
 from dataclasses import dataclass, replace
@@ -45,11 +47,13 @@ _MEASURED_LOOKS = (("#f3c766", "-"), (MEASURED, "--"), (MEASURED_EDGE, "-."))
 class WearDrift:
     """The map over the cycles, computed and measured.
 
-    cycles : (n,). least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is. turns : the
-    turn (rad) at `_GRID` at AGES, computed; measured_turns : as fitted, nan where the robot hardly was; None without
-    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error : rad, bound on that
-    of the maps between those computed. pace : cycles of each measured turn, beside what the fitted map foretells; None
-    without data.
+    cycles : (n,). least, measured_least : (n,) rad, the least turn of
+        a cycle, where the bottleneck is. turns : the turn (rad) at `_GRID` at AGES, computed;
+        measured_turns : as fitted, nan
+        where the robot hardly was; None without
+    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error :
+        rad, bound on that of the maps between those computed. pace : cycles of each measured turn,
+        beside what the fitted map foretells; None without data.
     """
 
     cycles: Array
@@ -73,9 +77,13 @@ class WearDrift:
 
     @property
     def cycles_a_turn(self) -> Array:
-        """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any collection has."""
+        """Cycles in which the frozen map climbs a turn, at `ages`; nan where it takes more than any
+        collection has.
+        """
         climbs = self.mean_turn > 2 * np.pi / LONGEST_STAY
-        return np.asarray(np.where(climbs, 2 * np.pi / np.where(climbs, self.mean_turn, 1.0), np.nan))
+        return np.asarray(
+            np.where(climbs, 2 * np.pi / np.where(climbs, self.mean_turn, 1.0), np.nan)
+        )
 
     @property
     def expected_turns(self) -> float:
@@ -83,8 +91,11 @@ class WearDrift:
         return float(np.trapezoid(self.mean_turn, self.ages)) / (2 * np.pi)
 
 
-def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None) -> WearDrift:
-    """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its wear.
+def compute(
+    measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonics: int | None = None
+) -> WearDrift:
+    """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
+    wear.
 
     points : ages at which the pace is foretold. runs : paths of the
     fitted map a measured turn. harmonics : of the fitted map, None to choose them.
@@ -104,7 +115,10 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
     turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
     error = drifting.max_error
     least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
-    computed, file = WearDrift(cycles, least, turns, ages, mean_turn, error), measured.find(THETA0_FILE)
+    computed, file = (
+        WearDrift(cycles, least, turns, ages, mean_turn, error),
+        measured.find(THETA0_FILE),
+    )
     if file is None:
         return computed
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
@@ -115,7 +129,9 @@ def compute(measured: MeasuredFolder, points: int = 17, runs: int = 50, harmonic
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
-    """The fitted turn at `_GRID`, nan where no push within NEAR cycles of the age began within 8° of there."""
+    """The fitted turn at `_GRID`, nan where no push within NEAR cycles of the age began within 8°
+    of there.
+    """
     pairs = fitted.pairs
     assert pairs.cycle is not None
     near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], 2 * np.pi))
@@ -127,10 +143,14 @@ def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
 
 
 def draw(result: WearDrift) -> Figure:
-    """The turn at three ages, computed and measured; the least turn and the cycles of a turn over the cycles."""
+    """The turn at three ages, computed and measured; the least turn and the cycles of a turn over
+    the cycles.
+    """
     with picture_style():
         figure = new_figure(10.5, 6.6)
-        grid = GridSpec(2, 2, figure, left=0.065, right=0.985, bottom=0.08, top=0.9, wspace=0.2, hspace=0.55)
+        grid = GridSpec(
+            2, 2, figure, left=0.065, right=0.985, bottom=0.08, top=0.9, wspace=0.2, hspace=0.55
+        )
         computed = figure.add_subplot(grid[0, :] if result.measured_turns is None else grid[0, 0])
         least, pace = (figure.add_subplot(grid[1, k]) for k in range(2))
         _draw_turns(computed, result.turns, _LOOKS)
@@ -140,10 +160,18 @@ def draw(result: WearDrift) -> Figure:
             seen.set_title("Measured: turn of a cycle, fitted", pad=22)
             _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
         least.axhline(0.0, color=QUIET, linewidth=0.9)
-        least.plot(result.cycles, np.degrees(result.least), color=PREDICTED, linewidth=1.8, label="computed")
+        least.plot(
+            result.cycles,
+            np.degrees(result.least),
+            color=PREDICTED,
+            linewidth=1.8,
+            label="computed",
+        )
         if result.measured_least is not None:
             look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
-            least.plot(result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look)
+            least.plot(
+                result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look
+            )
         least.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
         least.set_title("The bottleneck opens", pad=22)
         legend_above(least)
@@ -154,14 +182,23 @@ def draw(result: WearDrift) -> Figure:
 def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, str], ...]) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     for age, turn, (color, dashes) in zip(AGES, turns, looks, strict=True):
-        axes.plot(np.degrees(_GRID), np.degrees(turn), dashes, color=color, linewidth=1.8, label=f"cycle {age}")
+        axes.plot(
+            np.degrees(_GRID),
+            np.degrees(turn),
+            dashes,
+            color=color,
+            linewidth=1.8,
+            label=f"cycle {age}",
+        )
     degree_axis(axes, "θ0 (°)")
     axes.set_ylabel("turn of a cycle (°)")
     legend_above(axes)
 
 
 def _draw_pace(axes: Axes, result: WearDrift) -> None:
-    axes.plot(result.ages, result.cycles_a_turn, "o-", color=PREDICTED, markersize=4, label="computed")
+    axes.plot(
+        result.ages, result.cycles_a_turn, "o-", color=PREDICTED, markersize=4, label="computed"
+    )
     pace = result.pace
     if pace is not None:
         middle = pace.start + 0.5 * pace.measured
@@ -176,7 +213,11 @@ def _draw_pace(axes: Axes, result: WearDrift) -> None:
             capsize=2,
             label="fitted map, 95 %",
         )
-        look: dict[str, Any] = {"color": MEASURED, "markeredgecolor": MEASURED_EDGE, "linestyle": "none"}
+        look: dict[str, Any] = {
+            "color": MEASURED,
+            "markeredgecolor": MEASURED_EDGE,
+            "linestyle": "none",
+        }
         axes.plot(middle, pace.measured, "s", label="measured turns", zorder=4, **look)
     axes.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
     axes.set_ylim(15, 1000)
@@ -190,17 +231,19 @@ def caption(result: WearDrift) -> str:
     """What is seen, with its numbers."""
     last, least = result.cycles_a_turn[-1], np.degrees(result.least[[0, -1]])
     told = (
-        f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as the surface wears. "
-        f"The least turn of a cycle grows from {least[0]:.2f}° on the fresh surface to {least[1]:.2f}° after "
-        f"{result.cycles[-1]:.0f} cycles: up to about cycle {result.opened:.0f} a stable direction holds the robot and "
-        f"only noise ({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end a turn "
-        f"takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
+        f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as "
+        f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
+        f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
+        f"{result.opened:.0f} a stable direction holds the robot and only noise "
+        f"({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end "
+        f"a turn takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
     )
     pace = result.pace
     if pace is None:
         return f"{told} Of the robot's own turns {NO_DATA}."
     return (
-        f"{told} The robot's own turns took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late "
-        f"(the measured curves are drawn where it has been within {NEAR} cycles); a map "
-        f"fitted to its path, free to wear, holds {100 * pace.inside:.0f} % of them within its 95 % bands."
+        f"{told} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
+        f"{pace.measured[-1]:.0f} late (the measured curves are drawn where it has been within "
+        f"{NEAR} cycles); a map fitted to its path, free to wear, holds {100 * pace.inside:.0f} % "
+        "of them within its 95 % bands."
     )

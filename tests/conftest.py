@@ -12,12 +12,14 @@ from typing import Any
 
 import pytest
 
-# As the command line does, and before numpy is imported: threads would only get in each other's way.
+# As the command line does, and before numpy is imported: threads would only get in each other's
+# way.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 REPOSITORY = Path(__file__).parents[1]
 
-# What a shell starts in the background ignores interrupts, and so would all that it starts: some tests send them.
+# What a shell starts in the background ignores interrupts, and so would all that it starts: some
+# tests send them.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -27,13 +29,17 @@ def measured_data() -> Path:
     """The folder of measured data: $CYCLEMAP_DATA, or ../shared/data beside the repository."""
     folder = Path(os.environ.get("CYCLEMAP_DATA", REPOSITORY.parent / "shared" / "data"))
     if not folder.is_dir():
-        pytest.skip(f"measured data not found: {folder} is no folder (set CYCLEMAP_DATA to where it is)")
+        pytest.skip(
+            f"measured data not found: {folder} is no folder (set CYCLEMAP_DATA to where it is)"
+        )
     return folder
 
 
 @pytest.fixture(autouse=True)
 def _silent_progress(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Commands say every few seconds that they go on: on a busy machine, that is no part of what they answer."""
+    """Commands say every few seconds that they go on: on a busy machine, that is no part of what
+    they answer.
+    """
     if request.path.parent.name in ("cli", "docs"):
         monkeypatch.setattr("cyclemap.cli.output.LINE_SECONDS", 3600.0)
 
@@ -83,7 +89,9 @@ def printed(capsys) -> Callable[[], tuple[dict, str]]:
     def read() -> tuple[dict, str]:
         shown = capsys.readouterr()
         assert shown.err == ""
-        return json.loads(shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")), shown.out
+        return json.loads(
+            shown.out, parse_constant=lambda name: pytest.fail(f"JSON holds {name}")
+        ), shown.out
 
     return read
 
@@ -102,7 +110,9 @@ def report_of(printed) -> Callable[..., dict]:
 
 @pytest.fixture
 def saved_report(here, printed) -> Callable[..., dict]:
-    """The report of a command that writes what it prints to `place`, beside a picture, and nothing else there."""
+    """The report of a command that writes what it prints to `place`, beside a picture, and nothing
+    else there.
+    """
     from cyclemap.cli.main import run
 
     def read(place: str, *arguments: str) -> dict:
@@ -122,7 +132,9 @@ def theta0_file() -> Callable[[Path, Iterable[float]], Path]:
     """Write orientations (rad) as a table of θ0 in degrees."""
 
     def write(file: Path, theta: Iterable[float]) -> Path:
-        file.write_text("theta0_deg\n" + "".join(f"{math.degrees(one) % 360:.4f}\n" for one in theta))
+        file.write_text(
+            "theta0_deg\n" + "".join(f"{math.degrees(one) % 360:.4f}\n" for one in theta)
+        )
         return file
 
     return write
@@ -154,7 +166,9 @@ def protocol_file(tmp_path) -> Callable[[str], Path]:
 
 @pytest.fixture
 def refused(here, capsys) -> Callable[..., None]:
-    """Run a command that is refused: one line with these words, the exit code, nothing on stdout, nothing written."""
+    """Run a command that is refused: one line with these words, the exit code, nothing on stdout,
+    nothing written.
+    """
     from cyclemap.cli.main import run
 
     def check(arguments: list[str], words: str, code: int = 2) -> None:

@@ -1,7 +1,8 @@
-"""Thirty tables as robots write them: one true collection each, in other units, columns, axes and senses of angles.
+"""Thirty tables as robots write them: one true collection each, in other units, columns, axes and
+senses of angles.
 
-The object has no mirror image of its own and is pushed off its middle, so that whoever reads a table in a mirror sees
-another motion. Every table knows its truth and the reading that it wants.
+The object has no mirror image of its own and is pushed off its middle, so that whoever reads a
+table in a mirror sees another motion. Every table knows its truth and the reading that it wants.
 """
 
 from __future__ import annotations
@@ -19,7 +20,14 @@ import cyclemap as cm
 from cyclemap.protocol.collection_file import collection_text
 
 # An L: no axis of symmetry.
-VERTICES = ((0.050, -0.035), (0.050, 0.005), (0.010, 0.010), (-0.005, 0.045), (-0.045, 0.045), (-0.045, -0.035))
+VERTICES = (
+    (0.050, -0.035),
+    (0.050, 0.005),
+    (0.010, 0.010),
+    (-0.005, 0.045),
+    (-0.045, 0.045),
+    (-0.045, -0.035),
+)
 TARGET = (0.35, -0.03)
 PUSHES = 72
 
@@ -27,14 +35,18 @@ PUSHES = 72
 @cache
 def loop() -> cm.CollectionLoop:
     """The L on plywood, pushed on its longest side."""
-    slider = cm.mechanics.Slider(cm.mechanics.Polygon(VERTICES), 0.8, hitch=(-0.012, 0.010), name="ell")
+    slider = cm.mechanics.Slider(
+        cm.mechanics.Polygon(VERTICES), 0.8, hitch=(-0.012, 0.010), name="ell"
+    )
     push = cm.mechanics.SidePush(side=5, fraction=0.72, angle=0.0, distance=0.11)
     return cm.CollectionLoop.mit("plywood", slider=slider, push=push, footprint=None, accuracy=1e-6)
 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Poses (n, 3) before and after each push, m and rad, counter-clockwise in a right-handed frame, unwrapped."""
+    """Poses (n, 3) before and after each push, m and rad, counter-clockwise in a right-handed
+    frame, unwrapped.
+    """
 
     start: np.ndarray
     end: np.ndarray
@@ -43,7 +55,9 @@ class Truth:
 
 @cache
 def truth(seed: int) -> Truth:
-    """A collection of the loop, whose cycles turn the object by 97 to 107 degrees: it covers all of the circle."""
+    """A collection of the loop, whose cycles turn the object by 97 to 107 degrees: it covers all of
+    the circle.
+    """
     generator, theta = np.random.default_rng(seed), 0.4
     rows = []
     for _ in range(PUSHES):
@@ -52,7 +66,11 @@ def truth(seed: int) -> Truth:
         start = loop().start_pose(theta)
         x, y = start.to_world(*cycle.push_displacement)
         after = loop().start_pose(later)
-        poses = ((start.x, start.y, theta), (x, y, theta + cycle.push_turn), (after.x, after.y, later))
+        poses = (
+            (start.x, start.y, theta),
+            (x, y, theta + cycle.push_turn),
+            (after.x, after.y, later),
+        )
         rows.append([(a + TARGET[0], b + TARGET[1], c) for a, b, c in poses])
         theta = later
     table = np.array(rows)
@@ -73,7 +91,9 @@ CONVENTIONS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 
 @dataclass(frozen=True)
 class Foreign:
-    """One table: its name, the writer, the convention, the noise (mm, and as many degrees), what it has."""
+    """One table: its name, the writer, the convention, the noise (mm, and as many degrees), what it
+    has.
+    """
 
     name: str
     write: Callable[..., str]
@@ -123,22 +143,37 @@ def canonical(start, end, *_) -> str:
 
 def wrapped_canonical(start, end, *_) -> str:
     """The same, angles wrapped."""
-    columns = [*start.T[:2], _wrapped(start[:, 2]), *end.T[:2], _wrapped(end[:, 2]), np.full(len(start), 110.0)]
+    columns = [
+        *start.T[:2],
+        _wrapped(start[:, 2]),
+        *end.T[:2],
+        _wrapped(end[:, 2]),
+        np.full(len(start), 110.0),
+    ]
     return _rows("x0,y0,theta0,x1,y1,theta1,push_mm", columns)
 
 
 def millimetres(start, end, *_) -> str:
     """Millimetres and degrees under a house's names."""
-    header = "x_before_mm,y_before_mm,yaw_before_deg,x_after_mm,y_after_mm,yaw_after_deg,push_length_mm"
+    header = (
+        "x_before_mm,y_before_mm,yaw_before_deg,x_after_mm,y_after_mm,yaw_after_deg,push_length_mm"
+    )
     scale = np.array([1e3, 1e3, math.degrees(1.0)])
     return _rows(header, [*(start * scale).T, *(end * scale).T, np.full(len(start), 110.0)])
 
 
 def continental(start, end, *_) -> str:
     """Semicolons and decimal commas, centimetres."""
-    header = "Nr;x_start_cm;y_start_cm;Winkel_start_deg;x_end_cm;y_end_cm;Winkel_end_deg;push_length_cm"
+    header = (
+        "Nr;x_start_cm;y_start_cm;Winkel_start_deg;x_end_cm;y_end_cm;Winkel_end_deg;push_length_cm"
+    )
     scale = np.array([1e2, 1e2, math.degrees(1.0)])
-    columns = [np.arange(len(start)), *(start * scale).T, *(end * scale).T, np.full(len(start), 11.0)]
+    columns = [
+        np.arange(len(start)),
+        *(start * scale).T,
+        *(end * scale).T,
+        np.full(len(start), 11.0),
+    ]
     return _rows(header, columns, ";", ",")
 
 
@@ -146,7 +181,14 @@ def inches(start, end, *_) -> str:
     """Inches and turns, and columns that say nothing here."""
     header = "px,py,id,x0_in,y0_in,theta0_turns,x1_in,y1_in,theta1_turns,push_length_in"
     scale, nothing = np.array([1 / 0.0254, 1 / 0.0254, 0.5 / math.pi]), np.zeros(len(start))
-    columns = [nothing, nothing, np.arange(len(start)), *(start * scale).T, *(end * scale).T, nothing + 11.0 / 2.54]
+    columns = [
+        nothing,
+        nothing,
+        np.arange(len(start)),
+        *(start * scale).T,
+        *(end * scale).T,
+        nothing + 11.0 / 2.54,
+    ]
     return _rows(header, columns)
 
 
@@ -162,15 +204,22 @@ def json_lines(start, end, *_) -> str:
     """A JSON object a line, poses nested."""
     lines = []
     for number, (a, b) in enumerate(zip(start, end, strict=True)):
-        before, after = (dict(zip(("x", "y", "yaw"), pose.tolist(), strict=True)) for pose in (a, b))
-        lines.append(json.dumps({"rep": number, "before": before, "after": after, "push_length": 0.11}))
+        before, after = (
+            dict(zip(("x", "y", "yaw"), pose.tolist(), strict=True)) for pose in (a, b)
+        )
+        lines.append(
+            json.dumps({"rep": number, "before": before, "after": after, "push_length": 0.11})
+        )
     return "\n".join(lines) + "\n"
 
 
 def dirty(start, end, *_) -> str:
-    """Our own names, three rows without a pose, and an empty field in a column that nobody needs."""
+    """Our own names, three rows without a pose,
+    and an empty field in a column that nobody needs."""
     text = canonical(start, end).splitlines()
-    lines = [f"{text[0]},remark"] + [f"{line},{'' if number == 4 else 'ok'}" for number, line in enumerate(text[1:])]
+    lines = [f"{text[0]},remark"] + [
+        f"{line},{'' if number == 4 else 'ok'}" for number, line in enumerate(text[1:])
+    ]
     for row in (7, 30, 31):
         fields = lines[row].split(",")
         lines[row] = ",".join([*fields[:3], "nan", "nan", "nan", *fields[6:]])
@@ -191,7 +240,9 @@ def stream(start, end, noise, generator, table) -> str:
         rest = np.repeat(end[number][None], int(rate * generator.uniform(0.8, 1.6)), axis=0)
         share = np.linspace(0.0, 1.0, int(5.5 * rate))[:, None]
         if number in (9, 40):
-            share = np.concatenate([share[share < 0.5], np.full(int(2.5 * rate), 0.5), share[share >= 0.5]])[:, None]
+            share = np.concatenate(
+                [share[share < 0.5], np.full(int(2.5 * rate), 0.5), share[share >= 0.5]]
+            )[:, None]
         push = start[number] + share * (end[number] - start[number])
         drag = end[number] + np.linspace(0.0, 1.0, int(4.0 * rate))[:, None] * (later - end[number])
         frames += [still, push, rest, drag]
@@ -220,7 +271,9 @@ _OTHERS = [name for name in CONVENTIONS if name != "ours"]
 
 @cache
 def thirty() -> tuple[Foreign, ...]:
-    """Each writer three times: in our convention and in others, fifteen of thirty, at noises of 0, 0.3 and 1 mm."""
+    """Each writer three times: in our convention and in others, fifteen of thirty, at noises of 0,
+    0.3 and 1 mm.
+    """
     made = []
     for number in range(30):
         write, suffix = _POSED[number % 10]
@@ -235,7 +288,8 @@ def thirty() -> tuple[Foreign, ...]:
 
 
 def agrees(columns: dict[str, np.ndarray], table: Foreign) -> bool:
-    """Whether what was read is what happened: each push's motion in the object's own frame, for some and nearly all.
+    """Whether what was read is what happened: each push's motion in the object's own frame, for
+    some and nearly all.
 
     The world may be turned against the truth's, which nobody can see.
     """

@@ -9,7 +9,11 @@ from cyclemap.errors import InvalidInput
 
 
 def refused(
-    call: Callable[..., Any], *values: Any, told: str | None = None, kind: type[Exception] = InvalidInput, **named: Any
+    call: Callable[..., Any],
+    *values: Any,
+    told: str | None = None,
+    kind: type[Exception] = InvalidInput,
+    **named: Any,
 ) -> None:
     """Assert that a call is refused in one line that matches `told`."""
     with pytest.raises(kind, match=told) as caught:

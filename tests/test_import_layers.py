@@ -1,4 +1,6 @@
-"""Imports run one way: mechanics, maps <- collection <- protocol <- evidence <- resets <- views <- figures <- cli."""
+"""Imports run one way: mechanics, maps <- collection <- protocol <- evidence <- resets <- views <-
+figures <- cli.
+"""
 
 import ast
 from collections.abc import Iterator
@@ -14,7 +16,16 @@ PACKAGE = Path(cyclemap.__file__).parent
 # The room that lies beside the package and is installed in it.
 FIGURES = PACKAGE.parent / "figures"
 # A room may import itself and rooms of lower rank; two rooms of one rank do not know each other.
-ROOMS = ("mechanics maps", "collection", "protocol", "evidence sweeps", "resets", "views", "figures", "cli")
+ROOMS = (
+    "mechanics maps",
+    "collection",
+    "protocol",
+    "evidence sweeps",
+    "resets",
+    "views",
+    "figures",
+    "cli",
+)
 RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.split()}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
 SMALL = ("arrays errors lazy_names one_thread plain_text", "checks file_text inline_svg text_files")
@@ -30,7 +41,9 @@ def room(module: str) -> str:
 
 
 def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str]:
-    """Every module of this package that `source` (the text of `module`) imports, wherever it does so."""
+    """Every module of this package that `source` (the text of `module`) imports, wherever it does
+    so.
+    """
     for node in ast.walk(ast.parse(source)):
         names: list[str] = []
         if isinstance(node, ast.Import):
@@ -38,10 +51,17 @@ def imported_modules(source: str, module: str, is_package: bool) -> Iterator[str
         elif isinstance(node, ast.ImportFrom):
             package = module if is_package else parent(module)
             base = resolve_name("." * node.level + (node.module or ""), package)
-            # `from cyclemap import maps` names a room; `from cyclemap import CircleMap` goes through the door.
-            rooms = [f"cyclemap.{one.name}" if one.name in RANK | SHARED else base for one in node.names]
+            # `from cyclemap import maps` names a room; `from cyclemap import CircleMap` goes
+            # through the door.
+            rooms = [
+                f"cyclemap.{one.name}" if one.name in RANK | SHARED else base for one in node.names
+            ]
             names = rooms if base == "cyclemap" else [base]
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module") and node.args:
+        elif (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func).endswith("import_module")
+            and node.args
+        ):
             names = [str(node.args[0].value)] if isinstance(node.args[0], ast.Constant) else []
         yield from (name for name in names if name.split(".")[0] == "cyclemap")
 
@@ -67,7 +87,16 @@ FILES = sorted([*PACKAGE.rglob("*.py"), *FIGURES.rglob("*.py")])
 def test_every_file_belongs_to_a_known_room() -> None:
     parts = {room(module_name(path)[0]) for path in FILES}
     assert parts <= set(ALL_RANKS), "a new room or shared module: give it a rank here"
-    assert {"mechanics", "maps", "collection", "protocol", "evidence", "views", "figures", "cli"} <= parts
+    assert {
+        "mechanics",
+        "maps",
+        "collection",
+        "protocol",
+        "evidence",
+        "views",
+        "figures",
+        "cli",
+    } <= parts
 
 
 @pytest.mark.slow
@@ -77,14 +106,18 @@ def test_imports_never_run_upward_or_sideways() -> None:
 
 
 def import_graph(sources: dict[str, tuple[str, bool]]) -> dict[str, set[str]]:
-    """What each module of `sources` (text, and whether it is a package) imports of the others, wherever it does so."""
+    """What each module of `sources` (text, and whether it is a package) imports of the others,
+    wherever it does so.
+    """
     graph: dict[str, set[str]] = {}
     for module, (source, is_package) in sources.items():
         targets = set(imported_modules(source, module, is_package))
         for node in ast.walk(ast.parse(source)):
             if isinstance(node, ast.ImportFrom):
                 # `from room import part` may name a file of the room.
-                base = resolve_name("." * node.level + (node.module or ""), module if is_package else parent(module))
+                base = resolve_name(
+                    "." * node.level + (node.module or ""), module if is_package else parent(module)
+                )
                 targets |= {f"{base}.{alias.name}" for alias in node.names}
         graph[module] = targets & set(sources) - {module}
     return graph
@@ -96,7 +129,8 @@ def parent(module: str) -> str:
 
 @pytest.mark.slow
 def test_no_file_imports_itself_through_others() -> None:
-    """All imports count: those that a function makes later, and those that type checkers alone see."""
+    """All imports count: those that a function makes later,
+    and those that type checkers alone see."""
     sources = {}
     for path in FILES:
         module, is_package = module_name(path)
@@ -131,7 +165,11 @@ def test_a_circle_of_imports_is_seen_wherever_they_stand(back: str) -> None:
         ("def f():\n    from cyclemap.evidence import x", "collection.loop", True),
         ("from cyclemap import CircleMap", "cli.main", True),
         ("import cyclemap", "maps.orbits.periodic_points", True),
-        ("from importlib import import_module\nimport_module('cyclemap.cli.main')", "views.page", True),
+        (
+            "from importlib import import_module\nimport_module('cyclemap.cli.main')",
+            "views.page",
+            True,
+        ),
         ("from cyclemap.maps import CircleMap", "errors", True),
         ("from .portrait import x", "collection.__init__", False),
         ("from .push import Push\nfrom . import drag", "mechanics.cycle", False),
@@ -140,13 +178,18 @@ def test_a_circle_of_imports_is_seen_wherever_they_stand(back: str) -> None:
         ("import numpy\nfrom scipy import optimize", "maps.orbits.periodic_points", False),
     ],
 )
-def test_checker_catches_planted_violations_and_lets_downward_imports_pass(source, module, wrong) -> None:
+def test_checker_catches_planted_violations_and_lets_downward_imports_pass(
+    source, module, wrong
+) -> None:
     name = f"cyclemap.{module}"
-    found = violations(source, name.removesuffix(".__init__"), is_package=name.endswith(".__init__"))
+    found = violations(
+        source, name.removesuffix(".__init__"), is_package=name.endswith(".__init__")
+    )
     assert len(found) == wrong
 
 
-# What the parts of a crowded room may import: themselves, those before them in their row, and what all share.
+# What the parts of a crowded room may import: themselves, those before them in their row, and what
+# all share.
 ROWS = {
     "maps": (
         ("lifts", "orbits", "noise", "passages", "operator", "families"),
@@ -159,7 +202,11 @@ ROWS = {
     ),
     "resets": (("monitor", "design"),),
 }
-PARTS_SHARED: dict[str, set[str]] = {"maps": {"estimate", "quadrature"}, "evidence": {"motion_check"}, "resets": set()}
+PARTS_SHARED: dict[str, set[str]] = {
+    "maps": {"estimate", "quadrature"},
+    "evidence": {"motion_check"},
+    "resets": set(),
+}
 
 
 def allowed(place: str, part: str) -> set[str]:
@@ -173,9 +220,14 @@ def test_the_parts_of_a_room_import_one_way(place: str) -> None:
     """A lift knows no orbit, a noise no operator; nothing inside a room goes through its door."""
     found, seen = [], set()
     for path in sorted((PACKAGE / place).glob("*/*.py")):
-        part, module = path.parent.name, ".".join(("cyclemap", *path.relative_to(PACKAGE).with_suffix("").parts))
+        part, module = (
+            path.parent.name,
+            ".".join(("cyclemap", *path.relative_to(PACKAGE).with_suffix("").parts)),
+        )
         seen.add(part)
-        for target in imported_modules(path.read_text(encoding="utf-8"), module, path.name == "__init__.py"):
+        for target in imported_modules(
+            path.read_text(encoding="utf-8"), module, path.name == "__init__.py"
+        ):
             inside = (*target.split(".")[2:3], "")[0]
             if room(target) == place and inside not in allowed(place, part):
                 found.append(f"{module} imports {target}")

@@ -1,4 +1,6 @@
-"""What a notebook shows: one small picture and a caption for each of the values that people look at."""
+"""What a notebook shows: one small picture and a caption for each of the values that people look
+at.
+"""
 
 import math
 import xml.etree.ElementTree as ElementTree
@@ -25,7 +27,9 @@ def shown(value) -> ElementTree.Element:
 
 
 def test_a_map_is_drawn_piece_by_piece() -> None:
-    jump = cm.CircleMap(lambda theta: theta + 0.3 * (np.mod(theta, 2 * np.pi) < 1.0), breaks=(0.0, 1.0))
+    jump = cm.CircleMap(
+        lambda theta: theta + 0.3 * (np.mod(theta, 2 * np.pi) < 1.0), breaks=(0.0, 1.0)
+    )
     assert len(list(shown(jump).iter("polyline"))) == 3
     assert len(list(shown(cm.CircleMap.arnold(0.1, 0.9)).iter("polyline"))) == 2
 

@@ -48,11 +48,17 @@ print(before, *sorted(set(seen)))
 @pytest.mark.slow
 @pytest.mark.parametrize("asked", [None, "2"])
 def test_questions_to_a_noisy_map_take_one_thread_unless_the_user_says_how_many(asked) -> None:
-    """The user's own linear algebra has its threads before and after, be it asked in threads at once."""
-    surroundings = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    """The user's own linear algebra has its threads before and after, be it asked in threads at
+    once.
+    """
+    surroundings = {
+        name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"
+    }
     if asked is not None:
         surroundings["OPENBLAS_NUM_THREADS"] = asked
-    done = subprocess.run([sys.executable, "-c", CODE], env=surroundings, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", CODE], env=surroundings, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr
     before, *inside = done.stdout.split()
     if before in ("None", "1"):

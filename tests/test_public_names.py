@@ -9,20 +9,40 @@ import cyclemap as cm
 
 # The names that users were promised.
 PROMISED = (
-    *("CollectionLoop", "CircleMap", "fixed_points", "periodic_orbits", "rotation_number", "rotation_interval"),
-    *("lyapunov_exponent", "transfer_operator", "WrappedNormal", "WrappedCauchy", "VonMises", "UniformNoise"),
+    *(
+        "CollectionLoop",
+        "CircleMap",
+        "fixed_points",
+        "periodic_orbits",
+        "rotation_number",
+        "rotation_interval",
+    ),
+    *(
+        "lyapunov_exponent",
+        "transfer_operator",
+        "WrappedNormal",
+        "WrappedCauchy",
+        "VonMises",
+        "UniformNoise",
+    ),
     *("load_pushes", "fit_map", "identify", "compare", "CycleMapError"),
 )
 ROOMS = "collection", "evidence", "maps", "mechanics", "protocol", "resets", "sweeps", "views"
 
 
 def test_the_top_level_holds_some_sixty_names_and_the_rooms():
-    """What one begins with, no more; completion shows it, and every room is reached without an import of its own."""
+    """What one begins with, no more; completion shows it, and every room is reached without an
+    import of its own.
+    """
     names = set(cm.__all__) - set(ROOMS)
     assert 50 <= len(names) <= 70
     assert [name for name in dir(cm) if not name.startswith("_")] == sorted(cm.__all__)
     printed = subprocess.run(
-        [sys.executable, "-c", f"import cyclemap as cm; print([getattr(cm, name).__name__ for name in {ROOMS}])"],
+        [
+            sys.executable,
+            "-c",
+            f"import cyclemap as cm; print([getattr(cm, name).__name__ for name in {ROOMS}])",
+        ],
         capture_output=True,
         text=True,
         check=True,

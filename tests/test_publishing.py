@@ -25,8 +25,12 @@ def test_the_version_stands_in_one_place_and_heads_the_changelog() -> None:
 
 def test_what_is_vendored_comes_with_its_licence_and_the_wheel_carries_it() -> None:
     vendored = sorted({path.parent for path in (ROOT / "cyclemap").rglob("*.min.js")})
-    assert vendored, "nothing is vendored any more: take its licence out of pyproject.toml, and this test"
-    carried = {path for pattern in PROJECT["project"]["license-files"] for path in ROOT.glob(pattern)}
+    assert vendored, (
+        "nothing is vendored any more: take its licence out of pyproject.toml, and this test"
+    )
+    carried = {
+        path for pattern in PROJECT["project"]["license-files"] for path in ROOT.glob(pattern)
+    }
     assert ROOT / "LICENSE" in carried
     for folder in vendored:
         assert folder / "LICENSE" in carried, f"{folder} has no licence that the wheel carries"

@@ -21,9 +21,15 @@ def run(tmp_path):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     venv = tmp_path / ".venv"
-    module.ROOT, module.VENV, module.STAMP, module.PYTHON = tmp_path, venv, venv / "stamp.json", venv / "bin" / "python"
+    module.ROOT, module.VENV, module.STAMP, module.PYTHON = (
+        tmp_path,
+        venv,
+        venv / "stamp.json",
+        venv / "bin" / "python",
+    )
     (tmp_path / "pyproject.toml").write_text(
-        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = ["drake>=1.51"]\n'
+        '[project]\ndependencies = ["numpy>=2.0.0"]\n[project.optional-dependencies]\npeers = '
+        '["drake>=1.51"]\n'
         '[dependency-groups]\ntest = ["pytest>=9"]\n'
     )
     (tmp_path / "constraints.txt").write_text("numpy==2.4.6\npytest==9.2.0\n")
@@ -59,14 +65,18 @@ def installer(run, monkeypatch) -> SimpleNamespace:
     changed = {
         **{"pip_works": lambda: made.pip, "engine_is_built": lambda: made.engine},
         **{"rebuild": rebuild, "build_engine": build_engine},
-        "install": lambda testing, afresh=False: called(f"install{' testing' * testing}{' afresh' * afresh}"),
+        "install": lambda testing, afresh=False: called(
+            f"install{' testing' * testing}{' afresh' * afresh}"
+        ),
     }
     for name, value in changed.items():
         monkeypatch.setattr(run, name, value)
     return made
 
 
-def test_what_is_there_is_not_installed_again_and_test_tools_are_added_once_and_kept(installer, run) -> None:
+def test_what_is_there_is_not_installed_again_and_test_tools_are_added_once_and_kept(
+    installer, run
+) -> None:
     assert installer.ensure() == ["rebuild", "install"]
     assert installer.ensure() == []
     assert installer.ensure(testing=True) == ["install testing"]
@@ -84,7 +94,9 @@ def test_run_cut_short_is_repaired(installer, run) -> None:
     assert installer.ensure() == ["install afresh", "rebuild", "install"]
 
 
-def test_failed_installation_leaves_no_stamp_and_a_failed_update_what_was_there(installer, run) -> None:
+def test_failed_installation_leaves_no_stamp_and_a_failed_update_what_was_there(
+    installer, run
+) -> None:
     installer.outcomes = [False]
     refused(installer.ensure, told="could not install", kind=run.InstallError)
     assert not run.STAMP.exists()
@@ -103,15 +115,21 @@ def test_changed_engine_is_built_without_an_installation(installer, run) -> None
     assert installer.ensure() == []
 
 
-@pytest.mark.parametrize(("pins", "numpy"), [("constraints.txt", "2.4.6"), ("floors", "2.0.0"), ("newest", None)])
+@pytest.mark.parametrize(
+    ("pins", "numpy"), [("constraints.txt", "2.4.6"), ("floors", "2.0.0"), ("newest", None)]
+)
 def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, numpy) -> None:
     made = []
     if pins != "constraints.txt":
         run.move_to(pins)
-        assert {path.parts[len(tmp_path.parts)] for path in (run.VENV, run.STAMP, run.PYTHON)} == {f".venv-{pins}"}
+        assert {path.parts[len(tmp_path.parts)] for path in (run.VENV, run.STAMP, run.PYTHON)} == {
+            f".venv-{pins}"
+        }
     run.VENV.mkdir()
     done = run.subprocess.CompletedProcess((), 0)
-    monkeypatch.setattr(run.subprocess, "run", lambda command, env, **_: made.append((command, env)) or done)
+    monkeypatch.setattr(
+        run.subprocess, "run", lambda command, env, **_: made.append((command, env)) or done
+    )
     assert run.install(testing=True)
     [(command, surroundings)] = made
     assert command[-1] == "pytest>=9"
@@ -123,12 +141,19 @@ def test_each_environment_pins_what_it_says(run, monkeypatch, tmp_path, pins, nu
 
 @pytest.mark.parametrize(
     ("version", "missing", "said"),
-    [((3, 10, 4), None, "this is Python 3.10; cyclemap needs 3.11"), ((3, 12, 0), "ensurepip", "no module ensurepip")],
+    [
+        ((3, 10, 4), None, "this is Python 3.10; cyclemap needs 3.11"),
+        ((3, 12, 0), "ensurepip", "no module ensurepip"),
+    ],
 )
-def test_unfit_python_is_one_line_and_exit_1(run, monkeypatch, capsys, version, missing, said) -> None:
+def test_unfit_python_is_one_line_and_exit_1(
+    run, monkeypatch, capsys, version, missing, said
+) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(run.sys, "version_info", version)
-    monkeypatch.setattr(run.importlib.util, "find_spec", lambda name: None if name == missing else find(name))
+    monkeypatch.setattr(
+        run.importlib.util, "find_spec", lambda name: None if name == missing else find(name)
+    )
     assert run.main(["portrait", "plywood"]) == 1
     shown = capsys.readouterr()
     assert shown.err.startswith("error: ")
@@ -140,11 +165,17 @@ def test_python_too_old_to_read_the_project_is_told_so() -> None:
     """Python 3.10 has no module tomllib: it is asked for after the version is."""
     code = (
         "import runpy, sys; sys.modules['tomllib'] = None; sys.version_info = (3, 10, 13); "
-        "sys.argv = ['run.py', 'portrait', 'plywood']; runpy.run_path('run.py', run_name='__main__')"
+        "sys.argv = ['run.py', 'portrait', 'plywood']; runpy.run_path('run.py', "
+        "run_name='__main__')"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1
-    assert done.stderr == "error: this is Python 3.10; cyclemap needs 3.11 or newer: run with a newer python3\n"
+    assert (
+        done.stderr
+        == "error: this is Python 3.10; cyclemap needs 3.11 or newer: run with a newer python3\n"
+    )
 
 
 @pytest.mark.parametrize("made", [False, True])
@@ -165,7 +196,10 @@ def test_checkout_that_cannot_be_written_is_told_so_before_anything_is_tried(
     capsys.readouterr()
     assert run.main(["portrait", "plywood"]) == 1
     place = run.VENV if made else run.VENV.parent
-    told = f"error: {place} cannot be written (Read-only file system): make it writable, or copy the checkout to "
+    told = (
+        f"error: {place} cannot be written (Read-only file system): make it writable, or copy "
+        "the checkout to "
+    )
     assert capsys.readouterr().err == f"{told}a folder of yours and run it there\n"
     assert installer.calls == []
 
@@ -193,8 +227,12 @@ def test_documentation_is_built_with_warnings_as_errors_and_its_place_told(
     run, monkeypatch, capsys, code, said
 ) -> None:
     made: list[list[str]] = []
-    monkeypatch.setattr(run, "ensure_installed", lambda testing: made.append(["installed", str(testing)]))
-    monkeypatch.setattr(run, "call", lambda command, cwd=None: made.append([str(part) for part in command]) or code)
+    monkeypatch.setattr(
+        run, "ensure_installed", lambda testing: made.append(["installed", str(testing)])
+    )
+    monkeypatch.setattr(
+        run, "call", lambda command, cwd=None: made.append([str(part) for part in command]) or code
+    )
     assert run.main(["docs", "-j2"]) == code
     assert made[0] == ["installed", "True"]
     assert made[1][1:4] == ["-m", "sphinx", "-W"]

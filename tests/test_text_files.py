@@ -1,4 +1,6 @@
-"""One limit for every reader: what is too large, no regular file, or says a thing twice is refused in one line."""
+"""One limit for every reader: what is too large, no regular file, or says a thing twice is refused
+in one line.
+"""
 
 import os
 import zlib
@@ -34,20 +36,31 @@ def test_a_pipe_a_device_and_an_endless_file_are_refused_at_once(tmp_path, suffi
         file.truncate(2**34)
     (tmp_path / f"folder{suffix}").mkdir()
     for reader in READERS[suffix]:
-        for name, said in (("pipe", "a pipe"), ("device", "a device"), ("large", "MB"), ("folder", "directory")):
+        for name, said in (
+            ("pipe", "a pipe"),
+            ("device", "a device"),
+            ("large", "MB"),
+            ("folder", "directory"),
+        ):
             refused(reader, tmp_path / f"{name}{suffix}", told=said, kind=DataFileError)
 
 
 @pytest.mark.slow
 def test_tables_that_unpack_to_gigabytes_are_refused_before_they_do(tmp_path) -> None:
-    """The limit is on what is decoded: bytes become doubles, and a chunk may hold more than its size says."""
+    """The limit is on what is decoded: bytes become doubles, and a chunk may hold more than its
+    size says.
+    """
     wide, bomb = tmp_path / "wide.h5", tmp_path / "bomb.h5"
     with h5py.File(wide, "w") as file:
         for name in TABLES:
-            file.create_dataset(name, data=np.zeros((LARGEST_CONTENT // 32 + 1, 4), "i1"), compression="gzip")
+            file.create_dataset(
+                name, data=np.zeros((LARGEST_CONTENT // 32 + 1, 4), "i1"), compression="gzip"
+            )
     with h5py.File(bomb, "w") as file:
         for name in TABLES:
-            table = file.create_dataset(name, shape=(100, 4), dtype="f8", chunks=(100, 4), compression="gzip")
+            table = file.create_dataset(
+                name, shape=(100, 4), dtype="f8", chunks=(100, 4), compression="gzip"
+            )
             table.id.write_direct_chunk((0, 0), zlib.compress(bytes(2**26)))
     assert wide.stat().st_size < 10**6 and "takes more than 17 MB" in reasons(wide)
     assert bomb.stat().st_size < 10**6 and "unpacks to more than its size" in reasons(bomb)
@@ -64,7 +77,12 @@ def test_columns_and_keys_that_are_there_twice_are_refused(tmp_path) -> None:
     table, push = tmp_path / "twice.csv", tmp_path / "twice.json"
     table.write_text("theta0_deg,theta_next_deg,Theta0_deg\n1,2,3\n")
     push.write_text('{"object_pose": [], "tip_pose": [], "ft_wrench": [], "tip_pose": []}')
-    refused(read_theta0_pairs, table, told="line 1: the column theta0_deg is there twice", kind=DataFileError)
+    refused(
+        read_theta0_pairs,
+        table,
+        told="line 1: the column theta0_deg is there twice",
+        kind=DataFileError,
+    )
     assert "the key 'tip_pose' is there twice" in reasons(push)
 
 
@@ -73,7 +91,12 @@ def test_columns_and_keys_that_are_there_twice_are_refused(tmp_path) -> None:
 def test_numbers_are_written_in_plain_digits(tmp_path, capsys, number) -> None:
     table = tmp_path / "odd.csv"
     table.write_text(f"theta0_deg\n1\n{number}\n")
-    refused(read_theta0_pairs, table, told=r"line 3: theta0_deg is '.*'; it must be a finite", kind=DataFileError)
+    refused(
+        read_theta0_pairs,
+        table,
+        told=r"line 3: theta0_deg is '.*'; it must be a finite",
+        kind=DataFileError,
+    )
     for option in (["--theta0-deg", number], ["--theta0-deg", "0", "--set", f"mu_a={number}"]):
         assert run(["cycle", "plywood", *option]) == 2
     for option in (["--cycles", number], ["--seed", number]):

@@ -1,9 +1,10 @@
-"""The drag of an ellipsoid whose axes are fixed in the world: fixed points, multiplier and elapsed length; not Möbius.
+"""The drag of an ellipsoid whose axes are fixed in the world: fixed points, multiplier and elapsed
+length; not Möbius.
 
-D² = N²(p v_m² + q v_n² + C ω²), p = μa², q = μb², in the surface's axes. The ring, at distance r from the centre, moves
-by u, at the angle `TOWARDS` from the m axis; `LEVER_ANGLE` is the lever's angle ϑ from there. With
-(p u_m, q u_n) = w (cos γ, sin γ), dϑ/ds = -r w sin(ϑ - γ)/(C + r²(p sin²ϑ + q cos²ϑ)): so the ring leads
-along γ, not along u.
+D² = N²(p v_m² + q v_n² + C ω²), p = μa², q = μb², in the surface's axes. The ring, at distance r
+from the centre, moves by u, at the angle `TOWARDS` from the m axis; `LEVER_ANGLE` is the lever's
+angle ϑ from there. With (p u_m, q u_n) = w (cos γ, sin γ), dϑ/ds = -r w sin(ϑ - γ)/(C + r²(p sin²ϑ
++ q cos²ϑ)): so the ring leads along γ, not along u.
 """
 
 import sympy as sp
@@ -37,14 +38,18 @@ def spin() -> sp.Expr:
 
 
 def trailing_rate() -> sp.Expr:
-    """Return d(dϑ/ds)/dϑ (1/m) where the ring leads, ϑ = γ, and its opposite at γ + π; multiplier exp(rate·ℓ)."""
+    """Return d(dϑ/ds)/dϑ (1/m) where the ring leads, ϑ = γ, and its opposite at γ + π; multiplier
+    exp(rate·ℓ).
+    """
     return -LEVER * PULL / inertia().subs(LEVER_ANGLE, PULL_ANGLE)
 
 
 def elapsed_length() -> sp.Expr:
-    """Return s(ψ), m, up to a constant: the path on which the heading ψ = ϑ - γ, in (0, π), is reached.
+    """Return s(ψ), m, up to a constant: the path on which the heading ψ = ϑ - γ, in (0, π), is
+    reached.
 
-    r w s = -(A - B cos 2γ) ln tan(ψ/2) + 2B (cos 2γ cos ψ - sin 2γ sin ψ), A = C + r²(p + q)/2, B = r²(p - q)/2.
+    r w s = -(A - B cos 2γ) ln tan(ψ/2) + 2B (cos 2γ cos ψ - sin 2γ sin ψ), A = C + r²(p + q)/2, B =
+    r²(p - q)/2.
     """
     a, b = SPIN_TERM + LEVER**2 * (P + Q) / 2, LEVER**2 * (P - Q) / 2
     cosine, sine = sp.cos(2 * PULL_ANGLE), sp.sin(2 * PULL_ANGLE)
@@ -53,11 +58,13 @@ def elapsed_length() -> sp.Expr:
 
 
 def moebius_field_times_inertia(order: int) -> sp.Expr:
-    """Return the coefficient of e^{i order ϑ} in (α + β cos ϑ + δ sin ϑ)(C + r²(p sin²ϑ + q cos²ϑ)).
+    """Return the coefficient of e^{i order ϑ} in (α + β cos ϑ + δ sin ϑ)(C + r²(p sin²ϑ + q
+    cos²ϑ)).
 
-    A flow on the circle maps by Möbius maps at all times only if its field is X = α + β cos ϑ + δ sin ϑ (in z = e^{iϑ}:
-    Riccati's equation). Then X times the inertia would be -r w sin(ϑ - γ), which has no third harmonic; that of the
-    product is r²(q - p)(β - iδ)/8. So β = δ = 0 unless p = q, and a constant α leaves no first harmonic at all.
+    A flow on the circle maps by Möbius maps at all times only if its field is X = α + β cos ϑ + δ
+    sin ϑ (in z = e^{iϑ}: Riccati's equation). Then X times the inertia would be -r w sin(ϑ - γ),
+    which has no third harmonic; that of the product is r²(q - p)(β - iδ)/8. So β = δ = 0 unless p =
+    q, and a constant α leaves no first harmonic at all.
     """
     z = sp.Symbol("z")
     constant, cosine, sine = sp.symbols("alpha beta delta", real=True)

@@ -1,9 +1,11 @@
-"""Sticking and sliding twist of a pushed object: stationarity for any friction, closed form for an ellipsoid.
+"""Sticking and sliding twist of a pushed object: stationarity for any friction, closed form for an
+ellipsoid.
 
-D(V) is the dissipation of the twist V = (v_x, v_y, omega) of the frame's origin, convex and homogeneous of degree one;
-the object moves under the wrench grad D. The contact is at (x, y) with outward normal n at the angle nu, t = z x n; J
-takes a twist to the contact's velocity. A rod that sticks moves the contact with its own velocity u; one that slides
-presses along d = -n + smu t, on the edge of its friction cone. Functions named `..._residual` vanish identically.
+D(V) is the dissipation of the twist V = (v_x, v_y, omega) of the frame's origin, convex and
+homogeneous of degree one; the object moves under the wrench grad D. The contact is at (x, y) with
+outward normal n at the angle nu, t = z x n; J takes a twist to the contact's velocity. A rod that
+sticks moves the contact with its own velocity u; one that slides presses along d = -n + smu t, on
+the edge of its friction cone. Functions named `..._residual` vanish identically.
 """
 
 import sympy as sp
@@ -24,7 +26,9 @@ TWIST = sp.Matrix([V_X, V_Y, OMEGA])
 
 
 def contact_jacobian() -> sp.Matrix:
-    """Return J, (2, 3): the contact's velocity is J V, and a force f at the contact is the wrench J^T f."""
+    """Return J, (2, 3): the contact's velocity is J V, and a force f at the contact is the wrench
+    J^T f.
+    """
     return sp.Matrix([[1, 0, -Y], [0, 1, X]])
 
 
@@ -53,9 +57,11 @@ def _cross(a: sp.Matrix, b: sp.Matrix) -> sp.Expr:
 
 
 def sticking_residual() -> sp.Expr:
-    """dD/domega at a prescribed contact velocity less the torque of grad D about the contact, for any grad D.
+    """dD/domega at a prescribed contact velocity less the torque of grad D about the contact, for
+    any grad D.
 
-    A spin that minimises D therefore asks for no torque about the contact: grad D is the wrench of a force there.
+    A spin that minimises D therefore asks for no torque about the contact: grad D is the wrench of
+    a force there.
     """
     gradient = sp.Matrix(sp.symbols("D_x D_y D_omega", real=True))
     along = gradient.dot(sp.diff(sticking_family(OMEGA), OMEGA))
@@ -73,7 +79,9 @@ def prescribed_velocity_residual() -> sp.Matrix:
 
 
 def force_at_contact_residual() -> sp.Matrix:
-    """A wrench without torque about the contact, (f_x, f_y, x f_y - y f_x), less J^T f; and its product with spin()."""
+    """A wrench without torque about the contact, (f_x, f_y, x f_y - y f_x), less J^T f; and its
+    product with spin().
+    """
     f_x, f_y = sp.symbols("f_x f_y", real=True)
     wrench = contact_jacobian().T * sp.Matrix([f_x, f_y])
     difference = sp.Matrix([f_x, f_y, X * f_y - Y * f_x]) - wrench
@@ -86,17 +94,21 @@ def sliding_wrench() -> sp.Matrix:
 
 
 def sliding_residual() -> sp.Matrix:
-    """The two equations that annul multiples of W, applied to W: (spin, across) . W, across = (t + smu n, 0).
+    """The two equations that annul multiples of W, applied to W: (spin, across) . W, across = (t +
+    smu n, 0).
 
-    grad D = lambda W is the stationarity of D on {W.V = const}. The rows are independent (their third and first two
-    components differ), so that spin . grad D = 0 and across . grad D = 0 say the same without the multiplier.
+    grad D = lambda W is the stationarity of D on {W.V = const}. The rows are independent (their
+    third and first two components differ), so that spin . grad D = 0 and across . grad D = 0 say
+    the same without the multiplier.
     """
     across = sp.Matrix([*(tangent() + SMU * normal()), 0])
     return sp.simplify(sp.Matrix([spin().dot(sliding_wrench()), across.dot(sliding_wrench())]))
 
 
 def multiplier_residual() -> sp.Expr:
-    """Stationary D on {W.V = 1} less its multiplier: grad D = lambda W and Euler's V.grad D = D give D = lambda."""
+    """Stationary D on {W.V = 1} less its multiplier: grad D = lambda W and Euler's V.grad D = D
+    give D = lambda.
+    """
     multiplier = sp.Symbol("lambda", positive=True)
     wrench = sp.Matrix(sp.symbols("w_x w_y w_t", real=True))
     power = (multiplier * wrench).dot(TWIST)
@@ -104,11 +116,13 @@ def multiplier_residual() -> sp.Expr:
 
 
 def shared_direction() -> sp.Expr:
-    """Return (v_x omega' - omega v_x') x + (v_y omega' - omega v_y') y + (v x v'): zero where two twists move alike.
+    """Return (v_x omega' - omega v_x') x + (v_y omega' - omega v_y') y + (v x v'): zero where two
+    twists move alike.
 
     D curves along V' unless V' moves every support point along V's velocity there (`curvature` of
-    `theory.traction_law`). The points that two different twists move alike lie on one line; support points that do not
-    therefore leave D flat along V alone, and both minima, sticking and sliding, are unique.
+    `theory.traction_law`). The points that two different twists move alike lie on one line; support
+    points that do not therefore leave D flat along V alone, and both minima, sticking and sliding,
+    are unique.
     """
     other = sp.Matrix(sp.symbols("v_x' v_y' omega'", real=True))
     slope = [TWIST[i] * other[2] - OMEGA * other[i] for i in range(2)]
@@ -123,19 +137,25 @@ def shared_direction_residual() -> sp.Expr:
 
 
 def ellipsoid_matrix() -> sp.Matrix:
-    """Return A of an ellipsoidal limit surface, D = sqrt(V^T A V): the wrenches with W^T A^-1 W = 1."""
+    """Return A of an ellipsoidal limit surface, D = sqrt(V^T A V): the wrenches with W^T A^-1 W =
+    1.
+    """
     inverse = C.inv()
     return inverse.T * inverse
 
 
 def mobility() -> sp.Matrix:
-    """Return K = J A^-1 J^T = (J C)(J C)^T, (2, 2), positive definite: contact velocity per force at the contact."""
+    """Return K = J A^-1 J^T = (J C)(J C)^T, (2, 2), positive definite: contact velocity per force
+    at the contact.
+    """
     reach = contact_jacobian() * C
     return reach * reach.T
 
 
 def twist_of_force(force: sp.Matrix) -> sp.Matrix:
-    """Return A^-1 J^T f: the twist, up to a positive factor, of an object pushed by a force at the contact."""
+    """Return A^-1 J^T f: the twist, up to a positive factor, of an object pushed by a force at the
+    contact.
+    """
     return C * C.T * contact_jacobian().T * force
 
 
@@ -145,7 +165,9 @@ def sticking_force(k: sp.Matrix) -> sp.Matrix:
 
 
 def sliding_force(k: sp.Matrix) -> sp.Matrix:
-    """Return kappa d, kappa = (n.u)/(n.K d), which is D(V) times the contact force of the sliding rod."""
+    """Return kappa d, kappa = (n.u)/(n.K d), which is D(V) times the contact force of the sliding
+    rod.
+    """
     return normal().dot(ROD) / normal().dot(k * cone_edge()) * cone_edge()
 
 
@@ -155,7 +177,9 @@ def sticking_twist() -> sp.Matrix:
 
 
 def sliding_twist() -> sp.Matrix:
-    """Return V = kappa A^-1 J^T d with kappa = (n.u)/(n.K d): pushed along the cone's edge, approaching as the rod."""
+    """Return V = kappa A^-1 J^T d with kappa = (n.u)/(n.K d): pushed along the cone's edge,
+    approaching as the rod.
+    """
     return twist_of_force(sliding_force(mobility()))
 
 
@@ -164,7 +188,9 @@ def _any_force() -> sp.Matrix:
 
 
 def _any_mobility() -> sp.Matrix:
-    return sp.Matrix([[sp.Symbol("k_11"), sp.Symbol("k_12")], [sp.Symbol("k_12"), sp.Symbol("k_22")]])
+    return sp.Matrix(
+        [[sp.Symbol("k_11"), sp.Symbol("k_12")], [sp.Symbol("k_12"), sp.Symbol("k_22")]]
+    )
 
 
 def twist_of_force_residual() -> sp.Matrix:
@@ -186,13 +212,16 @@ def stationary_spin_residual() -> sp.Expr:
 
 
 def approach_residual() -> sp.Expr:
-    """n.(J V - u) at the sliding twist: the rod stays on the surface. J V = K f, by `twist_of_force_residual`."""
+    """n.(J V - u) at the sliding twist: the rod stays on the surface. J V = K f, by
+    `twist_of_force_residual`.
+    """
     k = _any_mobility()
     return sp.simplify(sp.together(normal().dot(k * sliding_force(k) - ROD)))
 
 
 def continuity_residual() -> sp.Matrix:
-    """Sticking less sliding force for a rod that moves along the motion cone's edge, u = kappa K d; for any K.
+    """Sticking less sliding force for a rod that moves along the motion cone's edge, u = kappa K d;
+    for any K.
 
     Equal forces have equal twists: the motion is continuous from sticking to sliding.
     """
@@ -206,18 +235,20 @@ def continuity_residual() -> sp.Matrix:
 def cone_residual() -> sp.Expr:
     """(K d) x u less det K (d x K^-1 u), for any symmetric K and in axes along n and t (nu = 0).
 
-    As det K > 0, the rod moves past the edge K d of the motion cone exactly where the force that sticking needs, along
-    K^-1 u, lies past the edge d of the friction cone, and on the same side.
+    As det K > 0, the rod moves past the edge K d of the motion cone exactly where the force that
+    sticking needs, along K^-1 u, lies past the edge d of the friction cone, and on the same side.
     """
     k, edge = _any_mobility(), cone_edge().subs(NU, 0)
     return sp.simplify(sp.expand(_cross(k * edge, ROD) - k.det() * _cross(edge, k.inv() * ROD)))
 
 
 def slip_residual() -> sp.Expr:
-    """(u - J V).t at the sliding twist less -((K d) x u)/(-n.K d), for any symmetric K and in axes along n and t.
+    """(u - J V).t at the sliding twist less -((K d) x u)/(-n.K d), for any symmetric K and in axes
+    along n and t.
 
-    -n.K d > 0 where pushing along d moves the contact inward. Past the edge smu = +mu_p, where sticking needs a force
-    turned further towards +t, the product is negative: the rod slips along +t. At the other edge all signs turn.
+    -n.K d > 0 where pushing along d moves the contact inward. Past the edge smu = +mu_p, where
+    sticking needs a force turned further towards +t, the product is negative: the rod slips along
+    +t. At the other edge all signs turn.
     """
     moved, n = _any_mobility() * cone_edge().subs(NU, 0), normal().subs(NU, 0)
     contact_velocity = n.dot(ROD) / n.dot(moved) * moved
@@ -226,9 +257,11 @@ def slip_residual() -> sp.Expr:
 
 
 def envelope_residual() -> sp.Matrix:
-    """Gradient by u of the least dissipation E(u) = sqrt(u^T K^-1 u) less the contact force K^-1 u / E.
+    """Gradient by u of the least dissipation E(u) = sqrt(u^T K^-1 u) less the contact force K^-1 u
+    / E.
 
-    So a stuck contact is itself a point with an elliptic friction law, traction = grad E: the ring's drag.
+    So a stuck contact is itself a point with an elliptic friction law, traction = grad E: the
+    ring's drag.
     """
     k = _any_mobility()
     least = sp.sqrt((ROD.T * k.inv() * ROD)[0])
@@ -247,8 +280,8 @@ def least_dissipation_residual() -> sp.Matrix:
 def isotropic_sticking_twist(c: sp.Expr) -> sp.Matrix:
     """Return the sticking twist of Lynch, Maekawa & Tanie (1992), origin at the centre of pressure.
 
-    c (m) is the greatest torque over the greatest force: v_x = ((c^2 + x^2) u_x + x y u_y)/(c^2 + x^2 + y^2), v_y
-    likewise, omega = (x v_y - y v_x)/c^2.
+    c (m) is the greatest torque over the greatest force: v_x = ((c^2 + x^2) u_x + x y u_y)/(c^2 +
+    x^2 + y^2), v_y likewise, omega = (x v_y - y v_x)/c^2.
     """
     total = c**2 + X**2 + Y**2
     v_x = ((c**2 + X**2) * U_X + X * Y * U_Y) / total

@@ -1,8 +1,9 @@
-"""The sums of friction under ellipses: chords through the centre of rotation, and elliptic steps around the rim.
+"""The sums of friction under ellipses: chords through the centre of rotation, and elliptic steps
+around the rim.
 
-In the coordinates x of an ellipse's unit disc the velocity is w = omega S (x - x_0), S linear, x_0 the centre of
-rotation: along a chord through x_0 it keeps its direction. Along the rim z = exp(i alpha) it is p z + c + q/z, with two
-zeros. Functions named `..._residual` vanish.
+In the coordinates x of an ellipse's unit disc the velocity is w = omega S (x - x_0), S linear, x_0
+the centre of rotation: along a chord through x_0 it keeps its direction. Along the rim z = exp(i
+alpha) it is p z + c + q/z, with two zeros. Functions named `..._residual` vanish.
 """
 
 import sympy as sp
@@ -21,17 +22,21 @@ K = sp.Symbol("k", positive=True)
 
 
 def inner_area() -> sp.Expr:
-    """Return the area element per dt dtau of chords through a centre inside, at the angle t from its direction.
+    """Return the area element per dt dtau of chords through a centre inside, at the angle t from
+    its direction.
 
-    The distance from the centre, with its sign along the chord: the chord's middle is size cos t ahead of the centre.
+    The distance from the centre, with its sign along the chord: the chord's middle is size cos t
+    ahead of the centre.
     """
     return SIZE * sp.cos(T) + TAU
 
 
 def outer_area() -> sp.Expr:
-    """Return the area element per dt dtau of chords at the distance sin t from the middle, the centre 1/size away.
+    """Return the area element per dt dtau of chords at the distance sin t from the middle, the
+    centre 1/size away.
 
-    The chord's angle psi has sin psi = size sin t, and its middle is sqrt(1/size^2 - sin^2 t) from the centre.
+    The chord's angle psi has sin psi = size sin t, and its middle is sqrt(1/size^2 - sin^2 t) from
+    the centre.
     """
     angle = sp.asin(SIZE * sp.sin(T))
     away = sp.sqrt(1 - SIZE**2 * sp.sin(T) ** 2) / SIZE
@@ -39,7 +44,9 @@ def outer_area() -> sp.Expr:
 
 
 def outer_area_residual() -> sp.Expr:
-    """Return outer_area off cos t (1 + tau size/root): what C sums, root = sqrt(1 - size^2 sin^2 t)."""
+    """Return outer_area off cos t (1 + tau size/root): what C sums, root = sqrt(1 - size^2 sin^2
+    t).
+    """
     root = sp.sqrt(1 - SIZE**2 * sp.sin(T) ** 2)
     return sp.simplify(outer_area() - sp.cos(T) * (1 + TAU * SIZE / root))
 
@@ -60,7 +67,9 @@ def chord_moments() -> tuple[sp.Expr, sp.Expr]:
 
 
 def depth_residual() -> sp.Expr:
-    """Return |sin x|^2 + |cos x|^2 off 2 cosh^2 y - 1, x = a + i y: how far from the axis a place sin^2 x is."""
+    """Return |sin x|^2 + |cos x|^2 off 2 cosh^2 y - 1, x = a + i y: how far from the axis a place
+    sin^2 x is.
+    """
     a, y = sp.symbols("a y", real=True)
     sine = (sp.sin(a) * sp.cosh(y)) ** 2 + (sp.cos(a) * sp.sinh(y)) ** 2
     cosine = (sp.cos(a) * sp.cosh(y)) ** 2 + (sp.sin(a) * sp.sinh(y)) ** 2
@@ -70,8 +79,9 @@ def depth_residual() -> sp.Expr:
 def bent_depths() -> tuple[sp.Expr, sp.Expr]:
     """Return tanh of the distances at which a rule bent by tan t = beta tan x is singular.
 
-    First what was at t = pi/2 + i eta, where tan t = i coth eta and tan x = (i/beta) coth eta, so that x = pi/2 + i
-    atanh(beta tanh eta); then t = i infinity, where tan t = i, which the bend brings to x = i atanh(1/beta).
+    First what was at t = pi/2 + i eta, where tan t = i coth eta and tan x = (i/beta) coth eta, so
+    that x = pi/2 + i atanh(beta tanh eta); then t = i infinity, where tan t = i, which the bend
+    brings to x = i atanh(1/beta).
     """
     return BETA * sp.tanh(ETA), 1 / BETA
 
@@ -98,14 +108,18 @@ def circle_residual() -> sp.Expr:
 
 
 def speed_residual() -> sp.Expr:
-    """Return (dphi/dv)^2 = (k' nd)^2 off 1 - k^2 cos^2 phi, cos phi = -cd: steps are dense where |w| is small."""
+    """Return (dphi/dv)^2 = (k' nd)^2 off 1 - k^2 cos^2 phi, cos phi = -cd: steps are dense where
+    |w| is small.
+    """
     dn_squared = 1 - K**2 * SN**2
     root = 1 - K**2 * CN**2 / dn_squared
     return sp.simplify(((1 - K**2) / dn_squared - root).subs(CN, sp.sqrt(1 - SN**2)))
 
 
 def sum_denominator_residual() -> sp.Expr:
-    """Return cn^2 u + sn^2 u dn^2 v off 1 - k^2 sn^2 u sn^2 v: the addition theorem's, without cancellation."""
+    """Return cn^2 u + sn^2 u dn^2 v off 1 - k^2 sn^2 u sn^2 v: the addition theorem's, without
+    cancellation.
+    """
     whole = CN**2 + SN**2 * (1 - K**2 * SN_2**2) - (1 - K**2 * SN**2 * SN_2**2)
     return sp.simplify(whole.subs(CN, sp.sqrt(1 - SN**2)))
 

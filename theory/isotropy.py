@@ -1,8 +1,9 @@
-"""Isotropic friction makes the cycle map a rigid rotation, f(θ) = θ + Ω, whatever the object, footprint and push.
+"""Isotropic friction makes the cycle map a rigid rotation, f(θ) = θ + Ω, whatever the object,
+footprint and push.
 
-The dissipation does not see the orientation, so the push, laid down in the object's frame, turns the object by the same
-angle and leaves the ring at the same place of that frame; so does the target lie, and so goes the straight leg back.
-Way-points of the reset, fixed in the world, break it.
+The dissipation does not see the orientation, so the push, laid down in the object's frame, turns
+the object by the same angle and leaves the ring at the same place of that frame; so does the target
+lie, and so goes the straight leg back. Way-points of the reset, fixed in the world, break it.
 """
 
 import sympy as sp
@@ -41,7 +42,9 @@ def squared_isotropic_dissipation() -> sp.Expr:
 def wrench_times_dissipation() -> sp.Matrix:
     """Return h times the wrench (f_x, f_y, torque) = grad h of a point: half the gradient of h²."""
     squared = squared_isotropic_dissipation()
-    return sp.Matrix([sp.expand(sp.diff(squared, one) / 2) for one in (VELOCITY_X, VELOCITY_Y, SPIN)])
+    return sp.Matrix(
+        [sp.expand(sp.diff(squared, one) / 2) for one in (VELOCITY_X, VELOCITY_Y, SPIN)]
+    )
 
 
 def turning_residual() -> sp.Matrix:
@@ -55,13 +58,16 @@ def turning_residual() -> sp.Matrix:
     new = {VELOCITY_X: velocity[0], VELOCITY_Y: velocity[1], POINT_X: place[0], POINT_Y: place[1]}
     force = rotation(THETA) * sp.Matrix(here[:2])
     there = sp.Matrix([squared_isotropic_dissipation(), *here]).subs(new, simultaneous=True)
-    return (there - sp.Matrix([squared_isotropic_dissipation(), *force, here[2]])).applyfunc(spelled_out)
+    return (there - sp.Matrix([squared_isotropic_dissipation(), *force, here[2]])).applyfunc(
+        spelled_out
+    )
 
 
 def leg_seen_by_the_object() -> sp.Matrix:
     """Return the leg back to the target as the object sees it after the push: -R(-Δ)d, without θ.
 
-    The push began at θ with the ring on the target; it turned the object by Δ and took the ring to R(θ)d.
+    The push began at θ with the ring on the target; it turned the object by Δ and took the ring to
+    R(θ)d.
     """
     ring = rotation(THETA) * sp.Matrix([RING_X, RING_Y])
     leg = leg_in_object_frame(sp.zeros(2, 1), ring, THETA + PUSH_TURN)
@@ -69,10 +75,11 @@ def leg_seen_by_the_object() -> sp.Matrix:
 
 
 def turn_of_the_ellipsoids_leg() -> sp.Expr:
-    """Return tan(ψ/2) at the end of the leg under an ellipsoid: the rotation Ω is Δ + ψ_end - ψ_start.
+    """Return tan(ψ/2) at the end of the leg under an ellipsoid: the rotation Ω is Δ + ψ_end -
+    ψ_start.
 
-    tan(ψ/2) of the start is sin ψ/(1 + cos ψ), from cross and dot product of the leg with the lever (h_x, h_y), and
-    a leg of length |d| multiplies it by exp(-κ|d|).
+    tan(ψ/2) of the start is sin ψ/(1 + cos ψ), from cross and dot product of the leg with the lever
+    (h_x, h_y), and a leg of length |d| multiplies it by exp(-κ|d|).
     """
     leg = leg_seen_by_the_object()
     length, lever = sp.sqrt(RING_X**2 + RING_Y**2), sp.sqrt(LEVER_X**2 + LEVER_Y**2)

@@ -1,8 +1,9 @@
-"""A cycle whose reset ends with a leg in a fixed direction, on an ellipsoidal limit surface: everything in closed form.
+"""A cycle whose reset ends with a leg in a fixed direction, on an ellipsoidal limit surface:
+everything in closed form.
 
-The push and the rest of the cycle turn the object by `TURNS` (turns a cycle), the leg has the strength a of
-`theory.moebius_drag`: z -> e^{2πiΩ}(z - a)/(1 - a z), z = e^{iχ}, χ the angle from the ring to the object's centre,
-seen from the leg's direction.
+The push and the rest of the cycle turn the object by `TURNS` (turns a cycle), the leg has the
+strength a of `theory.moebius_drag`: z -> e^{2πiΩ}(z - a)/(1 - a z), z = e^{iχ}, χ the angle from
+the ring to the object's centre, seen from the leg's direction.
 """
 
 import sympy as sp
@@ -23,7 +24,9 @@ def cycle_map() -> sp.Expr:
 def cycle_matrix() -> sp.Matrix:
     """Return the cycle's matrix, scaled to determinant one; it preserves |z| = 1."""
     half = sp.exp(sp.pi * sp.I * TURNS)
-    return sp.Matrix([[half, -STRENGTH * half], [-STRENGTH / half, 1 / half]]) / sp.sqrt(1 - STRENGTH**2)
+    return sp.Matrix([[half, -STRENGTH * half], [-STRENGTH / half, 1 / half]]) / sp.sqrt(
+        1 - STRENGTH**2
+    )
 
 
 def half_trace() -> sp.Expr:
@@ -34,7 +37,8 @@ def half_trace() -> sp.Expr:
 def rotation_number() -> sp.Expr:
     """Return ρ = arccos(cos πΩ/√(1 - a²))/π, turns a cycle, for Ω in (0, 1) outside the lock-in.
 
-    A matrix of determinant one whose half trace is cos πρ is a rotation by 2πρ in other coordinates.
+    A matrix of determinant one whose half trace is cos πρ is a rotation by 2πρ in other
+    coordinates.
     """
     return sp.acos(half_trace()) / sp.pi
 
@@ -45,12 +49,15 @@ def lock_in_margin() -> sp.Expr:
 
 
 def lock_in_edge() -> sp.Expr:
-    """Return the turn of the cycle at which the lock-in ends, arcsin(a)/π, turns: locked in |Ω| ≤ that."""
+    """Return the turn of the cycle at which the lock-in ends, arcsin(a)/π, turns: locked in |Ω| ≤
+    that.
+    """
     return sp.asin(STRENGTH) / sp.pi
 
 
 def stable_multiplier() -> sp.Expr:
-    """Return the multiplier of the stable fixed point, |Ω| < 1/2 inside the lock-in; the other's is its inverse.
+    """Return the multiplier of the stable fixed point, |Ω| < 1/2 inside the lock-in; the other's is
+    its inverse.
 
     It is the inverse square of the matrix's larger eigenvalue.
     """
@@ -85,8 +92,10 @@ def cosine_beyond_the_edge() -> sp.Expr:
 
 
 def square_root_law() -> sp.Expr:
-    """Return the leading term of ρ² beyond the edge, 2Aη/π: the saddle-node's square-root law ρ ≈ √(2Aη/π).
+    """Return the leading term of ρ² beyond the edge, 2Aη/π: the saddle-node's square-root law ρ ≈
+    √(2Aη/π).
 
-    Its inverse root is the passage time π/√(Aε) of the bottleneck: close to the edge a turn is that passage.
+    Its inverse root is the passage time π/√(Aε) of the bottleneck: close to the edge a turn is that
+    passage.
     """
     return 2 * least_move()[2] * EXCESS / sp.pi

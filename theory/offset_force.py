@@ -1,8 +1,8 @@
 """An offset limit ellipse as a centred one and a constant force at the centre of pressure.
 
-Twists (v_x, v_y, omega) are those of the frame's origin, wrenches (force, torque) are about it; the frame stands at the
-angle zero over the surface. Wrenches are those that keep the object moving, grad D; friction is their opposite.
-Functions named `..._residual` vanish identically.
+Twists (v_x, v_y, omega) are those of the frame's origin, wrenches (force, torque) are about it; the
+frame stands at the angle zero over the surface. Wrenches are those that keep the object moving,
+grad D; friction is their opposite. Functions named `..._residual` vanish identically.
 """
 
 import sympy as sp
@@ -26,7 +26,9 @@ def velocity_at(point: Point) -> sp.Matrix:
 
 
 def point_dissipation(point: Point) -> sp.Expr:
-    """Return the power lost at one support point per unit of its load, h(R(phi)^T (v + omega z x r))."""
+    """Return the power lost at one support point per unit of its load, h(R(phi)^T (v + omega z x
+    r)).
+    """
     return dissipation(*(rotation(PHI).T * velocity_at(point)))
 
 
@@ -43,7 +45,10 @@ def support_points(count: int) -> tuple[list[Point], list[sp.Symbol]]:
 
 def total_dissipation(points: list[Point], loads: list[sp.Expr]) -> sp.Expr:
     """Return D(V) = sum N_i h(v_i), W."""
-    return sum((load * point_dissipation(point) for point, load in zip(points, loads, strict=True)), sp.Integer(0))
+    return sum(
+        (load * point_dissipation(point) for point, load in zip(points, loads, strict=True)),
+        sp.Integer(0),
+    )
 
 
 def centre_of_pressure(points: list[Point], loads: list[sp.Expr]) -> Point:
@@ -60,13 +65,17 @@ def offset_force() -> sp.Matrix:
 
 
 def offset_wrench(centre: Point) -> sp.Matrix:
-    """Return the constant wrench per unit load about the frame's origin: `offset_force` acting at a point (m)."""
+    """Return the constant wrench per unit load about the frame's origin: `offset_force` acting at a
+    point (m).
+    """
     force = offset_force()
     return sp.Matrix([force[0], force[1], centre[0] * force[1] - centre[1] * force[0]])
 
 
 def power_residual(count: int = 3) -> sp.Expr:
-    """D less the centred D less N R(phi)(m0, n0) . (velocity of the centre of pressure), for `count` points."""
+    """D less the centred D less N R(phi)(m0, n0) . (velocity of the centre of pressure), for
+    `count` points.
+    """
     points, loads = support_points(count)
     whole = total_dissipation(points, loads)
     constant = sum(loads) * offset_force().dot(velocity_at(centre_of_pressure(points, loads)))
@@ -76,7 +85,8 @@ def power_residual(count: int = 3) -> sp.Expr:
 def pressure_residual() -> sp.Expr:
     """The same for a pressure p(x, y): the integrands' difference less F.(v p + omega z x (r p)).
 
-    The latter is linear in p, x p and y p, so that its integral holds load and centre of pressure alone.
+    The latter is linear in p, x p and y p, so that its integral holds load and centre of pressure
+    alone.
     """
     x, y = sp.symbols("x y", real=True)
     p = sp.Function("p")(x, y)
@@ -86,7 +96,9 @@ def pressure_residual() -> sp.Expr:
 
 
 def limit_surface_residual(count: int = 2) -> sp.Matrix:
-    """grad D less the centred grad D less a wrench that no twist changes: the limit surface is shifted as a whole."""
+    """grad D less the centred grad D less a wrench that no twist changes: the limit surface is
+    shifted as a whole.
+    """
     points, loads = support_points(count)
     whole = total_dissipation(points, loads)
     difference = whole - centred(whole)
@@ -95,7 +107,9 @@ def limit_surface_residual(count: int = 2) -> sp.Matrix:
 
 
 def torque_at_centre_residual(count: int = 3) -> sp.Expr:
-    """Torque about the centre of pressure of the offset forces N_i R(phi)(m0, n0) at `count` points."""
+    """Torque about the centre of pressure of the offset forces N_i R(phi)(m0, n0) at `count`
+    points.
+    """
     points, loads = support_points(count)
     x, y = centre_of_pressure(points, loads)
     force = offset_force()
@@ -112,10 +126,12 @@ def slope() -> sp.Expr:
 
 
 def tilted_table_residual() -> sp.Matrix:
-    """Needed force with an offset less the one on a table tilted by arctan(slope), centred ellipse; per unit load.
+    """Needed force with an offset less the one on a table tilted by arctan(slope), centred ellipse;
+    per unit load.
 
-    On the tilted table the load is m g cos(alpha) and gravity pulls with m g sin(alpha) down the slope, against
-    `offset_force`; the contact then has to supply what friction takes less what gravity gives.
+    On the tilted table the load is m g cos(alpha) and gravity pulls with m g sin(alpha) down the
+    slope, against `offset_force`; the contact then has to supply what friction takes less what
+    gravity gives.
     """
     alpha = sp.atan(slope())
     g, m = sp.symbols("g m", positive=True)
@@ -126,9 +142,11 @@ def tilted_table_residual() -> sp.Matrix:
 
 
 def closed_path_work_residual() -> sp.Expr:
-    """Work of the offset force once around any closed path x(t), y(t) of the centre of pressure, here of three modes.
+    """Work of the offset force once around any closed path x(t), y(t) of the centre of pressure,
+    here of three modes.
 
-    The force is constant in the world, hence has a potential: only where the centre of pressure ends counts.
+    The force is constant in the world, hence has a potential: only where the centre of pressure
+    ends counts.
     """
     t = sp.symbols("t", real=True)
     modes = [sp.symbols(f"a_{i} b_{i} c_{i} d_{i}", real=True) for i in range(1, 4)]

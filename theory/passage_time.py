@@ -1,7 +1,8 @@
-"""Cycles through the bottleneck that a saddle-node leaves: x' = x + ε + a x², by the flow, to higher order, exactly.
+"""Cycles through the bottleneck that a saddle-node leaves: x' = x + ε + a x², by the flow, to
+higher order, exactly.
 
-x is the distance from the slowest point (rad), ε > 0 the gap (rad a cycle), a > 0 the curvature (1/rad). To leading
-order the passage takes π/√(aε) cycles (Pomeau & Manneville 1980).
+x is the distance from the slowest point (rad), ε > 0 the gap (rad a cycle), a > 0 the curvature
+(1/rad). To leading order the passage takes π/√(aε) cycles (Pomeau & Manneville 1980).
 """
 
 import sympy as sp
@@ -28,29 +29,40 @@ def passage_time() -> sp.Expr:
 
 
 def end_correction() -> sp.Expr:
-    """Return what the flow from -X to X takes less than the whole passage: -2/(aX) + 2ε/(3a²X³) + O(ε²), cycles."""
+    """Return what the flow from -X to X takes less than the whole passage: -2/(aX) + 2ε/(3a²X³) +
+    O(ε²), cycles.
+    """
     # arctan y = π/2 - arctan(1/y), and arctan(1/y) = 1/y - 1/(3y³) + ...
-    beyond = sp.series(sp.atan(PLACE), PLACE, 0, 5).removeO().subs(PLACE, sp.sqrt(GAP / CURVATURE) / REACH)
+    beyond = (
+        sp.series(sp.atan(PLACE), PLACE, 0, 5)
+        .removeO()
+        .subs(PLACE, sp.sqrt(GAP / CURVATURE) / REACH)
+    )
     return sp.expand(-2 * beyond / sp.sqrt(CURVATURE * GAP))
 
 
 def interpolating_flow(step: sp.Expr) -> sp.Expr:
-    """Return the field v = g - gg'/2 + gg'²/3 + g²g''/12 whose flow over one cycle is x + g(x), up to the order g⁴."""
+    """Return the field v = g - gg'/2 + gg'²/3 + g²g''/12 whose flow over one cycle is x + g(x), up
+    to the order g⁴.
+    """
     slope, bend = sp.diff(step, PLACE), sp.diff(step, PLACE, 2)
     return step - step * slope / 2 + step * slope**2 / 3 + step**2 * bend / 12
 
 
 def time_one_map(field: sp.Expr) -> sp.Expr:
-    """Return the displacement of a flow over one cycle, v + vv'/2 + v(vv')'/6 + ..., up to the order v⁴."""
+    """Return the displacement of a flow over one cycle, v + vv'/2 + v(vv')'/6 + ..., up to the
+    order v⁴.
+    """
     second = field * sp.diff(field, PLACE)
     return field + second / 2 + field * sp.diff(second, PLACE) / 6
 
 
 def counting_time() -> sp.Expr:
-    """Return T(x), whose difference counts the cycles of x' = x + ε + a x²: (1 + aε/3) arctan/√(aε) + ½ ln g - ax/2.
+    """Return T(x), whose difference counts the cycles of x' = x + ε + a x²: (1 + aε/3) arctan/√(aε)
+    + ½ ln g - ax/2.
 
-    It is the integral of 1/v, v the interpolating flow, to the order of g'²/g: the flow's time, aε/3 more of it, and
-    terms of the ends.
+    It is the integral of 1/v, v the interpolating flow, to the order of g'²/g: the flow's time,
+    aε/3 more of it, and terms of the ends.
     """
     return (1 + CURVATURE * GAP / 3) * flow_time() + sp.log(move()) / 2 - CURVATURE * PLACE / 2
 
@@ -62,7 +74,9 @@ def counted_passage() -> sp.Expr:
 
 
 def soluble_map() -> sp.Expr:
-    """Return the Möbius map x' = (x + ε)/(1 - a x) = x + ε + a x² + higher terms, whose passage is known exactly."""
+    """Return the Möbius map x' = (x + ε)/(1 - a x) = x + ε + a x² + higher terms, whose passage is
+    known exactly.
+    """
     return (PLACE + GAP) / (1 - CURVATURE * PLACE)
 
 
@@ -72,5 +86,7 @@ def soluble_angle() -> sp.Expr:
 
 
 def soluble_passage() -> sp.Expr:
-    """Return the cycles of the soluble map from -∞ to ∞, exactly: π/arctan √(aε) = π/√(aε) (1 + aε/3 - ...)."""
+    """Return the cycles of the soluble map from -∞ to ∞, exactly: π/arctan √(aε) = π/√(aε) (1 +
+    aε/3 - ...).
+    """
     return sp.pi / sp.atan(sp.sqrt(CURVATURE * GAP))

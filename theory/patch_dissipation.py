@@ -1,8 +1,9 @@
 """The dissipation of a uniformly loaded polygon in closed form, its gradient, its limits.
 
-w(r) = M (v + omega z x r) maps the polygon to one in the velocity plane; the dissipation is the mean of |w| over it.
-On one side of that polygon w = d n + t e, with n the outward normal, e = z x n the side's direction, d the signed
-distance of the origin from the side's line and t the position along it. Functions named `..._residual` vanish.
+w(r) = M (v + omega z x r) maps the polygon to one in the velocity plane; the dissipation is the
+mean of |w| over it. On one side of that polygon w = d n + t e, with n the outward normal, e = z x n
+the side's direction, d the signed distance of the origin from the side's line and t the position
+along it. Functions named `..._residual` vanish.
 """
 
 import sympy as sp
@@ -41,7 +42,8 @@ def side_term(d: sp.Expr = D, t_0: sp.Expr = T0, t_1: sp.Expr = T1) -> sp.Expr:
 
 
 def side_geometry(start: Corner, end: Corner) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Return (d, t_0, t_1) of the side from one corner to the next of a counter-clockwise polygon."""
+    """Return (d, t_0, t_1) of the side from one corner to the next of a
+    counter-clockwise polygon."""
     e_x, e_y = end[0] - start[0], end[1] - start[1]
     size = sp.sqrt(e_x**2 + e_y**2)
     distance = (start[0] * e_y - start[1] * e_x) / size
@@ -63,7 +65,9 @@ def normals(corners: list[Corner]) -> list[sp.Matrix]:
 
 
 def polygon_integral(corners: list[Corner]) -> sp.Expr:
-    """Return int |w| over a counter-clockwise polygon of the velocity plane, whether or not it holds the origin."""
+    """Return int |w| over a counter-clockwise polygon of the velocity plane, whether or not it
+    holds the origin.
+    """
     return sum((side_term(*side) for side in sides(corners)), sp.Integer(0))
 
 
@@ -76,7 +80,9 @@ def polygon_force(corners: list[Corner]) -> sp.Matrix:
 
 
 def polygon_curvature(corners: list[Corner]) -> sp.Matrix:
-    """Return int hess |w| = rim (w/|w|) n^T over a counter-clockwise polygon of the velocity plane, (2, 2)."""
+    """Return int hess |w| = rim (w/|w|) n^T over a counter-clockwise polygon of the velocity plane,
+    (2, 2).
+    """
     total = sp.zeros(2, 2)
     for outward, (d, t_0, t_1) in zip(normals(corners), sides(corners), strict=True):
         along = sp.Matrix([-outward[1], outward[0]])
@@ -87,13 +93,22 @@ def polygon_curvature(corners: list[Corner]) -> sp.Matrix:
 
 
 def rim_integral(corners: list[Corner]) -> sp.Expr:
-    """Return int |w| along the sides: the dissipation of weight that the rim's line carries, in the velocity plane."""
-    return sum((length_integral(d, t_1) - length_integral(d, t_0) for d, t_0, t_1 in sides(corners)), sp.Integer(0))
+    """Return int |w| along the sides: the dissipation of weight that the rim's line carries, in the
+    velocity plane.
+    """
+    return sum(
+        (length_integral(d, t_1) - length_integral(d, t_0) for d, t_0, t_1 in sides(corners)),
+        sp.Integer(0),
+    )
 
 
-def velocity_image(corners: list[Corner], velocity: Corner, omega: sp.Expr, matrix: sp.Matrix) -> list[Corner]:
+def velocity_image(
+    corners: list[Corner], velocity: Corner, omega: sp.Expr, matrix: sp.Matrix
+) -> list[Corner]:
     """Return the images w = M (v + omega z x r) of a polygon's corners."""
-    images = [matrix * sp.Matrix([velocity[0] - omega * y, velocity[1] + omega * x]) for x, y in corners]
+    images = [
+        matrix * sp.Matrix([velocity[0] - omega * y, velocity[1] + omega * x]) for x, y in corners
+    ]
     return [(image[0], image[1]) for image in images]
 
 
@@ -125,10 +140,12 @@ def divergence_residual(weight: sp.Expr = 1) -> sp.Expr:
 
 
 def triangle_residual() -> sp.Expr:
-    """int |w| over the triangle from the origin to a side less `side_term`, by their growth with the side's end.
+    """int |w| over the triangle from the origin to a side less `side_term`, by their growth with
+    the side's end.
 
-    w = rho (d n + t e), 0 <= rho <= 1, has area element rho d; both are zero for a side without length. Every polygon
-    is a signed sum of such triangles: a second way to the sum over sides, without the divergence theorem.
+    w = rho (d n + t e), 0 <= rho <= 1, has area element rho d; both are zero for a side without
+    length. Every polygon is a signed sum of such triangles: a second way to the sum over sides,
+    without the divergence theorem.
     """
     rho = sp.Symbol("rho", positive=True)
     place = sp.Matrix([rho * D, rho * T])
@@ -146,19 +163,24 @@ def image_area_residual() -> sp.Expr:
 
 
 def gradient_residual() -> sp.Matrix:
-    """Gradient of one side's term by a shift of the origin, less n int |w| dt, less the ends' difference of G.
+    """Gradient of one side's term by a shift of the origin, less n int |w| dt, less the ends'
+    difference of G.
 
-    In the axes (n, e), with G(w) = |w| (z x w)/3, which depends on the corner alone: around a closed polygon the
-    differences cancel, and what is left is int grad |w| = rim |w| n.
+    In the axes (n, e), with G(w) = |w| (z x w)/3, which depends on the corner alone: around a
+    closed polygon the differences cancel, and what is left is int grad |w| = rim |w| n.
     """
     s = [sp.sqrt(D**2 + t**2) for t in (T0, T1)]
-    change = sp.Matrix([sp.diff(side_term(), D), sp.diff(side_term(), T0) + sp.diff(side_term(), T1)])
+    change = sp.Matrix(
+        [sp.diff(side_term(), D), sp.diff(side_term(), T0) + sp.diff(side_term(), T1)]
+    )
     corner = [sp.Matrix([-t, D]) * length / 3 for t, length in zip((T0, T1), s, strict=True)]
     normal = sp.Matrix([length_integral(D, T1) - length_integral(D, T0), 0])
     return sp.simplify(sp.expand(change - normal - (corner[1] - corner[0])))
 
 
 def unit_vector_residual() -> sp.Matrix:
-    """Derivative of (d asinh(t/|d|), |w|) less w/|w| in the axes (n, e): the sides' integrals in the Hessian."""
+    """Derivative of (d asinh(t/|d|), |w|) less w/|w| in the axes (n, e): the sides' integrals in
+    the Hessian.
+    """
     integral = sp.Matrix([D * inverse_integral(), sp.sqrt(D**2 + T**2)])
     return sp.simplify(sp.diff(integral, T) - sp.Matrix([D, T]) / sp.sqrt(D**2 + T**2))

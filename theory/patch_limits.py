@@ -1,4 +1,5 @@
-"""Limits of the patch's closed form: a centre of rotation on a side, far away, a rim, and a grid of points instead.
+"""Limits of the patch's closed form: a centre of rotation on a side, far away, a rim, and a grid of
+points instead.
 
 In the notation of `theory.patch_dissipation`. Functions named `..._residual` vanish identically.
 """
@@ -30,7 +31,8 @@ SCALE = sp.Symbol("lambda", positive=True)
 
 
 def touching_residual() -> sp.Expr:
-    """Limit of d^2 asinh(t/d) as d -> 0: a side whose line goes through the centre of rotation adds nothing.
+    """Limit of d^2 asinh(t/d) as d -> 0: a side whose line goes through the centre of rotation adds
+    nothing.
 
     With z = t/d it is t^2 asinh(z)/z^2 as z -> oo, which t^2 bounds.
     """
@@ -57,14 +59,17 @@ def translation_residual() -> sp.Matrix:
     """`translation_terms` less the derivatives at omega = 0 (the second one halved)."""
     derivatives = [_speed(), sp.diff(_speed(), OMEGA), sp.diff(_speed(), OMEGA, 2) / 2]
     terms = translation_terms()
-    return sp.Matrix([sp.simplify(d.subs(OMEGA, 0) - t) for d, t in zip(derivatives, terms, strict=True)])
+    return sp.Matrix(
+        [sp.simplify(d.subs(OMEGA, 0) - t) for d, t in zip(derivatives, terms, strict=True)]
+    )
 
 
 def near_translation() -> sp.Expr:
     """Return D near translation, s + omega^2 (mu_a mu_b)^2 v^T C v/(2 s^3), up to terms in omega^3.
 
-    It is the mean of `translation_terms` over a pressure with its centre at r = 0 and second moments C: for a square
-    C = L^2/12. The torque is its derivative by omega, proportional to omega: no torque resists a pure translation.
+    It is the mean of `translation_terms` over a pressure with its centre at r = 0 and second
+    moments C: for a square C = L^2/12. The torque is its derivative by omega, proportional to
+    omega: no torque resists a pure translation.
     """
     zeroth, first, second = (sp.Poly(sp.expand(term), R_M, R_N) for term in translation_terms())
     means = {(0, 0): 1, (1, 0): 0, (0, 1): 0, (2, 0): C_MM, (1, 1): C_MN, (0, 2): C_NN}
@@ -76,10 +81,12 @@ def near_translation() -> sp.Expr:
 
 
 def square_far_series() -> list[sp.Expr]:
-    """Return the sides' terms of int |w| over [1 - epsilon, 1 + epsilon] x [-epsilon, epsilon], up to epsilon^4.
+    """Return the sides' terms of int |w| over [1 - epsilon, 1 + epsilon] x [-epsilon, epsilon], up
+    to epsilon^4.
 
-    The unit of velocity is mu v. Right, left, and twice the bottom, which the top equals. Each is d/3 int |w| dt (see
-    `length_residual` of `theory.patch_dissipation`) over t = middle + epsilon u, expanded under the integral.
+    The unit of velocity is mu v. Right, left, and twice the bottom, which the top equals. Each is
+    d/3 int |w| dt (see `length_residual` of `theory.patch_dissipation`) over t = middle + epsilon
+    u, expanded under the integral.
     """
     e, u = EPSILON, sp.Symbol("u", real=True)
 
@@ -104,8 +111,9 @@ def square_far_residual() -> sp.Expr:
 def cancellation() -> sp.Expr:
     """Return the limit of epsilon times sum |terms| / |sum of terms| as epsilon -> 0.
 
-    It is positive: rounding in the sum over sides grows in proportion to the distance 1/epsilon of the centre of
-    rotation. The torque, (D - v.F)/omega, loses one more power. The code integrates over the area there.
+    It is positive: rounding in the sum over sides grows in proportion to the distance 1/epsilon of
+    the centre of rotation. The torque, (D - v.F)/omega, loses one more power. The code integrates
+    over the area there.
     """
     right, left, others = square_far_series()
     return sp.limit(EPSILON * (right - left + others) / (right + left + others), EPSILON, 0)
@@ -117,32 +125,41 @@ def polygon_area(corners: list[Corner]) -> sp.Expr:
 
 
 def rim_mean(corners: list[Corner], centre: Corner) -> sp.Expr:
-    """Return the mean of |w| over a rim, all weight on the polygon's sides: the even form's derivative by the scale.
+    """Return the mean of |w| over a rim, all weight on the polygon's sides: the even form's
+    derivative by the scale.
 
-    What a polygon scaled by 1 + epsilon about its centre has more than the polygon is a frame of no width.
+    What a polygon scaled by 1 + epsilon about its centre has more than the polygon is a frame of no
+    width.
     """
     x, y = centre
     scaled = [(x + SCALE * (a - x), y + SCALE * (b - y)) for a, b in corners]
-    weight, area = (sp.diff(form(scaled), SCALE).subs(SCALE, 1) for form in (polygon_integral, polygon_area))
+    weight, area = (
+        sp.diff(form(scaled), SCALE).subs(SCALE, 1) for form in (polygon_integral, polygon_area)
+    )
     return weight / area
 
 
 def midpoint_residual() -> sp.Expr:
-    """Mean over a square cell less the value at its middle less h^2/24 times the Laplacian there, for any cubic.
+    """Mean over a square cell less the value at its middle less h^2/24 times the Laplacian there,
+    for any cubic.
 
-    A grid of points in the middle of cells therefore errs by -h^2/24 times the mean Laplacian, up to terms in h^4,
-    wherever |w| is smooth.
+    A grid of points in the middle of cells therefore errs by -h^2/24 times the mean Laplacian, up
+    to terms in h^4, wherever |w| is smooth.
     """
     x, y = sp.symbols("x y", real=True)
     powers = [(i, j) for i in range(4) for j in range(4 - i)]
     f = sum(sp.Symbol(f"a_{i}{j}") * x**i * y**j for i, j in powers)
-    mean = sp.integrate(f, (x, -SPACING / 2, SPACING / 2), (y, -SPACING / 2, SPACING / 2)) / SPACING**2
+    mean = (
+        sp.integrate(f, (x, -SPACING / 2, SPACING / 2), (y, -SPACING / 2, SPACING / 2)) / SPACING**2
+    )
     laplacian = sp.diff(f, x, 2) + sp.diff(f, y, 2)
     return sp.expand(mean - (f + SPACING**2 / 24 * laplacian).subs({x: 0, y: 0}))
 
 
 def laplacian_residual() -> sp.Expr:
-    """Laplacian by r of |M (v + omega z x r)| less omega^2 tr(M^T H M), H = hess |w| = (1 - w w^T/|w|^2)/|w|."""
+    """Laplacian by r of |M (v + omega z x r)| less omega^2 tr(M^T H M), H = hess |w| = (1 - w
+    w^T/|w|^2)/|w|.
+    """
     x, y, w_x, w_y = sp.symbols("x y w_x w_y", real=True)
     matrix = sp.Matrix(2, 2, sp.symbols("M_11 M_12 M_21 M_22", real=True))
     image = sp.Matrix(velocity_image([(x, y)], (V_M, V_N), OMEGA, matrix)[0])
@@ -151,15 +168,19 @@ def laplacian_residual() -> sp.Expr:
     hessian = sp.hessian(sp.sqrt(w_x**2 + w_y**2), (w_x, w_y))
     w = sp.Matrix([w_x, w_y])
     claimed = (sp.eye(2) - w * w.T / w.dot(w)) / sp.sqrt(w.dot(w))
-    return sp.simplify((linear.T * hessian * linear).trace() - OMEGA**2 * (matrix.T * claimed * matrix).trace())
+    return sp.simplify(
+        (linear.T * hessian * linear).trace() - OMEGA**2 * (matrix.T * claimed * matrix).trace()
+    )
 
 
 def grid_defect(
     corners: list[Corner], velocity: Corner, omega: sp.Expr, matrix: sp.Matrix, spacing: sp.Expr
 ) -> sp.Expr:
-    """Return the leading error of D on a grid of points, -h^2/24 times the mean Laplacian over the polygon.
+    """Return the leading error of D on a grid of points, -h^2/24 times the mean Laplacian over the
+    polygon.
 
-    The mean is closed too: `theory.patch_dissipation.polygon_curvature` of the image over the image's area.
+    The mean is closed too: `theory.patch_dissipation.polygon_curvature` of the image over the
+    image's area.
     """
     image = velocity_image(corners, velocity, omega, matrix)
     curvature = matrix.T * polygon_curvature(image) * matrix
@@ -167,7 +188,8 @@ def grid_defect(
 
 
 def spinning_square_grid_defect(count: sp.Expr) -> sp.Expr:
-    """Return `grid_defect` of a square that spins about its centre on `count` x `count` points, relative to D.
+    """Return `grid_defect` of a square that spins about its centre on `count` x `count` points,
+    relative to D.
 
     It is -ln(1 + sqrt 2)/((sqrt 2 + ln(1 + sqrt 2)) count^2) for isotropic friction.
     """
@@ -176,7 +198,9 @@ def spinning_square_grid_defect(count: sp.Expr) -> sp.Expr:
 
 
 def spinning_square_residual() -> sp.Expr:
-    """`spinning_square_grid_defect` less `grid_defect` over the mean of |w|; side 2 a, spin omega > 0."""
+    """`spinning_square_grid_defect` less `grid_defect` over the mean of |w|; side 2 a, spin omega >
+    0.
+    """
     a, mu, omega, count = sp.symbols("a mu omega n", positive=True)
     corners = [(-a, -a), (a, -a), (a, a), (-a, a)]
     still, matrix = (sp.Integer(0), sp.Integer(0)), mu * sp.eye(2)

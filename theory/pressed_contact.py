@@ -2,9 +2,9 @@
 
 In the velocity plane, w = M (v + omega z x r), the contact is cut into cones from the centre of
 rotation, w = 0. Along a cone w grows by a factor s; |w|, its gradient and its Hessian are
-homogeneous of degree 1, 0 and -1, and the pressure is a quadratic: all is a power of s. What is left
-is an integral along the rim, closed on straight sides, and rational on the conic where the pressure
-ends. Functions named `..._residual` vanish.
+homogeneous of degree 1, 0 and -1, and the pressure is a quadratic: all is a power of s. What is
+left is an integral along the rim, closed on straight sides, and rational on the conic where the
+pressure ends. Functions named `..._residual` vanish.
 """
 
 import sympy as sp
@@ -85,7 +85,10 @@ def arc_place(first: Place, middle: Place, last: Place) -> sp.Matrix:
     ((1-s)^2 a + 2 w s (1-s) c + s^2 b) / ((1-s)^2 + 2 w s (1-s) + s^2)
     """
     parts = _bernstein()
-    above = sum((part * sp.Matrix(at) for part, at in zip(parts, (first, middle, last), strict=True)), sp.zeros(2, 1))
+    above = sum(
+        (part * sp.Matrix(at) for part, at in zip(parts, (first, middle, last), strict=True)),
+        sp.zeros(2, 1),
+    )
     return above / sum(parts)
 
 

@@ -15,7 +15,9 @@ PLATE_DOME, PLATE_BOW_X, PLATE_BOW_Y = sp.symbols("K_p A_p B_p", real=True)
 FLOOR_DOME, BOW, AXIS = sp.symbols("K b alpha", real=True)
 
 
-def quadratic(dome: sp.Expr, bow_x: sp.Expr, bow_y: sp.Expr, x: sp.Expr = X, y: sp.Expr = Y) -> sp.Expr:
+def quadratic(
+    dome: sp.Expr, bow_x: sp.Expr, bow_y: sp.Expr, x: sp.Expr = X, y: sp.Expr = Y
+) -> sp.Expr:
     """Return dome r^2 + bow_x (x^2 - y^2) + 2 bow_y x y."""
     return dome * (x**2 + y**2) + bow_x * (x**2 - y**2) + 2 * bow_y * x * y
 
@@ -55,8 +57,8 @@ def first_order_harmonics(response_x: sp.Expr, response_y: sp.Expr) -> dict[int,
     """Return the harmonics of what a small bow adds to the turn of a cycle, by their order.
 
     To first order the bow acts along the motion without it, which is the same from every theta: its
-    parts in the object's frame at the start, b cos 2(alpha - theta) and b sin 2(alpha - theta), count
-    with a response each.
+    parts in the object's frame at the start, b cos 2(alpha - theta) and b sin 2(alpha - theta),
+    count with a response each.
     """
     apart = 2 * (AXIS - THETA)
     change = BOW * (response_x * sp.cos(apart) + response_y * sp.sin(apart))
@@ -64,7 +66,9 @@ def first_order_harmonics(response_x: sp.Expr, response_y: sp.Expr) -> dict[int,
 
 
 def offset_harmonics(response_x: sp.Expr, response_y: sp.Expr) -> dict[int, sp.Expr]:
-    """Return the same of the friction ellipse's centre, a constant force R(phi) (m0, n0) of the world."""
+    """Return the same of the friction ellipse's centre, a constant force R(phi) (m0, n0) of the
+    world.
+    """
     m, n = sp.symbols("m n", real=True)
     c, s = sp.cos(THETA), sp.sin(THETA)
     change = response_x * (c * m + s * n) + response_y * (c * n - s * m)

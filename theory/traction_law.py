@@ -1,7 +1,9 @@
-"""The traction law from maximum dissipation: Ma & Rodriguez (2018), Eq. 1 (limit ellipse) gives Eq. 2 (traction).
+"""The traction law from maximum dissipation: Ma & Rodriguez (2018), Eq. 1 (limit ellipse) gives Eq.
+2 (traction).
 
-A point that slides with velocity (v_m, v_n) feels, of all tractions that its limit ellipse allows, the one that takes
-the most power. All in the material's axes (m, n), per unit load. Functions named `..._residual` vanish identically.
+A point that slides with velocity (v_m, v_n) feels, of all tractions that its limit ellipse allows,
+the one that takes the most power. All in the material's axes (m, n), per unit load. Functions named
+`..._residual` vanish identically.
 """
 
 import sympy as sp
@@ -19,7 +21,9 @@ _VELOCITY = sp.Matrix([V_M, V_N])
 
 
 def limit_ellipse(t_m: sp.Expr = T_M, t_n: sp.Expr = T_N) -> sp.Expr:
-    """Return Eq. 1, zero on the limit ellipse and negative inside: ((t_m - m0)/mu_a)^2 + ((t_n - n0)/mu_b)^2 - 1."""
+    """Return Eq. 1, zero on the limit ellipse and negative inside: ((t_m - m0)/mu_a)^2 + ((t_n -
+    n0)/mu_b)^2 - 1.
+    """
     return ((t_m - M0) / MU_A) ** 2 + ((t_n - N0) / MU_B) ** 2 - 1
 
 
@@ -41,12 +45,13 @@ def traction() -> sp.Matrix:
 def most_dissipating_traction() -> sp.Matrix:
     """Solve max v.t on Eq. 1 by a Lagrange multiplier, step by step, without using Eq. 2.
 
-    v = lambda grad(Eq. 1) is linear in t for a given lambda; Eq. 1 then gives lambda^2 = s^2/4, and the multiplier of a
-    maximum is the positive one.
+    v = lambda grad(Eq. 1) is linear in t for a given lambda; Eq. 1 then gives lambda^2 = s^2/4, and
+    the multiplier of a maximum is the positive one.
     """
     multiplier = sp.symbols("lambda", positive=True)
     stationary = [
-        sp.Eq(v, multiplier * sp.diff(limit_ellipse(), t)) for v, t in zip(_VELOCITY, (T_M, T_N), strict=True)
+        sp.Eq(v, multiplier * sp.diff(limit_ellipse(), t))
+        for v, t in zip(_VELOCITY, (T_M, T_N), strict=True)
     ]
     found = sp.solve(stationary, [T_M, T_N], dict=True)[0]
     on_ellipse = sp.expand(limit_ellipse().subs(found) * multiplier**2)
@@ -70,7 +75,9 @@ def ellipse_residual() -> sp.Expr:
 
 
 def power_residual() -> sp.Expr:
-    """Power of the traction less the support function; for homogeneous h this is Euler's v . grad h = h."""
+    """Power of the traction less the support function; for homogeneous h this is Euler's v . grad h
+    = h.
+    """
     return sp.simplify(traction().dot(_VELOCITY) - dissipation())
 
 
@@ -81,10 +88,12 @@ def homogeneity_residual() -> sp.Expr:
 
 
 def dissipation_gap() -> sp.Expr:
-    """Return h(v) - v.t for any t, written as s/2 (|x - w/s|^2 + 1 - |x|^2), x = ((t_m - m0)/mu_a, (t_n - n0)/mu_b).
+    """Return h(v) - v.t for any t, written as s/2 (|x - w/s|^2 + 1 - |x|^2), x = ((t_m - m0)/mu_a,
+    (t_n - n0)/mu_b).
 
-    Both parts are non-negative wherever t is inside the ellipse (|x| <= 1), and they vanish together at x = w/s alone:
-    Eq. 2 is the only maximum, over the whole ellipse and not its rim alone.
+    Both parts are non-negative wherever t is inside the ellipse (|x| <= 1), and they vanish
+    together at x = w/s alone: Eq. 2 is the only maximum, over the whole ellipse and not its rim
+    alone.
     """
     s = sliding_speed()
     apart = ((T_M - M0) / MU_A - MU_A * V_M / s) ** 2 + ((T_N - N0) / MU_B - MU_B * V_N / s) ** 2
@@ -97,7 +106,9 @@ def maximality_residual() -> sp.Expr:
 
 
 def curvature() -> sp.Matrix:
-    """Return the Hessian of h, (mu_a mu_b)^2/s^3 p p^T with p = (-v_n, v_m): never negative, zero along v alone."""
+    """Return the Hessian of h, (mu_a mu_b)^2/s^3 p p^T with p = (-v_n, v_m): never negative, zero
+    along v alone.
+    """
     across = sp.Matrix([-V_N, V_M])
     return (MU_A * MU_B) ** 2 / sliding_speed() ** 3 * across * across.T
 
@@ -108,12 +119,16 @@ def curvature_residual() -> sp.Matrix:
 
 
 def off_centre() -> sp.Expr:
-    """Return |c|^2 = (m0/mu_a)^2 + (n0/mu_b)^2: below one where the origin lies inside the limit ellipse."""
+    """Return |c|^2 = (m0/mu_a)^2 + (n0/mu_b)^2: below one where the origin lies inside the limit
+    ellipse.
+    """
     return (M0 / MU_A) ** 2 + (N0 / MU_B) ** 2
 
 
 def worst_velocity() -> sp.Matrix:
-    """Return the direction of sliding that dissipates least for its s: w = -c, against the centre of the ellipse."""
+    """Return the direction of sliding that dissipates least for its s: w = -c, against the centre
+    of the ellipse.
+    """
     return sp.Matrix([-M0 / MU_A**2, -N0 / MU_B**2])
 
 
@@ -126,7 +141,8 @@ def worst_dissipation_residual() -> sp.Expr:
 def least_dissipation_residual() -> sp.Expr:
     """(|w||c|)^2 - (w.c)^2 less the square of w x c, where h(v) - s (1 - |c|) = |w||c| + w.c.
 
-    The square cannot be negative, so that h(v) >= s (1 - |c|), which is positive for every v while |c| < 1.
+    The square cannot be negative, so that h(v) >= s (1 - |c|), which is positive for every v while
+    |c| < 1.
     """
     w, c = (MU_A * V_M, MU_B * V_N), (M0 / MU_A, N0 / MU_B)
     remainder = dissipation() - sliding_speed() * (1 - sp.sqrt(off_centre()))

@@ -1,11 +1,14 @@
-"""Near the trailing direction every footprint drags as an ellipsoid: its fixed point and rate, exact for any pressure.
+"""Near the trailing direction every footprint drags as an ellipsoid: its fixed point and rate,
+exact for any pressure.
 
-A patch of points x (from the centre of pressure) with the traction law h(v) = √(vᵀQv) + m·v in the world's frame, Q
-positive and symmetric, m the offset: friction ellipses of any axes, offset and angle. The ring, at the lever ρ, moves
-by the unit vector u. Q, m and u are fixed in the world; ρ and x turn with the object.
+A patch of points x (from the centre of pressure) with the traction law h(v) = √(vᵀQv) + m·v in the
+world's frame, Q positive and symmetric, m the offset: friction ellipses of any axes, offset and
+angle. The ring, at the lever ρ, moves by the unit vector u. Q, m and u are fixed in the world; ρ
+and x turn with the object.
 
-The object goes on without turning where the friction force f = Qu/s + m, s = √(uᵀQu), has no torque about the ring:
-where ρ lies along ±f. There d(dθ/ds)/dθ = -(f·ρ) s³/(det Q ⟨(u·(x - ρ))²⟩): stable where the ring leads.
+The object goes on without turning where the friction force f = Qu/s + m, s = √(uᵀQu), has no torque
+about the ring: where ρ lies along ±f. There d(dθ/ds)/dθ = -(f·ρ) s³/(det Q ⟨(u·(x - ρ))²⟩): stable
+where the ring leads.
 """
 
 import sympy as sp
@@ -46,7 +49,9 @@ def turned(x: sp.Expr, y: sp.Expr) -> sp.Matrix:
 
 
 def dissipation_of_a_point() -> sp.Expr:
-    """Return h at the point x of the object, turned by `TURN`, while it spins by `SPIN` about its moving ring."""
+    """Return h at the point x of the object, turned by `TURN`, while it spins by `SPIN` about its
+    moving ring.
+    """
     lever = turned(POINT_1 - RING_1, POINT_2 - RING_2)
     velocity = direction() + SPIN * sp.Matrix([-lever[1], lever[0]])
     quadratic = (velocity.T * law_matrix() * velocity)[0]
@@ -54,22 +59,27 @@ def dissipation_of_a_point() -> sp.Expr:
 
 
 def ring_torque() -> sp.Expr:
-    """Return dD/dω at ω = 0 of a patch centred at the origin: -f·(z × ρ), zero where ρ is along f."""
+    """Return dD/dω at ω = 0 of a patch centred at the origin: -f·(z × ρ),
+    zero where ρ is along f."""
     lever = turned(RING_1, RING_2)
     force = friction_force()
     return force[0] * lever[1] - force[1] * lever[0]
 
 
 def spin_stiffness(second_moment: sp.Expr) -> sp.Expr:
-    """Return d²D/dω² at ω = 0, turn zero: det Q ((u·ρ)² + ⟨(u·x)²⟩)/s³, given the pressure's second moment along u."""
+    """Return d²D/dω² at ω = 0, turn zero: det Q ((u·ρ)² + ⟨(u·x)²⟩)/s³, given the pressure's second
+    moment along u.
+    """
     along = direction()[0] * RING_1 + direction()[1] * RING_2
     return law_matrix().det() * (along**2 + second_moment) / sliding_speed() ** 3
 
 
 def trailing_rate(lever: sp.Expr, second_moment: sp.Expr) -> sp.Expr:
-    """Return d(dθ/ds)/dθ (1/m) where the ring leads: -|f| r s³/(det Q ((u·ρ)² + ⟨(u·x)²⟩)), ρ = r f/|f|.
+    """Return d(dθ/ds)/dθ (1/m) where the ring leads: -|f| r s³/(det Q ((u·ρ)² + ⟨(u·x)²⟩)), ρ = r
+    f/|f|.
 
-    Over a leg of length ℓ the multiplier is exp(rate·ℓ). Behind the object (ρ = -r f/|f|) the rate has the other sign.
+    Over a leg of length ℓ the multiplier is exp(rate·ℓ). Behind the object (ρ = -r f/|f|) the rate
+    has the other sign.
     """
     force = friction_force()
     size = sp.sqrt(force.dot(force))

@@ -1,4 +1,6 @@
-"""The commands: what each is called, says of itself and takes; what it does is run_NAME in run_NAME.py."""
+"""The commands: what each is called, says of itself and takes; what it does is run_NAME in
+run_NAME.py.
+"""
 
 from collections.abc import Callable
 from importlib import import_module
@@ -26,27 +28,50 @@ from cyclemap.cli.options import (
     theta0_option,
 )
 
-_RECORDED = "Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses and places of the tip."
+_RECORDED = (
+    "Recorded pushes: in the MIT layout (a file, a folder or a tree), or CSV of poses "
+    "and places of the tip."
+)
 _MEASURED = "Measured pushes: a CSV table of θ0 or of poses, or a file or folder of the MIT layout."
 _FOLDER = "Folder of measured data. [default: $CYCLEMAP_DATA, or shared/data beside the checkout]"
 _FACT = "One fact of the experiment (rod, ring, object); repeatable."
 _STUDENT = "Freedom of Student noise, which lets outliers count less; a large one is normal noise."
-_OVER = "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop with --sample. Repeatable."
-_QUANTITIES = (
-    "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary and staircase cost most."
+_OVER = (
+    "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop with "
+    "--sample. Repeatable."
 )
-_TOLERANCE = "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
-_ROTATION_TOLERANCE = "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
+_QUANTITIES = (
+    "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary and "
+    "staircase cost most."
+)
+_TOLERANCE = (
+    "Of each cycle map. [default: 5.7e-04; 5.7e-05 is that of portraits, at twice the time]"
+)
+_ROTATION_TOLERANCE = (
+    "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
+)
 _RATE = "Chance of ever raising an alarm where turns do not depend on θ0 and θ0 does not linger."
 _SURFACE = "Name or TOML file of the surface. [default: with --protocol isotropic]"
 _TV = "Most total variation of θ0 from uniform, in the long run, at the worst of the range."
-_CONTACT = "Shortest way of the rod in contact, in every push.  [default: two thirds of the push, else one]"
+_CONTACT = (
+    "Shortest way of the rod in contact, in every push.  [default: two thirds of the "
+    "push, else one]"
+)
 _MORE = "What the robot can do besides: put the ring elsewhere, turn the object. Repeatable."
-_AXES = "How much one axis of friction may be longer against the other.  [default: the material's posterior, or 10]"
+_AXES = (
+    "How much one axis of friction may be longer against the other.  [default: the material's "
+    "posterior, or 10]"
+)
 _OFFSETS = "How much m0 and n0 may vary.  [default: the material's posterior, or 50]"
 _LIKELY = "A material as likely as MATERIAL, in place of these percentages. Repeatable."
-_MARGIN = "Tell how far every setting is from losing or gaining a stable direction: some seconds, minutes under shapes."
-_ASKED = "What is asked: stable directions and whether there are any, the whole map, or where pushes end."
+_MARGIN = (
+    "Tell how far every setting is from losing or gaining a stable direction: some seconds, "
+    "minutes under shapes."
+)
+_ASKED = (
+    "What is asked: stable directions and whether there are any, the whole map, or where "
+    "pushes end."
+)
 _NOT_NEGATIVE, _ABOVE_ZERO = RealRange(min=0.0), RealRange(min=0.0, min_open=True)
 _SHARE, _PERCENT = (
     RealRange(min=0.0, max=1.0, min_open=True, max_open=True),
@@ -66,7 +91,9 @@ class _Commands(click.Group):
     def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the list of commands into the help."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()])
+            formatter.write_dl(
+                [(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()]
+            )
 
 
 _SHOWN = {"help_option_names": ["-h", "--help"], "max_content_width": 100, "show_default": True}
@@ -97,11 +124,27 @@ command(
     Asked for no outline, it asks back.
     """,
     argument("file", type=PATH),
-    option("--rectangle-mm", metavar="WIDTH,HEIGHT", help="A rectangle: its lengths along x and y."),
-    option("--ellipse-mm", metavar="WIDTH,HEIGHT", help="An ellipse, or a disc: its whole widths along x and y."),
-    option("--shape", metavar="NAME", help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ..."),
-    option("--outline", metavar="PATH", type=PATH, help="An SVG, DXF, STL, URDF or CSV file of it."),
-    option("--unit", type=Choice(["mm", "cm", "m", "inch"]), help="Of the outline file. [default: guessed, said]"),
+    option(
+        "--rectangle-mm", metavar="WIDTH,HEIGHT", help="A rectangle: its lengths along x and y."
+    ),
+    option(
+        "--ellipse-mm",
+        metavar="WIDTH,HEIGHT",
+        help="An ellipse, or a disc: its whole widths along x and y.",
+    ),
+    option(
+        "--shape",
+        metavar="NAME",
+        help="An object of the MIT push dataset: rect1 to rect3, tri1 to tri3, hex, ...",
+    ),
+    option(
+        "--outline", metavar="PATH", type=PATH, help="An SVG, DXF, STL, URDF or CSV file of it."
+    ),
+    option(
+        "--unit",
+        type=Choice(["mm", "cm", "m", "inch"]),
+        help="Of the outline file. [default: guessed, said]",
+    ),
     option("--tolerance-mm", type=float, default=0.1, help="Corners of the outline that may go."),
     option("--underside", is_flag=True, help="The foot print of a mesh, not its silhouette."),
     option("--name", help="Of the object. [default: the file's]"),
@@ -143,9 +186,13 @@ command(
         help='A program: {"theta_deg"} in, {"dx_mm","dy_mm","dtheta_deg"} out.',
     ),
     option(
-        "--python", metavar="MODULE:FUNCTION", help="push(theta) -> (dx, dy, dtheta): rad; m in the object's frame."
+        "--python",
+        metavar="MODULE:FUNCTION",
+        help="push(theta) -> (dx, dy, dtheta): rad; m in the object's frame.",
     ),
-    option("--count", type=Whole(12, 3600), default=72, help="Orientations, of a program or function."),
+    option(
+        "--count", type=Whole(12, 3600), default=72, help="Orientations, of a program or function."
+    ),
     table_options,
     result_options("probe.png and .json"),
 )
@@ -160,17 +207,50 @@ command(
     """,
     argument("object_file", metavar="OBJECT", type=PATH),
     set_option,
-    option("--floor", metavar="MATERIAL", default="unknown", help="What is believed of it: a name or a TOML file."),
+    option(
+        "--floor",
+        metavar="MATERIAL",
+        default="unknown",
+        help="What is believed of it: a name or a TOML file.",
+    ),
     option("--pushes", type=Whole(1, 32), default=8, help="How many."),
-    option("--for", "target", type=Choice(["direction", "map", "pushes"]), default="direction", help=_ASKED),
-    option("--grid", metavar="DEG", default="15", help="Between orientations set by hand; free: any, for a robot."),
+    option(
+        "--for",
+        "target",
+        type=Choice(["direction", "map", "pushes"]),
+        default="direction",
+        help=_ASKED,
+    ),
+    option(
+        "--grid",
+        metavar="DEG",
+        default="15",
+        help="Between orientations set by hand; free: any, for a robot.",
+    ),
     option("--room-mm", metavar="X,Y", default="600,400", help="Of the table, for object and rod."),
-    option("--by", type=Choice(["corners", "pose"]), help="What the table asks for. [default: corners; pose if free]"),
+    option(
+        "--by",
+        type=Choice(["corners", "pose"]),
+        help="What the table asks for. [default: corners; pose if free]",
+    ),
     option("--excel", is_flag=True, help="Write the table as an Excel file."),
-    option("--error-mm", type=_NOT_NEGATIVE, default=1.0, help="Standard deviation of a measured place."),
+    option(
+        "--error-mm",
+        type=_NOT_NEGATIVE,
+        default=1.0,
+        help="Standard deviation of a measured place.",
+    ),
     option("--error-deg", type=_NOT_NEGATIVE, default=1.0, help="And of a measured angle."),
-    option("--after", metavar="TABLE", type=PATH, multiple=True, help="A table that is filled in; repeatable."),
-    option("--until-deg", type=_ABOVE_ZERO, default=5.0, help="Enough, where 95 % are within so much."),
+    option(
+        "--after",
+        metavar="TABLE",
+        type=PATH,
+        multiple=True,
+        help="A table that is filled in; repeatable.",
+    ),
+    option(
+        "--until-deg", type=_ABOVE_ZERO, default=5.0, help="Enough, where 95 % are within so much."
+    ),
     option("--seed", type=Whole(min=0), default=0, help="Seed of the pushes that are looked at."),
     result_options("plan_OBJECT.csv, .png and .json, and the robot's schedule"),
 )
@@ -202,7 +282,11 @@ command(
     Without MATERIAL and friction settings only the protocol's own numbers are told.
     """,
     protocol_options,
-    option("--check", is_flag=True, help="Compute the full cycle map too, and set its directions beside."),
+    option(
+        "--check",
+        is_flag=True,
+        help="Compute the full cycle map too, and set its directions beside.",
+    ),
     option("--margin", is_flag=True, help=_MARGIN),
     result_options("fingerprint_MATERIAL.png and .json"),
 )
@@ -214,9 +298,16 @@ command(
     server, no installation where it is mailed to.
     """,
     protocol_options,
-    option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."),
+    option(
+        "--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to lay over the curves."
+    ),
     table_options,
-    option("--browser/--no-browser", default=True, show_default=False, help="Open the page, or only write it."),
+    option(
+        "--browser/--no-browser",
+        default=True,
+        show_default=False,
+        help="Open the page, or only write it.",
+    ),
     option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
 )
 command(
@@ -243,7 +334,11 @@ command(
     option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced."),
     option("--cycles", type=Whole(1, MOST_CYCLES), default=100, help="Cycles a batch."),
     option("--speed-mm-s", type=Real(), default=20.0, help="Speed of the rod."),
-    option("--quasi-static", is_flag=True, help="Quasi-static cycles, without inertia, in place of dynamic ones."),
+    option(
+        "--quasi-static",
+        is_flag=True,
+        help="Quasi-static cycles, without inertia, in place of dynamic ones.",
+    ),
     result_options("experiment_MATERIAL.png and .json"),
 )
 command(
@@ -263,18 +358,28 @@ command(
     Run it again with the same arguments to go on with a collection that was broken off.
     """,
     loop_options,
-    option("--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection."),
+    option(
+        "--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection."
+    ),
     option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, help="How many pushes."),
     option("--seed", type=Whole(min=0), default=0, help="Seed of all noise."),
     option("--start-deg", type=Real(), default=0.0, help="θ0 of the first push."),
-    option("--noise-deg", type=_NOT_NEGATIVE, help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]"),
+    option(
+        "--noise-deg",
+        type=_NOT_NEGATIVE,
+        help="Scatter of θ0 from cycle to cycle. [default: its own or 1.1]",
+    ),
     option("--pose-noise-mm", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded positions."),
     option("--pose-noise-deg", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded angles."),
     option("--force-noise-n", type=_NOT_NEGATIVE, default=0.0, help="Error of recorded forces."),
-    option("--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file."),
+    option(
+        "--wear-to", metavar="MATERIAL", help="The surface at the last push: a name or a TOML file."
+    ),
     option("--speed-mm-s", type=_ABOVE_ZERO, default=20.0, help="Of the rod."),
     option("--scans", is_flag=True, help="Friction scans of the fresh surface, too."),
-    option("--format", "suffix", type=Choice(["h5", "json"]), default="h5", help="Kind of the files."),
+    option(
+        "--format", "suffix", type=Choice(["h5", "json"]), default="h5", help="Kind of the files."
+    ),
     json_option,
 )
 command(
@@ -286,7 +391,9 @@ command(
     """,
     argument("data", type=PATH),
     select_option,
-    option("--harmonics", type=Whole(0, 50), help="Order of every law. [default: by cross-validation]"),
+    option(
+        "--harmonics", type=Whole(0, 50), help="Order of every law. [default: by cross-validation]"
+    ),
     option("--wear/--no-wear", default=True, help="Let the cycle map drift in time."),
     option("--seed", type=Whole(min=0), default=0, help="Seed of folds and paths."),
     table_options,
@@ -307,15 +414,40 @@ command(
     option("--protocol", metavar="TOML", type=PATH, help="The --set keys in TOML tables."),
     option("--set", "settings", metavar="KEY=VALUE", multiple=True, help=_FACT),
     option("--first", type=Whole(min=0), default=0, help="Leave out cycles before this one."),
-    option("--most", type=Whole(min=2), default=2000, help="Pushes or drags of an object and file, at most."),
-    option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
-    option("--floor", metavar="MATERIAL", help="What is known of the floor: a name or a TOML file; its plates stay."),
     option(
-        "--plate", metavar="PLATE", multiple=True, help="A plate of known shape: a name or a TOML file; repeatable."
+        "--most",
+        type=Whole(min=2),
+        default=2000,
+        help="Pushes or drags of an object and file, at most.",
     ),
-    option("--target-mm", metavar="X,Y", help="Where resets end: the floor's shape may vary with the place about it."),
-    option("--free", metavar="NAMES", help="Parameters to identify, by commas. [default: what the data tell]"),
-    option("--fix", metavar="NAME=VALUE", multiple=True, help="Hold a parameter (SI units); repeatable."),
+    option("--start", metavar="MATERIAL", help="Where the search begins: a name or a TOML file."),
+    option(
+        "--floor",
+        metavar="MATERIAL",
+        help="What is known of the floor: a name or a TOML file; its plates stay.",
+    ),
+    option(
+        "--plate",
+        metavar="PLATE",
+        multiple=True,
+        help="A plate of known shape: a name or a TOML file; repeatable.",
+    ),
+    option(
+        "--target-mm",
+        metavar="X,Y",
+        help="Where resets end: the floor's shape may vary with the place about it.",
+    ),
+    option(
+        "--free",
+        metavar="NAMES",
+        help="Parameters to identify, by commas. [default: what the data tell]",
+    ),
+    option(
+        "--fix",
+        metavar="NAME=VALUE",
+        multiple=True,
+        help="Hold a parameter (SI units); repeatable.",
+    ),
     option("--wear", is_flag=True, help="Let the friction change over the cycles."),
     option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
@@ -350,7 +482,11 @@ command(
     option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
     table_options,
     select_option,
-    option("--pusher-friction", type=_NOT_NEGATIVE, help="Friction of rod and object. [default: 0.25, or as set]"),
+    option(
+        "--pusher-friction",
+        type=_NOT_NEGATIVE,
+        help="Friction of rod and object. [default: 0.25, or as set]",
+    ),
     result_options("replay_MATERIAL.png and .json"),
 )
 command(
@@ -364,9 +500,18 @@ command(
     """,
     argument("file", type=PATH),
     option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE),
-    option("--follow", is_flag=True, help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C)."),
+    option(
+        "--follow",
+        is_flag=True,
+        help="Wait for new rows, and tell what changes, until interrupted (Ctrl-C).",
+    ),
     option("--every", metavar="SECONDS", type=_WAIT, default=1.0, help="Between such looks."),
-    option("--protocol", metavar="TOML", type=PATH, help="With a [strategy]: which of its actions to take next."),
+    option(
+        "--protocol",
+        metavar="TOML",
+        type=PATH,
+        help="With a [strategy]: which of its actions to take next.",
+    ),
     option("--material", metavar="MATERIAL", help=_SURFACE),
     table_options,
     result_options("watch_FILE.png and .json"),
@@ -383,7 +528,11 @@ command(
     option("--seconds", type=_ABOVE_ZERO, help="Most mean time of a cycle."),
     option("--least-push-mm", type=_ABOVE_ZERO, help=_CONTACT),
     option("--with", "abilities", type=Choice(["ring", "gripper"]), multiple=True, help=_MORE),
-    option("--keep-push", is_flag=True, help="Change only the way back: every push stays the loop's own."),
+    option(
+        "--keep-push",
+        is_flag=True,
+        help="Change only the way back: every push stays the loop's own.",
+    ),
     option("--axes-percent", type=_PERCENT, help=_AXES),
     option("--offsets-percent", type=_ABOVE_ZERO, help=_OFFSETS),
     option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY),
@@ -394,11 +543,16 @@ command(
 )
 command(
     "report",
-    "Write report_MATERIAL.html: verdict, the explorer's page, data beside it, what to do, provenance.",
+    "Write report_MATERIAL.html: verdict, the explorer's page, data beside it, what to do, "
+    "provenance.",
     loop_options,
     option("--data", metavar="FILE", type=PATH, help="Measured pushes or θ0 to judge it by."),
     table_options,
-    option("--reset", is_flag=True, help="Also find a reset without bias, with its files (some ten seconds)."),
+    option(
+        "--reset",
+        is_flag=True,
+        help="Also find a reset without bias, with its files (some ten seconds).",
+    ),
     option("--out", metavar="DIR", type=PATH, default="out", help="Where."),
 )
 command(
@@ -412,15 +566,30 @@ command(
     option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),
     option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
     option("--seed", type=Whole(min=0), default=0, help="Seed of the sample."),
-    option("--sequence", type=Choice(["sobol", "uniform"]), default="sobol", help="How the sample is spread."),
+    option(
+        "--sequence",
+        type=Choice(["sobol", "uniform"]),
+        default="sobol",
+        help="How the sample is spread.",
+    ),
     option("--quantities", metavar="LIST", default="rotation,fixed_points,turns", help=_QUANTITIES),
     option("--tolerance-deg", type=Real(), help=_TOLERANCE),
     option("--rotation-tolerance", type=Real(), default=1e-4, help=_ROTATION_TOLERANCE),
     option("--workers", type=Whole(min=1), help="Processes. [default: one a core]"),
     option(
-        "--export", metavar="LIST", default="", show_default=False, help="Also write csv, netcdf, or both, by commas."
+        "--export",
+        metavar="LIST",
+        default="",
+        show_default=False,
+        help="Also write csv, netcdf, or both, by commas.",
     ),
-    option("--draw", metavar="LIST", default="", show_default=False, help="Quantities to draw, by commas."),
+    option(
+        "--draw",
+        metavar="LIST",
+        default="",
+        show_default=False,
+        help="Quantities to draw, by commas.",
+    ),
     option("--status", is_flag=True, help="Tell how far the sweep is, and compute nothing."),
     result_options("the store sweep_MATERIAL.sqlite, .png, .csv and .nc"),
 )
@@ -430,5 +599,7 @@ command(
 
     The exit code is 1 where something that should work does not.
     """,
-    option("--json", "json_target", metavar="FILE", help="Write the findings as JSON; - prints them."),
+    option(
+        "--json", "json_target", metavar="FILE", help="Write the findings as JSON; - prints them."
+    ),
 )

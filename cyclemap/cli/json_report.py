@@ -17,7 +17,14 @@ if TYPE_CHECKING:
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import Orbit, RestMultiplier, SlowZone, StaircaseSummary, StepComparison, Steps
+    from cyclemap.maps import (
+        Orbit,
+        RestMultiplier,
+        SlowZone,
+        StaircaseSummary,
+        StepComparison,
+        Steps,
+    )
     from cyclemap.resets import ResetStrategy
     from cyclemap.sweeps.direction_margins import DirectionMargin
 
@@ -36,7 +43,8 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     }
     if portrait.held:
         stationary["held"] = [
-            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")} for held in portrait.held
+            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")}
+            for held in portrait.held
         ]
     report: Json = {
         "map": {
@@ -64,19 +72,27 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         report["worn"] = _with_zones(portrait.worn)
     if measured is not None:
         agreement = measured.agreement
-        told: Json = {"pairs": agreement.pairs, "dropped": dict(measured.pairs.dropped), "bins": agreement.bins}
+        told: Json = {
+            "pairs": agreement.pairs,
+            "dropped": dict(measured.pairs.dropped),
+            "bins": agreement.bins,
+        }
         report["data"] = {**told, **degrees_of(agreement, "rms", "bin_rms")}
     return report
 
 
-def staircase_report(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Json:
+def staircase_report(
+    forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
+) -> Json:
     """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
     zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
     report: Json = {
         "noise_deg": degrees(forecast.noise.sigma),
         "prediction": {
             **_staircase(forecast.prediction),
-            "zones": [{**_zone(zone), "log10_residence_cycles": number(log10)} for zone, log10 in zones],
+            "zones": [
+                {**_zone(zone), "log10_residence_cycles": number(log10)} for zone, log10 in zones
+            ],
         },
         "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
     }
@@ -104,14 +120,20 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
             "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
             "gripper_turn_deg": degrees(action.turn),
         }
-        for action, acted, share in zip(strategy.actions, strategy.loops(loop), strategy.shares, strict=True)
+        for action, acted, share in zip(
+            strategy.actions, strategy.loops(loop), strategy.shares, strict=True
+        )
     ]
 
 
 def orbit_report(orbit: Orbit) -> Json:
     """Where a fixed point is, and whether it is stable."""
     theta = direction_deg(float(orbit.points[0]))
-    return {"theta_deg": theta, "multiplier": number(orbit.multiplier), "stable": bool(orbit.stable)}
+    return {
+        "theta_deg": theta,
+        "multiplier": number(orbit.multiplier),
+        "stable": bool(orbit.stable),
+    }
 
 
 def json_text(report: Json) -> str:
@@ -120,7 +142,9 @@ def json_text(report: Json) -> str:
 
 
 def uncertainty_report(found: DirectionUncertainty) -> Json:
-    """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares are no chances."""
+    """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares
+    are no chances.
+    """
     return {
         "source": found.source,
         "method": found.method,
@@ -149,7 +173,9 @@ def multiplier_report(found: RestMultiplier | None) -> Json | None:
 
 
 def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
-    """How far each setting is from a change of the stable directions, nearest first, in the units of the keys."""
+    """How far each setting is from a change of the stable directions, nearest first, in the units
+    of the keys.
+    """
     from cyclemap.protocol.setting_table import SETTINGS
 
     found: list[Json] = []
@@ -168,7 +194,9 @@ def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
                     "directions": change.directions,
                 }
             )
-        found.append({**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)})
+        found.append(
+            {**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)}
+        )
     return found
 
 
@@ -180,7 +208,12 @@ def forecast_report(found: LockForecast) -> Json:
         for theta, share, within in found.directions
     ]
     seen = {"median": middle, "lower": low, "upper": high}
-    return {"cycles": found.cycles, "chance_of_lock_in": found.chance, "directions": where, "orientations_of_36": seen}
+    return {
+        "cycles": found.cycles,
+        "chance_of_lock_in": found.chance,
+        "directions": where,
+        "orientations_of_36": seen,
+    }
 
 
 def _staircase(prediction: StaircaseSummary) -> Json:
@@ -212,7 +245,12 @@ def steps_report(steps: Steps) -> Json:
         "steps": int(steps.count),
         "heights_deg": [degrees(height) for height in steps.heights],
         "dwells": [
-            {"first_cycle": int(first), "cycles": int(length), "level_deg": degrees(level), "censored": bool(censored)}
+            {
+                "first_cycle": int(first),
+                "cycles": int(length),
+                "level_deg": degrees(level),
+                "censored": bool(censored),
+            }
             for first, length, level, censored in zip(
                 steps.start, steps.lengths, steps.levels, steps.censored, strict=True
             )
@@ -224,7 +262,12 @@ def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
     found = measured.foretold
     if found is None:
-        return {**steps_report(measured.steps), "fitted": None, "problem": measured.problem, "comparison": None}
+        return {
+            **steps_report(measured.steps),
+            "fitted": None,
+            "problem": measured.problem,
+            "comparison": None,
+        }
     return {
         **steps_report(measured.steps),
         "fitted": {
@@ -239,8 +282,13 @@ def measured_report(measured: MeasuredStaircase) -> Json:
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
-    """Steps and visits measured beside those predicted; of visits also their standard errors where asked for."""
-    told: Json = {"steps": number(comparison.net_steps), **numbers_of(comparison, "expected_steps", "pace_p_value")}
+    """Steps and visits measured beside those predicted; of visits also their standard errors where
+    asked for.
+    """
+    told: Json = {
+        "steps": number(comparison.net_steps),
+        **numbers_of(comparison, "expected_steps", "pace_p_value"),
+    }
     visits = []
     for one in comparison.visits:
         visit: Json = {
@@ -250,7 +298,13 @@ def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
         }
         if errors:
             visit["standard_error_cycles"] = number(one.standard_error)
-        visits.append({**visit, "predicted_cycles": number(one.predicted), "p_value": number(one.mean_p_value)})
+        visits.append(
+            {
+                **visit,
+                "predicted_cycles": number(one.predicted),
+                "p_value": number(one.mean_p_value),
+            }
+        )
     return {**told, "visits": visits}
 
 

@@ -1,7 +1,7 @@
 """The entry point: the commands, and what every failure looks like from outside.
 
-Exit codes: 0 done, 1 the computation or the disk failed, 2 bad use, 130 interrupted, 141 the reader of the
-output went away.
+Exit codes: 0 done, 1 the computation or the disk failed, 2 bad use, 130 interrupted, 141 the reader
+of the output went away.
 """
 
 import gc
@@ -20,10 +20,12 @@ from cyclemap.errors import CycleMapError, InvalidInput
 
 # Pictures go to files: no screen that the user's own drawing wants, be it there or not.
 os.environ["MPLBACKEND"] = "agg"
-# One thread does small linear algebra fastest; two that share a busy core take several times as long.
+# One thread does small linear algebra fastest; two that share a busy core take several times as
+# long.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# New objects between two looks for garbage: Python's own 700 are meant for less than a drawing makes.
+# New objects between two looks for garbage: Python's own 700 are meant for less than a drawing
+# makes.
 _ALLOCATIONS = 10_000
 # By this variable a shell asks which words may follow, or for the script that makes it ask.
 _COMPLETE = "_CYCLEMAP_COMPLETE"
@@ -32,7 +34,8 @@ DONE, FAILED, BAD_USE, INTERRUPTED, NO_READER = 0, 1, 2, 130, 141
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line with `arguments` (those of the process by default), and exit."""
-    # What a command imports lives as long as it does: looking through it for garbage takes a tenth of a short one.
+    # What a command imports lives as long as it does: looking through it for garbage takes a tenth
+    # of a short one.
     gc.set_threshold(_ALLOCATIONS)
     code = run(sys.argv[1:] if arguments is None else arguments)
     gc.freeze()

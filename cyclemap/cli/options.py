@@ -1,4 +1,6 @@
-"""The options that commands share, what they come to (which loop, which run), and what is said against them."""
+"""The options that commands share, what they come to (which loop, which run), and what is said
+against them.
+"""
 
 from __future__ import annotations
 
@@ -30,16 +32,24 @@ Command = Callable[..., None]
 
 
 json_option = click.option(
-    "--json", "json_target", metavar="FILE", help="Write JSON there; '-' prints JSON and nothing else."
+    "--json",
+    "json_target",
+    metavar="FILE",
+    help="Write JSON there; '-' prints JSON and nothing else.",
 )
 set_option = click.option(
-    "--set", "settings", metavar="KEY=VALUE", multiple=True, help="One fact of the experiment; repeatable."
+    "--set",
+    "settings",
+    metavar="KEY=VALUE",
+    multiple=True,
+    help="One fact of the experiment; repeatable.",
 )
 select_option = click.option(
     "--select",
     metavar="KEY=VALUE",
     multiple=True,
-    help="Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; repeatable.",
+    help="Keep data with surface, object, speed_mm_s, side, fraction or angle_deg of this value; "
+    "repeatable.",
 )
 
 
@@ -51,20 +61,31 @@ def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
 
 
 def loop_options(command: Command, needs_material: bool = True) -> Command:
-    """Give `command` MATERIAL and the options of a loop, which reach it as `options`, a `LoopOptions`."""
+    """Give `command` MATERIAL and the options of a loop, which reach it as `options`, a
+    `LoopOptions`.
+    """
 
     @wraps(command)
     def gathered(
-        material: str | None, material_file: str | None, protocol: Path | None, settings: tuple[str, ...], **others: Any
+        material: str | None,
+        material_file: str | None,
+        protocol: Path | None,
+        settings: tuple[str, ...],
+        **others: Any,
     ) -> None:
         one = (material is None) != (material_file is None)
         if not one and (needs_material or material is not None):
-            raise click.UsageError("give one material: a name or a TOML file, as MATERIAL or with --material")
+            raise click.UsageError(
+                "give one material: a name or a TOML file, as MATERIAL or with --material"
+            )
         from cyclemap.protocol.chosen_loop import LoopOptions
 
         command(options=LoopOptions(material or material_file, protocol, settings), **others)
 
-    file, tables = "A material file, in place of MATERIAL.", "The --set keys in TOML tables, and a [strategy]."
+    file, tables = (
+        "A material file, in place of MATERIAL.",
+        "The --set keys in TOML tables, and a [strategy].",
+    )
     return decorated(
         gathered,
         click.argument("material", required=False),
@@ -81,7 +102,10 @@ def protocol_options(command: Command) -> Command:
 
 # Start angles, every 30 degrees by default.
 theta0_option = click.option(
-    "--theta0-deg", metavar="LIST", default=",".join(map(str, range(0, 360, 30))), help="Start angles, by commas."
+    "--theta0-deg",
+    metavar="LIST",
+    default=",".join(map(str, range(0, 360, 30))),
+    help="Start angles, by commas.",
 )
 
 
@@ -89,10 +113,14 @@ def run_options(command: Command) -> Command:
     """Give `command` the options of a command that predicts a run of cycles."""
     return decorated(
         command,
-        click.option("--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to set beside it."),
+        click.option(
+            "--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to set beside it."
+        ),
         table_options,
         click.option(
-            "--cycles", type=Whole(1, MOST_CYCLES), help="Length of the staircase. [default: 2000, or the data's]"
+            "--cycles",
+            type=Whole(1, MOST_CYCLES),
+            help="Length of the staircase. [default: 2000, or the data's]",
         ),
         click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
@@ -118,7 +146,10 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
             words += option
             continue
         for value in given if isinstance(given, tuple) else (given,):
-            words += [*option, value.name if files_by_name and isinstance(value, Path) else str(value)]
+            words += [
+                *option,
+                value.name if files_by_name and isinstance(value, Path) else str(value),
+            ]
     return words
 
 
@@ -136,12 +167,15 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
 
 
 def result_options(files: str) -> Callable[[Command], Command]:
-    """Give a command the options of where results go, and as what; `files` names them in the help."""
+    """Give a command the options of where results go, and as what;
+    `files` names them in the help."""
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
         command,
         click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
-        click.option("--format", "picture_format", type=formats, default="png", help="Format of the picture."),
+        click.option(
+            "--format", "picture_format", type=formats, default="png", help="Format of the picture."
+        ),
         json_option,
     )
 
@@ -202,7 +236,9 @@ def _plain(kind: Whole | Real | RealRange, read: Any, value: Any, param: Any, ct
 
 @dataclass(frozen=True)
 class TableOptions:
-    """What is said of a table: its columns and units as they were typed, and how it counts angles and lays its axes."""
+    """What is said of a table: its columns and units as they were typed, and how it counts angles
+    and lays its axes.
+    """
 
     columns: str | None = None
     units: str | None = None
@@ -217,7 +253,9 @@ class TableOptions:
 
 
 def table_options(command: Command) -> Command:
-    """Give `command` the options that tell what data mean: they reach it as table, a `TableOptions`."""
+    """Give `command` the options that tell what data mean: they reach it as table, a
+    `TableOptions`.
+    """
 
     @wraps(command)
     def gathered(
@@ -230,12 +268,19 @@ def table_options(command: Command) -> Command:
     ) -> None:
         command(table=TableOptions(columns, units, angles, frame, offset_deg), **others)
 
-    named = "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; pose=TOPIC for a bag."
+    named = (
+        "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; "
+        "pose=TOPIC for a bag."
+    )
     senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(
         gathered,
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
-        click.option("--units", metavar="UNITS", help="Of angles, lengths, times: deg, turn, mm, ms, ... by commas."),
+        click.option(
+            "--units",
+            metavar="UNITS",
+            help="Of angles, lengths, times: deg, turn, mm, ms, ... by commas.",
+        ),
         click.option(
             "--angles",
             type=senses,
@@ -244,9 +289,12 @@ def table_options(command: Command) -> Command:
         click.option(
             "--frame",
             type=click.Choice(["right-handed", "mirrored", "swapped"]),
-            help="How data lay axes, from above: mirrored has y the other way, as pictures do; swapped y before x.",
+            help="How data lay axes, from above: mirrored has y the other way, as pictures do; "
+            "swapped y before x.",
         ),
-        click.option("--offset-deg", type=Real(), help="Orientation of the object where the data say 0."),
+        click.option(
+            "--offset-deg", type=Real(), help="Orientation of the object where the data say 0."
+        ),
     )
 
 
@@ -262,15 +310,22 @@ def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str]
 
 
 def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
-    """Say it on stderr; on a terminal ask whether a guess is right, InvalidInput where it is not."""
+    """Say it on stderr; on a terminal ask whether a guess is right,
+    InvalidInput where it is not."""
     for line in words:
         click.echo(line, err=True)
-    if guessed and sys.stdin.isatty() and not click.confirm("Is that right?", default=True, err=True):
+    if (
+        guessed
+        and sys.stdin.isatty()
+        and not click.confirm("Is that right?", default=True, err=True)
+    ):
         raise InvalidInput("say what the columns are: --columns theta0=NAME,... --units deg,mm")
 
 
 def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
-    """The data, or a table of them under `out` that every command reads, after saying on stderr what was read."""
+    """The data, or a table of them under `out` that every command reads, after saying on stderr
+    what was read.
+    """
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
     from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
     from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
@@ -281,7 +336,8 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     if is_planned(data):
         if any(vars(table).values()):
             raise InvalidInput(
-                f"{data}: a table of planned pushes tells its columns, units and angles: leave these out"
+                f"{data}: a table of planned pushes tells its columns, units and angles: leave "
+                "these out"
             )
         text, words = filled_text(data)
         target = out / f"{file_stem(data.stem)}_as_read.csv"
@@ -289,49 +345,72 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
         write_whole(target, text.encode())
         return target
     own = table.columns is not None or table.units is not None or is_own(data)
-    told = {**data_table(data), **{key: one for key, one in table.convention.items() if one is not None}}
+    told = {
+        **data_table(data),
+        **{key: one for key, one in table.convention.items() if one is not None},
+    }
     if not own and not told:
         return data
     target = out / as_read_name(file_stem(data.stem), told)
     if own:
         try:
-            found = read_own_table(data, *told_columns(table.columns, table.units), **table.convention)
+            found = read_own_table(
+                data, *told_columns(table.columns, table.units), **table.convention
+            )
         except UnclearStream as error:
             picture = _pictured(error.seen, out / f"{file_stem(data.stem)}_motions.png")
             raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
         text, words, guessed = found.csv_text(), [*found.words], found.guessed
         if found.segments is not None:
-            words.append(f"picture: {_pictured(found.segments, out / f'{file_stem(data.stem)}_motions.png')}")
+            words.append(
+                f"picture: {_pictured(found.segments, out / f'{file_stem(data.stem)}_motions.png')}"
+            )
     else:
-        text, words, guessed = _in_our_convention(data, convention_of(data, **table.convention)), [], False
+        text, words, guessed = (
+            _in_our_convention(data, convention_of(data, **table.convention)),
+            [],
+            False,
+        )
     tell_what_was_read((*words, f"written as {target}"), guessed)
     write_whole(target, text.encode())
     return target
 
 
 def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
-    """`readable_data` of several; InvalidInput where two would be one, or one is written over another."""
+    """`readable_data` of several; InvalidInput where two would be one, or one is written over
+    another.
+    """
     read: dict[Path, Path] = {}
     for path in paths:
         target = readable_data(path, table, out)
         if target in read:
-            what = "is given twice" if path == read[target] else f"has the name of {read[target]}: both become {target}"
+            what = (
+                "is given twice"
+                if path == read[target]
+                else f"has the name of {read[target]}: both become {target}"
+            )
             raise InvalidInput(f"{path} {what}; give each once, under a name of its own")
         read[target] = path
     return list(read)
 
 
 def _in_our_convention(data: Path, convention: Convention) -> str:
-    """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our convention."""
+    """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our
+    convention.
+    """
     from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, load_pushes
     from cyclemap.text_files import csv_text, read_csv_table
 
     if data.suffix.lower() == CSV_SUFFIX and data.is_file():
         return csv_text(convention.table(read_csv_table(data)))
     offset = math.degrees(convention.offset)
-    pushes = load_pushes(data, angles=convention.angles, frame=convention.frame, offset_deg=offset).table
+    pushes = load_pushes(
+        data, angles=convention.angles, frame=convention.frame, offset_deg=offset
+    ).table
     # The names by which rods' places are replayed, too.
-    told = pushes.drop(columns=["path", "samples", "dx", "dy"]).rename(columns={"theta0": "th0", "theta1": "th1"})
+    told = pushes.drop(columns=["path", "samples", "dx", "dy"]).rename(
+        columns={"theta0": "th0", "theta1": "th1"}
+    )
     return str(told.to_csv(index=False, lineterminator="\n"))
 
 
@@ -362,7 +441,9 @@ _told: list[str] = []
 def one_line(message: str) -> str:
     """Return a message as one line that a terminal can show."""
     line = printable(" ".join(message.split()))
-    return line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
+    return (
+        line if len(line) <= _LONGEST else f"{line[: _LONGEST // 2]} ... {line[-_LONGEST // 2 :]}"
+    )
 
 
 def warnings_so_far() -> list[str]:

@@ -1,4 +1,6 @@
-"""Where results go: files that appear whole or not at all, the terminal of people, and a bar for slow work."""
+"""Where results go: files that appear whole or not at all, the terminal of people, and a bar for
+slow work.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,8 @@ _WIDE, _WORDS = 120, 32
 
 
 def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
-    """Return where results of a kind about a loop go, without an ending: named by its surface, and by its object.
+    """Return where results of a kind about a loop go, without an ending: named by its surface, and
+    by its object.
 
     MIT's square, which the paper is about, goes unsaid. surface : in place of the material's name.
 
@@ -68,7 +71,9 @@ def _with_doubts(report: Json) -> Json:
 
 
 def publish_json(report: Json, target: str | None) -> bool:
-    """Send `report` where --json says; True where it took the terminal, which then shows nothing else."""
+    """Send `report` where --json says; True where it took the terminal, which then shows nothing
+    else.
+    """
     if target == "-":
         click.echo(json_text(_with_doubts(report)), nl=False)
         return True
@@ -77,7 +82,9 @@ def publish_json(report: Json, target: str | None) -> bool:
     return False
 
 
-def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None) -> Path | None:
+def publish(
+    report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None
+) -> Path | None:
     """Write stem.json and the picture beside it, and send the report where --json says.
 
     Return the picture's path where people are to be told, None where JSON took the terminal.
@@ -91,7 +98,10 @@ def publish(report: Json, figure: Figure, stem: Path, picture_format: str, json_
 
 
 def people_table(
-    title: str, columns: Iterable[str], rows: Iterable[Iterable[str]] = (), words: Container[int] = ()
+    title: str,
+    columns: Iterable[str],
+    rows: Iterable[Iterable[str]] = (),
+    words: Container[int] = (),
 ) -> Table:
     """A table whose columns hold numbers, at the right, but for those that hold words."""
     table = Table(title=title, title_justify="left", caption_justify="left")
@@ -104,10 +114,11 @@ def people_table(
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
-    """A function to report the fraction done to; work that takes long shows on stderr that it goes on.
+    """A function to report the fraction done to; work that takes long shows on stderr that it goes
+    on.
 
-    A terminal gets a bar with the time left once it takes over two seconds, anything else a line every five seconds;
-    nothing is shown with --quiet.
+    A terminal gets a bar with the time left once it takes over two seconds, anything else a line
+    every five seconds; nothing is shown with --quiet.
     """
     if is_quiet():
         yield lambda fraction: None
@@ -132,7 +143,9 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
         while not ended.wait(LINE_SECONDS):
             spent = time.monotonic() - begun
             done = f"{100.0 * share:.0f} % done, " if share else ""
-            left = f", about {spent * (1.0 - share) / share:.0f} s left" if 0.0 < share < 1.0 else ""
+            left = (
+                f", about {spent * (1.0 - share) / share:.0f} s left" if 0.0 < share < 1.0 else ""
+            )
             click.echo(f"{printable(label)}: {done}{spent:.0f} s{left}", err=True)
 
     show = show_bar if sys.stderr.isatty() else show_lines
@@ -146,7 +159,9 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
 
 
 class PeopleConsole(Console):
-    """Standard output without markup or guessed highlights; a reader that goes away is a BrokenPipeError."""
+    """Standard output without markup or guessed highlights; a reader that goes away is a
+    BrokenPipeError.
+    """
 
     def __init__(self) -> None:
         super().__init__(highlight=False, markup=False, soft_wrap=True, quiet=is_quiet())
@@ -156,7 +171,9 @@ class PeopleConsole(Console):
         raise BrokenPipeError
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a text, or a field of a table, as it is shown: names and paths hold what their givers like."""
+        """Return a text, or a field of a table, as it is shown: names and paths hold what their
+        givers like.
+        """
         return super().render_str(printable(text), **options)
 
     def tell(self, headline: str, *sentences: str) -> None:
@@ -166,7 +183,8 @@ class PeopleConsole(Console):
             self.print(sentence)
 
     def print_table(self, table: Table) -> None:
-        """Print a table at its own width; in a terminal too narrow for it, row by row, a line a column.
+        """Print a table at its own width; in a terminal too narrow for it, row by row, a line a
+        column.
 
         Squeezed it would lose its numbers, and broken lines are no table.
         """
@@ -176,7 +194,10 @@ class PeopleConsole(Console):
             # Words can be broken, numbers cannot.
             for column in table.columns:
                 if column.justify == "left" and not column.no_wrap:
-                    column.max_width, column.overflow = min(column.max_width or _WORDS, _WORDS), "fold"
+                    column.max_width, column.overflow = (
+                        min(column.max_width or _WORDS, _WORDS),
+                        "fold",
+                    )
             needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
             if table.title:
@@ -206,5 +227,7 @@ def tell_margins(console: PeopleConsole, margins: Sequence[DirectionMargin]) -> 
 
     console.print(sentences.margin_sentence(margins))
     if rows := sentences.margin_rows(margins):
-        table = people_table("Where stable directions come and go", sentences.MARGIN_COLUMNS, rows, words=(0,))
+        table = people_table(
+            "Where stable directions come and go", sentences.MARGIN_COLUMNS, rows, words=(0,)
+        )
         console.print_table(table)

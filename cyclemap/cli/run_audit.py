@@ -1,4 +1,6 @@
-"""`cyclemap audit`: what a data set that exists is worth, as a paragraph for its card, JSON and a picture."""
+"""`cyclemap audit`: what a data set that exists is worth, as a paragraph for its card, JSON and a
+picture.
+"""
 
 from pathlib import Path
 
@@ -10,7 +12,9 @@ from cyclemap.resets.monitor.audit import audit
 from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 
 
-def run_audit(data: Path, table: TableOptions, out: Path, picture_format: str, json_target: str | None) -> None:
+def run_audit(
+    data: Path, table: TableOptions, out: Path, picture_format: str, json_target: str | None
+) -> None:
     """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
     read = readable_data(data, table, out)
     with progress_bar(f"auditing {data.name}") as report:
@@ -26,7 +30,9 @@ def run_audit(data: Path, table: TableOptions, out: Path, picture_format: str, j
         "covered_deg": [[direction_deg(low), direction_deg(high)] for low, high in found.covered],
         "covered_share": found.report.coverage.covered,
         "locked_from": found.locked_from,
-        "locked_towards_deg": [] if alarm is None else [direction_deg(theta) for theta in alarm.directions],
+        "locked_towards_deg": []
+        if alarm is None
+        else [direction_deg(theta) for theta in alarm.directions],
         "worth": found.worth,
         "reset": None
         if reset is None
@@ -38,6 +44,8 @@ def run_audit(data: Path, table: TableOptions, out: Path, picture_format: str, j
         },
         "good": found.is_good,
     }
-    picture = publish(told, audit_page(found), out / f"audit_{file_stem(data.stem)}", picture_format, json_target)
+    picture = publish(
+        told, audit_page(found), out / f"audit_{file_stem(data.stem)}", picture_format, json_target
+    )
     if picture is not None:
         PeopleConsole().tell(audit_headline(found), audit_paragraph(found), f"picture: {picture}")

@@ -17,12 +17,20 @@ def run_check(file: Path, out: Path, json_target: str | None) -> None:
 
 
 def tell_check(file: Path, picture: Path, json_target: str | None, said: list[str]) -> None:
-    """Check a file, draw it, and tell what was said before and what was found; InvalidInput where nothing would run."""
+    """Check a file, draw it, and tell what was said before and what was found; InvalidInput where
+    nothing would run.
+    """
     found = check_collection(file)
     wrong = [finding.words for finding in found.findings if finding.wrong]
     doubts = [finding.words for finding in found.findings if not finding.wrong]
     write_whole(picture, render(object_page(found)))
-    report: Json = {"file": str(file), "said": said, "wrong": wrong, "doubts": doubts, "picture": str(picture)}
+    report: Json = {
+        "file": str(file),
+        "said": said,
+        "wrong": wrong,
+        "doubts": doubts,
+        "picture": str(picture),
+    }
     if not publish_json(report, json_target):
         console = PeopleConsole()
         for line in (*said, *(f"check: {words}" for words in doubts)):

@@ -3,14 +3,25 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json, comparison_report, degrees, degrees_of, direction_deg, number
+from cyclemap.cli.json_report import (
+    Json,
+    comparison_report,
+    degrees,
+    degrees_of,
+    direction_deg,
+    number,
+)
 from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
-from cyclemap.evidence.comparison.push_agreement import PushAgreement, QuantityAgreement, mean_distances
+from cyclemap.evidence.comparison.push_agreement import (
+    PushAgreement,
+    QuantityAgreement,
+    mean_distances,
+)
 from cyclemap.evidence.orientations.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
@@ -33,7 +44,9 @@ def run_compare(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Compare the loop's prediction with the data, draw both, and print the answers for people or as JSON."""
+    """Compare the loop's prediction with the data, draw both, and print the answers for people or
+    as JSON.
+    """
     read = readable_data(data, table, out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
@@ -45,7 +58,9 @@ def run_compare(
             first=first,
             select=selected_values(select),
             # MIT's own 150 mm are no answer for data that do not tell.
-            push_length=loop.push.distance if "push_mm" in told_settings(options, data)[1] else None,
+            push_length=loop.push.distance
+            if "push_mm" in told_settings(options, data)[1]
+            else None,
             runs=runs,
             seed=seed,
             progress=report,
@@ -64,19 +79,38 @@ def run_compare(
         title = f"{quantities[0].count} pushes{whose}"
         console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
-        tests = people_table("Histogram of directions, measured against predicted", ("test", "statistic", "p-value"))
+        tests = people_table(
+            "Histogram of directions, measured against predicted", ("test", "statistic", "p-value")
+        )
         for name, test in found.orientations.tests.items():
-            value = f"{math.degrees(test.statistic):.2f}°" if name == "wasserstein" else f"{test.statistic:.3f}"
-            tests.add_row(name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}")
+            value = (
+                f"{math.degrees(test.statistic):.2f}°"
+                if name == "wasserstein"
+                else f"{test.statistic:.3f}"
+            )
+            tests.add_row(
+                name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}"
+            )
         console.print_table(tests)
     console.print(f"picture: {picture}")
 
 
 def _push_cells(one: QuantityAgreement) -> list[str]:
-    """The row of a quantity; of a mean that is nothing beside the spread a percentage says nothing."""
+    """The row of a quantity; of a mean that is nothing beside the spread a percentage
+    says nothing."""
     scale = math.degrees(1.0) if one.name == "dtheta" else 1000.0
-    lengths = (one.measured_mean, one.measured_std, one.predicted_mean, one.bias, one.spread, one.rmse)
-    shares = (f"{share:.1f}" if one.std_percent < 100.0 else "–" for share in (one.percent, one.std_percent))
+    lengths = (
+        one.measured_mean,
+        one.measured_std,
+        one.predicted_mean,
+        one.bias,
+        one.spread,
+        one.rmse,
+    )
+    shares = (
+        f"{share:.1f}" if one.std_percent < 100.0 else "–"
+        for share in (one.percent, one.std_percent)
+    )
     return [SYMBOLS[one.name], *(f"{scale * value:.2f}" for value in lengths), *shares]
 
 
@@ -88,7 +122,10 @@ def compare_report(material: str, found: Comparison) -> Json:
     ends_off: Json | None = None
     if found.pushes:
         (place, turn), (isotropic_place, isotropic_turn) = mean_distances(found.pushes)
-        ends_off = {"mean_mm": number(_METRE * place), "isotropic_mean_mm": number(_METRE * isotropic_place)}
+        ends_off = {
+            "mean_mm": number(_METRE * place),
+            "isotropic_mean_mm": number(_METRE * isotropic_place),
+        }
         ends_off |= {"mean_deg": degrees(turn), "isotropic_mean_deg": degrees(isotropic_turn)}
     return {
         "prediction": {
@@ -109,7 +146,10 @@ def compare_report(material: str, found: Comparison) -> Json:
         "orientations": None if found.orientations is None else _orientations(found.orientations),
         "directions": None if found.directions is None else _directions(found.directions),
         "staircase": None if found.staircase is None else _staircase(found.staircase),
-        "verdicts": [{"question": one.question, "agrees": one.agrees, "words": one.words} for one in found.verdicts],
+        "verdicts": [
+            {"question": one.question, "agrees": one.agrees, "words": one.words}
+            for one in found.verdicts
+        ],
         "uncertified": list(found.uncertified),
     }
 
@@ -131,7 +171,15 @@ def _pushes(found: PushAgreement) -> Json:
 
 
 def _quantity(found: QuantityAgreement, scale: float) -> Json:
-    lengths = ("measured_mean", "measured_std", "predicted_mean", "predicted_std", "bias", "spread", "rmse")
+    lengths = (
+        "measured_mean",
+        "measured_std",
+        "predicted_mean",
+        "predicted_std",
+        "bias",
+        "spread",
+        "rmse",
+    )
     return {
         **{name: number(scale * getattr(found, name)) for name in lengths},
         "bias_error": None if found.bias_error is None else number(scale * found.bias_error),
@@ -157,7 +205,10 @@ def _cycle(found: cycle_agreement.CycleAgreement) -> Json:
 
 
 def _orientations(found: cycle_agreement.OrientationAgreement) -> Json:
-    tests, distance = {name: _p_value(one) for name, one in found.tests.items()}, found.tests["wasserstein"]
+    tests, distance = (
+        {name: _p_value(one) for name, one in found.tests.items()},
+        found.tests["wasserstein"],
+    )
     wasserstein = {"statistic_deg": degrees(distance.statistic), "p_value": number(distance.value)}
     return {
         "count": found.count,
@@ -199,12 +250,19 @@ def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
 
 def _simulated(found: cycle_agreement.SimulatedQuantity, scale: float) -> Json:
     names = ("measured", "predicted", "lower", "upper")
-    scaled = {name: None if (value := getattr(found, name)) is None else number(scale * value) for name in names}
+    scaled = {
+        name: None if (value := getattr(found, name)) is None else number(scale * value)
+        for name in names
+    }
     return {**scaled, "p_value": None if found.p_value is None else number(found.p_value.value)}
 
 
 def _p_value(found: PValue | None) -> Json | None:
-    return None if found is None else {"statistic": number(found.statistic), "p_value": number(found.value)}
+    return (
+        None
+        if found is None
+        else {"statistic": number(found.statistic), "p_value": number(found.value)}
+    )
 
 
 def _direction(radians: float | None) -> float | None:

@@ -10,20 +10,39 @@ from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 
-COLUMNS = ("θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "drag (mm)", "next θ0 (°)")
+COLUMNS = (
+    "θ0 (°)",
+    "push turn (°)",
+    "dx (mm)",
+    "dy (mm)",
+    "drag turn (°)",
+    "drag (mm)",
+    "next θ0 (°)",
+)
 # Up to so many degrees an orientation is known to a thousandth of a degree.
 LARGEST_DEG = 1e12
 
 
-def run_cycle(options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None) -> None:
+def run_cycle(
+    options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None
+) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
     starts, chosen = parse_angles(theta0_deg), chosen_collection(options)
     loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
-    acts: list[tuple[CollectionLoop, float, Json, str]] = [(loop, 0.0, {}, f"One push and drag back on {name}")]
+    acts: list[tuple[CollectionLoop, float, Json, str]] = [
+        (loop, 0.0, {}, f"One push and drag back on {name}")
+    ]
     if strategy is not None:
-        parts = zip(strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True)
+        parts = zip(
+            strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True
+        )
         acts = [
-            (acted, action.turn, {"action": told}, f"{told['name']}: {told['weight']:.3g} of the cycles on {name}")
+            (
+                acted,
+                action.turn,
+                {"action": told},
+                f"{told['name']}: {told['weight']:.3g} of the cycles on {name}",
+            )
             for action, acted, told in parts
         ]
     cycles, tables = list[Json](), []
@@ -67,8 +86,13 @@ def parse_angles(text: str) -> list[float]:
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise InvalidInput(f"--theta0-deg has {part!r}; give finite numbers with commas, such as 0,30,60")
+            raise InvalidInput(
+                f"--theta0-deg has {part!r}; give finite numbers with commas, such as 0,30,60"
+            )
         if abs(value) > LARGEST_DEG:
-            raise InvalidInput(f"--theta0-deg has {part!r}, whose part of a turn is lost to rounding; wrap it first")
+            raise InvalidInput(
+                f"--theta0-deg has {part!r}, whose part of a turn is lost to rounding; wrap it "
+                "first"
+            )
         angles.append(value)
     return angles

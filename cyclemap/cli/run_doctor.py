@@ -1,4 +1,6 @@
-"""The command `cyclemap doctor`: what is installed, and whether the engine comes to the right numbers."""
+"""The command `cyclemap doctor`: what is installed, and whether the engine comes to the right
+numbers.
+"""
 
 import math
 import platform
@@ -17,7 +19,8 @@ from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.mechanics.engine import library
 
 PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
-# MIT's loop on plywood: theta0, turn of the push and of the drag that follows, degrees, by that solver.
+# MIT's loop on plywood: theta0, turn of the push and of the drag that follows, degrees, by that
+# solver.
 REFERENCE_DEG = (
     (0.0, 73.65314, -63.68794),
     (60.0, 73.84911, -73.51442),
@@ -40,7 +43,9 @@ def run_doctor(json_target: str | None) -> None:
         engine = library.load().cm_version().decode()
         off = math.degrees(reference_error())
         if not off <= REFERENCE_ERROR_DEG:
-            problems.append(f"turns in MIT's loop are {off:.1e}° off those of an independent solver")
+            problems.append(
+                f"turns in MIT's loop are {off:.1e}° off those of an independent solver"
+            )
     except EngineNotBuilt as missing:
         problems.append(str(missing))
     versions = {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
@@ -56,12 +61,16 @@ def run_doctor(json_target: str | None) -> None:
     }
     if not publish_json(report, json_target):
         table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
-        table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
+        table.add_row(
+            "versions", ", ".join(f"{name} {number}" for name, number in versions.items())
+        )
         table.add_row("machine", str(report["machine"]))
         table.add_row("engine", f"{report['engine']}, {engine or 'not to be used'}")
         if off is not None:
             table.add_row("self-check", f"4 cycles within {off:.1e}° of an independent solver's")
-        table.add_row("measured data", str(data or "not found: set CYCLEMAP_DATA where it is needed"))
+        table.add_row(
+            "measured data", str(data or "not found: set CYCLEMAP_DATA where it is needed")
+        )
         console = PeopleConsole()
         console.print_table(table)
         for problem in problems:
@@ -72,7 +81,9 @@ def run_doctor(json_target: str | None) -> None:
 
 
 def reference_error() -> float:
-    """Return the largest difference (rad) of turns in MIT's loop on plywood from the independent solver's."""
+    """Return the largest difference (rad) of turns in MIT's loop on plywood from the independent
+    solver's.
+    """
     theta, push_turn, drag_turn = np.radians(REFERENCE_DEG).T
     cycles = CollectionLoop.mit("plywood").cycles(theta)
     return float(np.abs([cycles.push_turn - push_turn, cycles.drag_turn - drag_turn]).max())

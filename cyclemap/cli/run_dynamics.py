@@ -7,17 +7,38 @@ from pathlib import Path
 from cyclemap.cli.json_report import Json, degrees, number
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
-from cyclemap.collection.dynamic_loop import DynamicLoop, DynamicsComparison, compare_dynamics, isotropic_twin
+from cyclemap.collection.dynamic_loop import (
+    DynamicLoop,
+    DynamicsComparison,
+    compare_dynamics,
+    isotropic_twin,
+)
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
 
-COLUMNS = ("law", "model", "θ0 (°)", "push turn (°)", "dx (mm)", "dy (mm)", "drag turn (°)", "next θ0 (°)")
+COLUMNS = (
+    "law",
+    "model",
+    "θ0 (°)",
+    "push turn (°)",
+    "dx (mm)",
+    "dy (mm)",
+    "drag turn (°)",
+    "next θ0 (°)",
+)
 
 
 def run_dynamics(
-    options: LoopOptions, theta0_deg: str, speed_mm_s: float, out: Path, picture_format: str, json_target: str | None
+    options: LoopOptions,
+    theta0_deg: str,
+    speed_mm_s: float,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
 ) -> None:
-    """Run the cycles of both models under both laws, draw them, and print them for people or as JSON."""
+    """Run the cycles of both models under both laws, draw them, and print them for people or as
+    JSON.
+    """
     starts_deg = parse_angles(theta0_deg)
     theta = [math.radians(start) for start in starts_deg]
     chosen, _ = chosen_loop(options)
@@ -29,7 +50,11 @@ def run_dynamics(
         report(1.0)
     rows = {"anisotropic": _rows(starts_deg, material), "isotropic": _rows(starts_deg, isotropic)}
     mu = {"mu": number(isotropic.loop.loop.material.friction.mu_a)}
-    told: Json = {"speed_mm_s": number(1e3 * loop.speed), **rows, "isotropic": {**mu, **rows["isotropic"]}}
+    told: Json = {
+        "speed_mm_s": number(1e3 * loop.speed),
+        **rows,
+        "isotropic": {**mu, **rows["isotropic"]},
+    }
     stem = result_stem(out, "dynamics", chosen)
     picture = publish(told, dynamics_page(material, isotropic), stem, picture_format, json_target)
     if picture is None:
@@ -60,7 +85,10 @@ def _rows(starts_deg: list[float], comparison: DynamicsComparison) -> dict[str, 
             }
             for k, start in enumerate(starts_deg)
         ]
-        for name, cycles in (("dynamic", comparison.dynamic), ("quasi_static", comparison.quasi_static))
+        for name, cycles in (
+            ("dynamic", comparison.dynamic),
+            ("quasi_static", comparison.quasi_static),
+        )
     }
 
 

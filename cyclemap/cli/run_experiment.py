@@ -1,4 +1,6 @@
-"""The command `cyclemap experiment`: the paper's numerical experiment in sentences, as JSON, and as a picture."""
+"""The command `cyclemap experiment`: the paper's numerical experiment in sentences, as JSON, and as
+a picture.
+"""
 
 from pathlib import Path
 
@@ -22,7 +24,9 @@ def run_experiment(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more than cycles."""
+    """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
+    than cycles.
+    """
     loop, _ = chosen_loop(options)
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
@@ -38,7 +42,12 @@ def run_experiment(
     stem = result_stem(out, "experiment", loop)
     picture = publish(told, page.experiment_page(experiment), stem, picture_format, json_target)
     if picture is not None:
-        tellers = (page.experiment_headline, page.spread_sentence, page.isotropic_sentence, page.method_line)
+        tellers = (
+            page.experiment_headline,
+            page.spread_sentence,
+            page.isotropic_sentence,
+            page.method_line,
+        )
         PeopleConsole().tell(*(tell(experiment) for tell in tellers), f"picture: {picture}")
 
 

@@ -13,14 +13,18 @@ from cyclemap.text_files import write_whole
 from cyclemap.views.explorer.page import page_html
 
 
-def run_explore(options: LoopOptions, data: Path | None, table: TableOptions, browser: bool, out: Path) -> None:
+def run_explore(
+    options: LoopOptions, data: Path | None, table: TableOptions, browser: bool, out: Path
+) -> None:
     """Write the page, and open it."""
     options = LoopOptions(options.material or "plywood", options.protocol, options.settings)
     loop, sigma = chosen_loop(options, data)
     pairs = measured_orientations(data, table, out)
     with progress_bar(f"page on {loop.material.name}") as progress:
         found = portrait(loop, sigma=sigma, progress=progress)
-    page = page_html(found, 0.0, (str(options.material),), told_settings(options, data)[1], pairs=pairs)
+    page = page_html(
+        found, 0.0, (str(options.material),), told_settings(options, data)[1], pairs=pairs
+    )
     stem = result_stem(out, "explore", loop)
     place = stem.with_name(f"{stem.name}.html")
     write_whole(place, page.encode())

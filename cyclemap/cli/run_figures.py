@@ -19,13 +19,17 @@ _KEYS = ("name", "title", "source", "caption", "file", "measured")
 
 @dataclass(frozen=True)
 class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
-    """Measured data that remember what was asked for and, of that, what was there (names within the folder)."""
+    """Measured data that remember what was asked for and, of that, what was there (names within the
+    folder).
+    """
 
     asked: list[str] = field(default_factory=list)
     there: list[str] = field(default_factory=list)
 
     def find(self, name: str) -> Path | None:
-        """Return the path of the file or sub-folder `name` in the folder; None where it is not there."""
+        """Return the path of the file or sub-folder `name` in the folder; None where it is not
+        there.
+        """
         path: Path | None = super().find(name)
         self.asked.append(name)
         if path is not None and name not in self.there:
@@ -35,7 +39,9 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
 
 def list_figures(json_target: str | None) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
-    listed = [{"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()]
+    listed = [
+        {"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()
+    ]
     if publish_json({"figures": listed}, json_target):
         return
     console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
@@ -45,17 +51,26 @@ def list_figures(json_target: str | None) -> None:
 
 
 def run_figures(
-    names: tuple[str, ...], data: Path | None, out: Path, picture_format: str, json_target: str | None
+    names: tuple[str, ...],
+    data: Path | None,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
 ) -> None:
-    """Make every exhibit named, or list them where none is; what fails is told and loses none of the others.
+    """Make every exhibit named, or list them where none is; what fails is told and loses none of
+    the others.
 
-    Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read, before any work;
-    CycleMapError at the end where something failed.
+    Raises InvalidInput for an unknown name, a folder that is none and an index that cannot be read,
+    before any work; CycleMapError at the end where something failed.
     """
     if not names:
         list_figures(json_target)
         return
-    chosen, folder, known = entries(names), MeasuredFolder.found(data), [entry.name for entry in entries()]
+    chosen, folder, known = (
+        entries(names),
+        MeasuredFolder.found(data),
+        [entry.name for entry in entries()],
+    )
     with only_writer(out):
         index = _read_index(out / INDEX_FILE)
         console, made, failed = PeopleConsole(), list[Json](), list[Json]()
@@ -69,10 +84,13 @@ def run_figures(
             made.append(line)
             index[entry.name] = line
             # In the gallery's order; names that are no longer there come last.
-            kept = sorted(index, key=lambda name: known.index(name) if name in known else len(known))
+            kept = sorted(
+                index, key=lambda name: known.index(name) if name in known else len(known)
+            )
             write_json(out / INDEX_FILE, {"figures": [index[name] for name in kept]})
             if json_target != "-":
-                # One exhibit for people: title, rows of a table, caption, file, and whether measured data were there.
+                # One exhibit for people: title, rows of a table, caption, file, and whether
+                # measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
                 if header:
                     console.print_table(people_table("", header, rows, words=range(len(header))))
@@ -89,7 +107,9 @@ def run_figures(
 def _make(
     entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str
 ) -> tuple[Json, bool, tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Make and write one exhibit: its line of the index, whether it asked for measured data, header and rows."""
+    """Make and write one exhibit: its line of the index, whether it asked for measured data, header
+    and rows.
+    """
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
     header, rows = tuple[str, ...](), tuple[tuple[str, ...], ...]()
@@ -109,14 +129,23 @@ def _make(
     write_whole(path, content)
     names = {"name": entry.name, "title": entry.title, "source": entry.source}
     found = ", ".join(data.there) or None
-    line: Json = {**names, "caption": typeset(exhibit.caption(result)), "file": path.name, "measured": found}
+    line: Json = {
+        **names,
+        "caption": typeset(exhibit.caption(result)),
+        "file": path.name,
+        "measured": found,
+    }
     return line, bool(data.asked), header, rows
 
 
 def _read_index(path: Path) -> dict[str, Any]:
-    """The lines of an index by name, in order; none where there is no file; DataFileError where it is no index."""
+    """The lines of an index by name, in order; none where there is no file; DataFileError where it
+    is no index.
+    """
     try:
         lines = read_json(path)["figures"] if path.exists() else []  # type: ignore[index]
         return {line["name"]: {key: line[key] for key in _KEYS} for line in lines}
     except (DataFileError, KeyError, TypeError) as error:
-        raise DataFileError(f"{path}: not an index of figures; remove it or choose another --out") from error
+        raise DataFileError(
+            f"{path}: not an index of figures; remove it or choose another --out"
+        ) from error

@@ -1,4 +1,6 @@
-"""`cyclemap fingerprint`: the numbers of a protocol and what they predict, in sentences, as JSON, as a picture."""
+"""`cyclemap fingerprint`: the numbers of a protocol and what they predict, in sentences, as JSON,
+as a picture.
+"""
 
 import math
 from pathlib import Path
@@ -23,7 +25,12 @@ from cyclemap.cli.output import (
     tell_margins,
 )
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
-from cyclemap.collection.fingerprint_prediction import Prediction, PredictionCheck, check_prediction, predict
+from cyclemap.collection.fingerprint_prediction import (
+    Prediction,
+    PredictionCheck,
+    check_prediction,
+    predict,
+)
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
@@ -35,9 +42,15 @@ COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", 
 
 
 def run_fingerprint(
-    options: LoopOptions, check: bool, margin: bool, out: Path, picture_format: str, json_target: str | None
+    options: LoopOptions,
+    check: bool,
+    margin: bool,
+    out: Path,
+    picture_format: str,
+    json_target: str | None,
 ) -> None:
-    """Compute the fingerprint and the prediction, draw both, and print them for people or as JSON."""
+    """Compute the fingerprint and the prediction, draw both,
+    and print them for people or as JSON."""
     loop, _ = chosen_loop(options)
     surface = Anisotropy.of(loop.material.friction)
     named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
@@ -45,35 +58,50 @@ def run_fingerprint(
     predicts = named and bow == 0.0
     if check and bow:
         raise InvalidInput(
-            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} mean pressures: set "
-            "floor_bow=0, or ask for the portrait"
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
+            "mean pressures: set floor_bow=0, or ask for the portrait"
         )
     if check and not predicts:
-        raise InvalidInput("--check compares a prediction with the full map: name a MATERIAL or set its friction")
+        raise InvalidInput(
+            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+        )
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         found = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
         prediction = predict(found, surface) if predicts else None
         checked = None
         if check and prediction is not None:
-            checked = check_prediction(prediction, loop, progress=lambda done: report(0.2 + 0.8 * done))
+            checked = check_prediction(
+                prediction, loop, progress=lambda done: report(0.2 + 0.8 * done)
+            )
     known = direction_uncertainty(loop) if predicts else None
-    told, margins = fingerprint_report(found, prediction, checked, name, known), margins_of(loop) if margin else None
+    told, margins = (
+        fingerprint_report(found, prediction, checked, name, known),
+        margins_of(loop) if margin else None,
+    )
     if margins is not None:
         told["margins"] = margins_report(margins)
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    picture = publish(told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target)
+    picture = publish(
+        told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target
+    )
     if picture is None:
         return
     console = PeopleConsole()
-    rows = ((part, *fingerprint_page.seven_numbers(getattr(found, part))) for part in ("push", "drag", "cycle"))
+    rows = (
+        (part, *fingerprint_page.seven_numbers(getattr(found, part)))
+        for part in ("push", "drag", "cycle")
+    )
     console.print_table(people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)))
     lines = [fingerprint_page.protocol_sentence(found)]
     if prediction is not None:
         console.print(lines.pop())
         console.print(fingerprint_page.surface_sentence(prediction, name))
         console.print(fingerprint_page.direction_sentence(prediction, name), style="bold")
-        lines = [fingerprint_page.lock_in_sentence(prediction), fingerprint_page.trust_sentence(prediction)]
+        lines = [
+            fingerprint_page.lock_in_sentence(prediction),
+            fingerprint_page.trust_sentence(prediction),
+        ]
     if bow:
         lines.append(fingerprint_page.bow_sentence(found, bow))
     lines.append(uncertainty_sentence(name, known))
@@ -92,11 +120,18 @@ def fingerprint_report(
     name: str,
     known: DirectionUncertainty | None = None,
 ) -> Json:
-    """The report of `cyclemap fingerprint`: the seven numbers, with "prediction" and "full_map" where asked for.
+    """The report of `cyclemap fingerprint`: the seven numbers, with "prediction" and "full_map"
+    where asked for.
 
     "uncertainty" is of the stable directions of the full map.
     """
-    numbers: tuple[str, ...] = ("turn", "offset_amplitude", "offset_phase", "ellipse_amplitude", "ellipse_phase")
+    numbers: tuple[str, ...] = (
+        "turn",
+        "offset_amplitude",
+        "offset_phase",
+        "ellipse_amplitude",
+        "ellipse_phase",
+    )
     numbers += ("bow_amplitude", "bow_phase")
     report: Json = {
         **degrees_of(found.cycle, *numbers),

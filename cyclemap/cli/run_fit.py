@@ -1,4 +1,6 @@
-"""`cyclemap fit`: laws fitted to measured pushes, in tables and sentences, as JSON, and as a picture of each set."""
+"""`cyclemap fit`: laws fitted to measured pushes, in tables and sentences, as JSON, and as a
+picture of each set.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -12,12 +14,24 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, multiplier_report, number, numbers, numbers_of
 from cyclemap.cli.options import TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
+from cyclemap.cli.output import (
+    PeopleConsole,
+    file_stem,
+    people_table,
+    progress_bar,
+    publish,
+    publish_json,
+)
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import MapState, MeasuredCycleMap, TurnPlace, WornForecast
+from cyclemap.evidence.tables.measured_cycle_map import (
+    MapState,
+    MeasuredCycleMap,
+    TurnPlace,
+    WornForecast,
+)
 from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, fit_set
 from cyclemap.plain_text import plain_number
@@ -46,7 +60,8 @@ FACTS = {
     "fraction": ("fraction", 1.0),
     "angle": ("angle_deg", math.degrees(1.0)),
 }
-# Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the law.
+# Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the
+# law.
 STATISTICS = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"
 LAWS = "Laws of θ0: RMSE, its per cent of the mean, RMSE in pushes left out (cv), harmonics (K)"
 NOTHING = "–"
@@ -66,14 +81,18 @@ def run_fit(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as JSON."""
+    """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as
+    JSON.
+    """
     read, chosen = readable_data(data, table, out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
         raise CycleMapError(f"{data}: no push could be read: {reasons_of(pushes.unreadable)}")
     if not len(pushes.table):
-        raise InvalidInput(f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit")
+        raise InvalidInput(
+            f"{data}: holds {len(pushes.scans)} friction scans and no push; give pushes to fit"
+        )
     for words in check_pushes(pushes, loop_beside(data)):
         click.echo(words, err=True)
     sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
@@ -92,14 +111,23 @@ def run_fit(
         return
     console = PeopleConsole()
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
-    console.print(f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}", style="bold")
+    console.print(
+        f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}",
+        style="bold",
+    )
     for file in pushes.unreadable[:MOST_NAMED]:
         console.print(f"could not be read: {file.path}: {file.reason}")
     if len(pushes.unreadable) > MOST_NAMED:
         console.print(f"could not be read: {len(pushes.unreadable)} files in all")
     if any(fit.pushes.has_motion for fit in fits):
-        console.print_table(_table(STATISTICS, [fit.statistics for fit in fits], _statistic_fields, "mean", "σ", "%"))
-        console.print_table(_table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K"))
+        console.print_table(
+            _table(
+                STATISTICS, [fit.statistics for fit in fits], _statistic_fields, "mean", "σ", "%"
+            )
+        )
+        console.print_table(
+            _table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K")
+        )
     told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
     for line in (
         *(told or ["nothing could be fitted: no set has enough pushes"]),
@@ -109,7 +137,8 @@ def run_fit(
 
 
 def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
-    """The columns and values of `key=value` texts, in SI units and radians; `shape` is another word for `object`.
+    """The columns and values of `key=value` texts, in SI units and radians; `shape` is another word
+    for `object`.
 
     >>> selected_values(("surface=plywood", "speed_mm_s=20"))
     {'surface': 'plywood', 'speed': 0.02}
@@ -165,10 +194,15 @@ def set_report(fit: SetFit) -> Json:
         **told,
         "contacts": pushes.contacts,
         "pushes": pushes.count,
-        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)] if pushes.count else [],
+        "covered_deg": [[degrees(edge) for edge in arc] for arc in covered_arcs(pushes.theta)]
+        if pushes.count
+        else [],
         "statistics": {
             "problem": fit.statistics.problem,
-            **{name: None if one is None else _statistics_report(one, *UNITS[name]) for name, one in given.items()},
+            **{
+                name: None if one is None else _statistics_report(one, *UNITS[name])
+                for name, one in given.items()
+            },
         },
         "laws": {law.quantity: _law(law) for law in fit.laws.laws},
         "dtheta_histogram": None
@@ -185,12 +219,16 @@ def set_report(fit: SetFit) -> Json:
             "law_alone_distance_deg": degrees(found.law_alone_distance),
         },
         "last_cycles": multiplier_report(fit.rest),
-        "cycle_map": {"problem": fit.map_problem} if fit.cycle_map is None else _cycle_map(fit.cycle_map),
+        "cycle_map": {"problem": fit.map_problem}
+        if fit.cycle_map is None
+        else _cycle_map(fit.cycle_map),
     }
 
 
 def _statistics_report(statistics: MotionStatistics, unit: str, scale: float) -> Json:
-    sizes = {f"{name}_{unit}": number(scale * getattr(statistics, name)) for name in ("mean", "std")}
+    sizes = {
+        f"{name}_{unit}": number(scale * getattr(statistics, name)) for name in ("mean", "std")
+    }
     return {"count": statistics.count, **sizes, "percent": number(statistics.percent)}
 
 
@@ -245,10 +283,16 @@ def _state(state: MapState) -> Json:
     return {
         "cycle": number(state.cycle),
         "fixed_points": [
-            {"theta_deg": degrees(orbit.points[0]), "multiplier": number(orbit.multiplier), "kind": orbit.kind}
+            {
+                "theta_deg": degrees(orbit.points[0]),
+                "multiplier": number(orbit.multiplier),
+                "kind": orbit.kind,
+            }
             for orbit in state.fixed_points
         ],
-        "bottlenecks": [{**_turn_place(p), "cycles": number(p.cycles or math.nan)} for p in state.passages],
+        "bottlenecks": [
+            {**_turn_place(p), "cycles": number(p.cycles or math.nan)} for p in state.passages
+        ],
         "undecided": [_turn_place(p) for p in state.undecided],
         "slowest": _turn_place(state.slowest),
     }
@@ -256,7 +300,11 @@ def _state(state: MapState) -> Json:
 
 def _turn_place(place: TurnPlace) -> Json:
     edges = [degrees(place.lower), degrees(place.upper)]
-    return {"theta_deg": degrees(place.theta), "turn_deg": degrees(place.turn), "turn_95_deg": edges}
+    return {
+        "theta_deg": degrees(place.theta),
+        "turn_deg": degrees(place.turn),
+        "turn_95_deg": edges,
+    }
 
 
 def _forecast(found: WornForecast) -> Json:
@@ -290,15 +338,23 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
 
 
-def _table(title: str, parts: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str) -> Table:
+def _table(
+    title: str, parts: Sequence[Any], fields: Callable[[Any, float], list[str]], *columns: str
+) -> Table:
     notes, rows = any(part.problem for part in parts), []
     for part in parts:
-        told = chain.from_iterable(fields(getattr(part, name), scale) for name, (_, scale) in UNITS.items())
+        told = chain.from_iterable(
+            fields(getattr(part, name), scale) for name, (_, scale) in UNITS.items()
+        )
         rows.append((part.name, str(part.count), *told, *([part.problem or ""] if notes else [])))
     named = [
-        f"{label if column == columns[0] else ''}\n{column}" for label in QUANTITIES.values() for column in columns
+        f"{label if column == columns[0] else ''}\n{column}"
+        for label in QUANTITIES.values()
+        for column in columns
     ]
-    table = people_table(title, ("set", "pushes", *named, *["note"] * notes), rows, words=(0, 2 + len(named)))
+    table = people_table(
+        title, ("set", "pushes", *named, *["note"] * notes), rows, words=(0, 2 + len(named))
+    )
     if notes:
         table.columns[-1].max_width = NOTE_LETTERS
     return table
@@ -307,7 +363,11 @@ def _table(title: str, parts: Sequence[Any], fields: Callable[[Any, float], list
 def _statistic_fields(statistics: MotionStatistics | None, unit: float) -> list[str]:
     if statistics is None:
         return [NOTHING] * 3
-    return [f"{unit * statistics.mean:.2f}", f"{unit * statistics.std:.2f}", _percent(statistics.percent)]
+    return [
+        f"{unit * statistics.mean:.2f}",
+        f"{unit * statistics.std:.2f}",
+        _percent(statistics.percent),
+    ]
 
 
 def _percent(value: float) -> str:
@@ -318,5 +378,9 @@ def _law_fields(found: MotionLaw, unit: float) -> list[str]:
     law = found.law
     if law is None:
         return [NOTHING] * 4
-    errors = f"{unit * law.rmse:.2f}", _percent(law.percent), f"{unit * found.cross_validated_rmse:.2f}"
+    errors = (
+        f"{unit * law.rmse:.2f}",
+        _percent(law.percent),
+        f"{unit * found.cross_validated_rmse:.2f}",
+    )
     return [*errors, str(law.harmonics)]

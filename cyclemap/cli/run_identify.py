@@ -1,4 +1,6 @@
-"""`cyclemap identify`: from measured data to a material file, with tables, sentences, JSON and a picture."""
+"""`cyclemap identify`: from measured data to a material file, with tables, sentences, JSON and a
+picture.
+"""
 
 import math
 import shlex
@@ -14,7 +16,11 @@ from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, CycleMapError, InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, collected_blocks, telling_parameters
+from cyclemap.evidence.data_blocks.collected_blocks import (
+    CollectedBlocks,
+    collected_blocks,
+    telling_parameters,
+)
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, identify
 from cyclemap.evidence.identification.known_floor import (
@@ -79,11 +85,15 @@ def run_identify(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Read the data, identify the surface, write material, JSON and picture, and print for people or as JSON."""
+    """Read the data, identify the surface, write material, JSON and picture, and print for people
+    or as JSON.
+    """
     if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
     if floor is not None and start is not None:
-        raise InvalidInput("--floor tells what is known, and where the search begins: leave --start out")
+        raise InvalidInput(
+            "--floor tells what is known, and where the search begins: leave --start out"
+        )
     begin = start if floor is None else floor
     surface, fixed = None if begin is None else load_material(begin), fixed_values(fix)
     known = None if floor is None else surface
@@ -108,7 +118,9 @@ def run_identify(
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
     believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
-    named = named or tuple(one for one in telling_parameters(collected.blocks, believed) if one not in fixed)
+    named = named or tuple(
+        one for one in telling_parameters(collected.blocks, believed) if one not in fixed
+    )
     held = held_values(collected.blocks, space, named, known)
     beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
     groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
@@ -127,7 +139,9 @@ def run_identify(
             progress=report,
         )
     if not found.fit.converged:
-        raise ConvergenceError(f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters")
+        raise ConvergenceError(
+            f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters"
+        )
     doubts = implausible(found, collected.loop.slider.outline.extent)
     if doubts and not force:
         why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
@@ -157,10 +171,13 @@ def _conclude(
         identify_report(material, data.notes, found, derived),
         headline(material.name, derived, found.friction()),
     )
-    # The material file names object, push and ring that it was found with where these are not MIT's own.
+    # The material file names object, push and ring that it was found with where these are not MIT's
+    # own.
     loop = data.loop.with_material(material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
-    page = identify_page(answer, found, identified_curves(found, data.scans, seed), page_sentences(found))
+    page = identify_page(
+        answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
+    )
     toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"
     # All of the content is made before the first file is written.
     files = {
@@ -174,7 +191,11 @@ def _conclude(
         return
     console = PeopleConsole()
     console.tell(answer, *(f"data: {note}" for note in data.notes))
-    for table in (parameter_table(found), *([derived_table(derived)] if derived else []), error_table(found)):
+    for table in (
+        parameter_table(found),
+        *([derived_table(derived)] if derived else []),
+        error_table(found),
+    ):
         console.print_table(table)
     following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
     for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
@@ -197,7 +218,9 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def identify_report(material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]) -> Json:
+def identify_report(
+    material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]
+) -> Json:
     """The report of an identification."""
     wear = material.wear
     return {
@@ -212,9 +235,14 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
         "parameters": [_parameter(one) for one in found.estimates],
         "plates": {one.plate: _numbers(one.numbers) for one in material.plates},
         "floor_shape": _numbers(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
-        "sessions": {one.name: _numbers(shape_numbers(one.shape, FLOOR_SHAPE_KEYS)) for one in material.sessions},
+        "sessions": {
+            one.name: _numbers(shape_numbers(one.shape, FLOOR_SHAPE_KEYS))
+            for one in material.sessions
+        },
         "session_spread": _numbers(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
-        "priors": {name: [number(value) for value in belief] for name, belief in found.priors.items()},
+        "priors": {
+            name: [number(value) for value in belief] for name, belief in found.priors.items()
+        },
         "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [
             {
@@ -228,12 +256,21 @@ def identify_report(material: Material, data: Sequence[str], found: Identificati
             for unit, factor in [readable_unit(one.unit)]
         ],
         "errors": [
-            {"block": one.block, "kind": kind, "unit": _NAMES.get(unit, unit.strip()), "rows": one.rows}
+            {
+                "block": one.block,
+                "kind": kind,
+                "unit": _NAMES.get(unit, unit.strip()),
+                "rows": one.rows,
+            }
             | {name: number(factor * getattr(one, name)) for name in _SIZES}
             for one in found.errors
             for kind, unit, factor in [readable_kind(one.kind)]
         ],
-        "starts": {"count": found.starts.count, "arrived": found.starts.arrived, "failed": len(found.starts.failures)},
+        "starts": {
+            "count": found.starts.count,
+            "arrived": found.starts.arrived,
+            "failed": len(found.starts.failures),
+        },
         "notes": list(found.notes),
         "data": list(data),
     }
@@ -268,10 +305,15 @@ def parameter_table(found: Identification) -> Table:
     rows: list[tuple[str, ...]] = []
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
-        ends = _digits(factor * one.lower) + "*" * one.lower_open, _digits(factor * one.upper) + "*" * one.upper_open
+        ends = (
+            _digits(factor * one.lower) + "*" * one.lower_open,
+            _digits(factor * one.upper) + "*" * one.upper_open,
+        )
         told = " to ".join(ends) if one.identifiable else "not identifiable"
         rows.append((one.name, f"{_digits(factor * one.value)}{unit}", told, one.description))
-    rows += [(name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())]
+    rows += [
+        (name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())
+    ]
     columns = ("name", "value", f"{100.0 * found.level:g} % interval", "what it is")
     table = people_table("Parameters", columns, rows, words=(0, 3))
     if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
@@ -285,27 +327,51 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     for one in derived:
         unit, factor = readable_unit(one.unit)
         value = f"{_digits(factor * one.value)}{unit}"
-        interval = f"{_digits(factor * one.lower)} to {_digits(factor * one.upper)}" if one.known else "any"
+        interval = (
+            f"{_digits(factor * one.lower)} to {_digits(factor * one.upper)}"
+            if one.known
+            else "any"
+        )
         rows.append((one.name.replace("_", " "), value, interval, one.description))
-    return people_table("It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3))
+    return people_table(
+        "It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3)
+    )
 
 
 def error_table(found: Identification) -> Table:
-    """How far predictions lie from the data: in the sample, left out, and those of isotropic friction."""
-    columns = ("data", "error", "values", "mean", "median", "mean, left out", "median", "mean, isotropic", "median")
+    """How far predictions lie from the data: in the sample, left out, and those of isotropic
+    friction.
+    """
+    columns = (
+        "data",
+        "error",
+        "values",
+        "mean",
+        "median",
+        "mean, left out",
+        "median",
+        "mean, isotropic",
+        "median",
+    )
     rows = []
     for one in found.errors:
         kind, unit, factor = readable_kind(one.kind)
         sizes = [getattr(one, name) for name in _SIZES if not name.endswith("rms")]
-        told = [f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes]
+        told = [
+            f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes
+        ]
         rows.append((one.block, kind, str(one.rows), *told))
     table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
-    table.caption = "isotropic: the same friction all around, floor and plate flat, nothing identified"
+    table.caption = (
+        "isotropic: the same friction all around, floor and plate flat, nothing identified"
+    )
     return table
 
 
 def _digits(value: float) -> str:
-    """Three digits, or as many decimals as make sense for a number of this size; less than a millionth is none."""
+    """Three digits, or as many decimals as make sense for a number of this size; less than a
+    millionth is none.
+    """
     if not math.isfinite(value):
         return NOTHING
     if abs(value) < 1e-6:

@@ -1,4 +1,6 @@
-"""`cyclemap plan`: pushes to make by hand or robot, as tables, sentences, JSON and a picture to print."""
+"""`cyclemap plan`: pushes to make by hand or robot, as tables, sentences, JSON and a picture to
+print.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,14 @@ from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
 from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables, said_command
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, publish_json
+from cyclemap.cli.output import (
+    PeopleConsole,
+    file_stem,
+    people_table,
+    progress_bar,
+    publish,
+    publish_json,
+)
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
@@ -46,13 +55,20 @@ def run_plan(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Plan what is asked for, after what was measured, write its tables and picture, and tell what will be known."""
+    """Plan what is asked for, after what was measured, write its tables and picture, and tell what
+    will be known.
+    """
     if object_file.suffix != ".toml":
-        raise InvalidInput(f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with --shape")
+        raise InvalidInput(
+            f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with "
+            "--shape"
+        )
     step = _orientation_step(grid)
     room = pair_in_metres("--room-mm", room_mm)
     if not 0.0 < min(room) <= max(room) <= 100.0:
-        raise InvalidInput(f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400")
+        raise InvalidInput(
+            f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400"
+        )
     loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
     stem = out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(until_deg), None
@@ -111,20 +127,28 @@ def _orientation_step(grid: str) -> float | None:
     except ValueError:
         step = math.nan
     if not 0.1 <= step <= 180.0:
-        raise InvalidInput(f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}")
+        raise InvalidInput(
+            f"--grid {grid!r}: give the degrees between orientations, 0.1 to 180, or {FREE}"
+        )
     return math.radians(step)
 
 
-def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, json_target: str | None) -> None:
+def _tell_enough(
+    measured: MeasuredPlan, within: float, stem: Path, json_target: str | None
+) -> None:
     if publish_json(measured_report(measured, within), json_target):
         return
     floor = stem.with_name(f"{stem.name}_measured.toml")
-    PeopleConsole().tell(*filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}")
+    PeopleConsole().tell(
+        *filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}"
+    )
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
 
 
 def _unused(stem: Path, suffix: str, content: bytes) -> Path:
-    """Where a table goes that is not there yet, so that one that was filled in is never written over."""
+    """Where a table goes that is not there yet, so that one that was filled in is never written
+    over.
+    """
     path, number = stem.with_name(f"{stem.name}{suffix}"), 1
     while path.exists() and path.read_bytes() != content:
         number += 1
@@ -155,7 +179,11 @@ def plan_report(plan: PushPlan) -> Json:
             for planned, end in zip(plan.pushes, plan.ends, strict=True)
         ],
         "knowledge": [
-            {"pushes": after.pushes, "planned": _known(after.planned), "random": _known(after.random)}
+            {
+                "pushes": after.pushes,
+                "planned": _known(after.planned),
+                "random": _known(after.random),
+            }
             for after in plan.knowledge
         ],
         "one_push_lost": _known(plan.without),
@@ -192,13 +220,24 @@ def push_table(plan: PushPlan) -> Table:
     rows = []
     for number, planned in enumerate(plan.pushes, 1):
         push, start = planned.push, planned.start
-        cells = [f"{push.fraction:.2f}", f"{math.degrees(push.angle):.0f}", f"{1e3 * push.distance:.0f}"]
-        cells += [f"{1e3 * start.x:.0f}", f"{1e3 * start.y:.0f}", f"{math.degrees(start.theta):.0f}"]
+        cells = [
+            f"{push.fraction:.2f}",
+            f"{math.degrees(push.angle):.0f}",
+            f"{1e3 * push.distance:.0f}",
+        ]
+        cells += [
+            f"{1e3 * start.x:.0f}",
+            f"{1e3 * start.y:.0f}",
+            f"{math.degrees(start.theta):.0f}",
+        ]
         rows.append((str(number), str(push.side), *cells))
     return people_table("Pushes, what tells most first", columns, rows)
 
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    rows = [(str(after.pushes), known_words(after.planned), known_words(after.random)) for after in plan.knowledge]
+    rows = [
+        (str(after.pushes), known_words(after.planned), known_words(after.random))
+        for after in plan.knowledge
+    ]
     return people_table("What will be known", ("pushes", "planned", "random"), rows, words=(1, 2))

@@ -41,23 +41,36 @@ def run_portrait(
     json_target: str | None,
 ) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
+    pairs, chosen = (
+        measured_orientations(data, table, out),
+        chosen_collection(options, data).simplified(),
+    )
     loop, sigma = chosen.loop, chosen.sigma
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
 
         if margin:
-            raise InvalidInput("--margin tells how far one loop's settings are from a change, and a strategy has many")
+            raise InvalidInput(
+                "--margin tells how far one loop's settings are from a change, and a strategy "
+                "has many"
+            )
 
-        run_strategy_portrait(chosen, chosen.strategy, pairs, cycles, seed, out, picture_format, json_target)
+        run_strategy_portrait(
+            chosen, chosen.strategy, pairs, cycles, seed, out, picture_format, json_target
+        )
         return
     # The staircase starts where the data start and is as long, unless told otherwise.
     path = None if pairs is None else pairs.path
     length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
     with progress_bar(f"cycle map of {loop.material.name}") as done:
-        found = portrait(loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=done)
+        found = portrait(
+            loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=done
+        )
     measured = None if pairs is None else _overlay(pairs, found)
-    page, stem = portrait_page(found, portrait_curves(found), measured), result_stem(out, "portrait", loop)
+    page, stem = (
+        portrait_page(found, portrait_curves(found), measured),
+        result_stem(out, "portrait", loop),
+    )
     report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
     if margins is not None:
         report["margins"] = margins_report(margins)
@@ -65,15 +78,24 @@ def run_portrait(
     if picture is None:
         return
     console, material = PeopleConsole(), found.loop.material
-    told = [sentences.lock_sentence(found), sentences.noise_sentence(found), sentences.staircase_sentence(found)]
+    told = [
+        sentences.lock_sentence(found),
+        sentences.noise_sentence(found),
+        sentences.staircase_sentence(found),
+    ]
     told.append(sentences.uncertainty_sentence(material.name, found.uncertainty))
     told.append(sentences.ahead_sentence(found.forecast))
     if measured is not None:
         told.append(sentences.agreement_sentence(measured.agreement))
     console.tell(sentences.headline(found), *filter(None, told))
     if found.fixed_points:
-        rows = [(f"{math.degrees(o.points[0]):.3f}", f"{o.multiplier:.4f}", o.kind) for o in found.fixed_points]
-        console.print_table(people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""), rows))
+        rows = [
+            (f"{math.degrees(o.points[0]):.3f}", f"{o.multiplier:.4f}", o.kind)
+            for o in found.fixed_points
+        ]
+        console.print_table(
+            people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""), rows)
+        )
     if margins is not None:
         tell_margins(console, margins)
     if line := sentences.material_line(material):
@@ -84,7 +106,9 @@ def run_portrait(
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
-    """The pairs beside the map; where it wears and their cycles are known, each beside the map of its own cycle."""
+    """The pairs beside the map; where it wears and their cycles are known, each beside the map of
+    its own cycle.
+    """
     from cyclemap.evidence import measured_overlay
     from cyclemap.evidence.comparison.cycle_agreement import cycle_agreement
     from cyclemap.evidence.comparison.prediction import Prediction

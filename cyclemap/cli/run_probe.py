@@ -1,4 +1,6 @@
-"""`cyclemap probe`: does a simulator, or a robot, push alike in all directions? In sentences, JSON and a picture."""
+"""`cyclemap probe`: does a simulator, or a robot, push alike in all directions? In sentences, JSON
+and a picture.
+"""
 
 import shlex
 import sys
@@ -41,7 +43,9 @@ def run_probe(options: LoopOptions, json_target: str | None, **asked: Any) -> No
         "explained": found.explained,
         "locks_at_deg": [degrees(theta) for theta in found.stable] if found.found else [],
     }
-    picture = publish(report, probe_page(found), asked["out"] / "probe", asked["picture_format"], json_target)
+    picture = publish(
+        report, probe_page(found), asked["out"] / "probe", asked["picture_format"], json_target
+    )
     if picture is not None:
         PeopleConsole().tell(*probe_sentences(found), f"picture: {picture}")
 
@@ -49,8 +53,12 @@ def run_probe(options: LoopOptions, json_target: str | None, **asked: Any) -> No
 def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
     given = [name for name in ("data", "program", "python") if asked[name] is not None]
     if len(given) != 1:
-        raise InvalidInput("say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION")
-    loop = replace(chosen_loop(options, asked["data"])[0], material=load_material("isotropic"), accuracy=1e-6)
+        raise InvalidInput(
+            "say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION"
+        )
+    loop = replace(
+        chosen_loop(options, asked["data"])[0], material=load_material("isotropic"), accuracy=1e-6
+    )
     if given == ["data"]:
         pushes = load_pushes(readable_data(asked["data"], asked["table"], asked["out"]))
         for words in check_pushes(pushes, loop):
@@ -58,7 +66,8 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
         table = pushes.table.dropna(subset=["theta0", *OUTCOMES])
         if not len(table):
             raise InvalidInput(
-                f"{asked['data']}: no push with a pose before and after it: x0, y0, theta0, x1, y1, theta1"
+                f"{asked['data']}: no push with a pose before and after it: x0, y0, theta0, x1, "
+                "y1, theta1"
             )
         return probe_pushes(table["theta0"].to_numpy(), table[list(OUTCOMES)].to_numpy(), loop)
     if given == ["program"]:

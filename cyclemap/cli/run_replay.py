@@ -1,4 +1,6 @@
-"""`cyclemap replay`: recorded pushes replayed; errors by object in a table, all as JSON, and as a picture."""
+"""`cyclemap replay`: recorded pushes replayed; errors by object in a table, all as JSON, and as a
+picture.
+"""
 
 import math
 from dataclasses import replace
@@ -7,10 +9,22 @@ from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import (
+    PeopleConsole,
+    file_stem,
+    people_table,
+    progress_bar,
+    publish,
+    result_stem,
+)
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.replay.replay_table import DATASET_PUSHER, ReplayedPushes, dataset_sliders, replay_pushes
+from cyclemap.evidence.replay.replay_table import (
+    DATASET_PUSHER,
+    ReplayedPushes,
+    dataset_sliders,
+    replay_pushes,
+)
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.replay_page import replay_headline, replay_page
@@ -45,12 +59,16 @@ def run_replay(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's friction may be named."""
+    """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's
+    friction may be named.
+    """
     loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
     material, pusher = loop.material, loop.pusher
     found = material.found_with.pusher_friction
     if pusher_friction is not None or ("pusher_mu" not in told and found is None):
-        pusher = replace(pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction)
+        pusher = replace(
+            pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
+        )
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
     read = readable_data(data, table, out)
     with progress_bar(f"replaying {data.name}") as report:
@@ -68,9 +86,13 @@ def run_replay(
             progress=report,
         )
     if not replayed.replays:
-        raise CycleMapError(f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}")
+        raise CycleMapError(
+            f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
+        )
     seen = [name for name in replayed.table["object"].unique() if name in sliders]
-    notes = [note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))]
+    notes = [
+        note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
+    ]
     stem, page = result_stem(out, "replay", loop), replay_page(replayed, material.name)
     report_json = replay_report(replayed, material.name, pusher.friction, notes)
     picture = publish(report_json, page, stem, picture_format, json_target)
@@ -81,13 +103,22 @@ def run_replay(
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors, turns = (
-            [f"{scale * row[name]:.2f}" for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")]
+            [
+                f"{scale * row[name]:.2f}"
+                for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")
+            ]
             for of, scale in (("error", 1e3), ("turn_error", math.degrees(1.0)))
         )
         motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
         turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
         errors_table.add_row(
-            str(row["surface"]), str(row["object"]), str(row["count"]), *errors, *motion, *turns, *turn
+            str(row["surface"]),
+            str(row["object"]),
+            str(row["count"]),
+            *errors,
+            *motion,
+            *turns,
+            *turn,
         )
     console.print_table(errors_table)
     for note in notes:
@@ -137,8 +168,12 @@ _DEGREES = {
 }
 
 
-def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: float, notes: list[str]) -> Json:
-    """The replays of a collection: the groups by object and by speed, every push, and the files left out."""
+def replay_report(
+    replayed: ReplayedPushes, material: str, pusher_friction: float, notes: list[str]
+) -> Json:
+    """The replays of a collection: the groups by object and by speed, every push, and the files
+    left out.
+    """
     error, turn_error = replayed.mean_errors
     return {
         "material": material,
@@ -150,13 +185,17 @@ def replay_report(replayed: ReplayedPushes, material: str, pusher_friction: floa
         "by_object": _rows(replayed.by("surface", "object")),
         "by_speed": _rows(replayed.by("speed")),
         "replays": _rows(replayed.table),
-        "not_replayed": [{"path": str(file.path), "reason": file.reason} for file in replayed.not_replayed],
+        "not_replayed": [
+            {"path": str(file.path), "reason": file.reason} for file in replayed.not_replayed
+        ],
     }
 
 
 def _rows(table: "pandas.DataFrame") -> list[Json]:
     scales = dict.fromkeys(_MILLIMETRES, 1e3) | dict.fromkeys(_DEGREES, math.degrees(1.0))
-    scaled = table.assign(**{name: scale * table[name] for name, scale in scales.items() if name in table})
+    scaled = table.assign(
+        **{name: scale * table[name] for name, scale in scales.items() if name in table}
+    )
     rows = scaled.rename(columns=_MILLIMETRES | _DEGREES).to_dict("records")
     return [{str(name): _plain(value) for name, value in row.items()} for row in rows]
 

@@ -44,20 +44,35 @@ def run_reset(
     **wanted: Any,
 ) -> None:
     """Design the reset, write its files, and print it for people or as JSON."""
-    reach, contact = (None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm))
-    axes, offsets = (None if part is None else 0.01 * part for part in (axes_percent, offsets_percent))
-    asked, demands = chosen_collection(options), ResetDemands(reach=reach, contact=contact, **wanted)
+    reach, contact = (
+        None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm)
+    )
+    axes, offsets = (
+        None if part is None else 0.01 * part for part in (axes_percent, offsets_percent)
+    )
+    asked, demands = (
+        chosen_collection(options),
+        ResetDemands(reach=reach, contact=contact, **wanted),
+    )
     about = material_range(asked.loop.material, axes, offsets)
     if likely:
         about = MaterialRange(about.nominal, tuple(map(load_material, likely)), ", ".join(likely))
     sigma = DEFAULT_SIGMA if asked.sigma is None else asked.sigma
     with progress_bar("comparing resets") as report:
         design = design_reset(
-            asked.loop, demands, sigma=sigma, materials=about, given=asked.strategy, seed=seed, progress=report
+            asked.loop,
+            demands,
+            sigma=sigma,
+            materials=about,
+            given=asked.strategy,
+            seed=seed,
+            progress=report,
         )
     stem, strategy = result_stem(out, "reset", asked.loop), design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
-    write_protocol(protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen))
+    write_protocol(
+        protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen)
+    )
     write_schedule(schedule, design.loop, strategy, cycles, seed)
     told = _report(design, protocol, schedule)
     picture = publish(told, reset_page(design), stem, picture_format, json_target)

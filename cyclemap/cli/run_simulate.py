@@ -1,4 +1,5 @@
-"""`cyclemap simulate`: a simulated collection as files, and what became of it, in words or as JSON."""
+"""`cyclemap simulate`: a simulated collection as files, and what became of it,
+in words or as JSON."""
 
 import math
 from dataclasses import replace
@@ -35,7 +36,11 @@ def run_simulate(
 ) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
     chosen = chosen_collection(options).simplified()
-    loop, strategy, cycle_by_cycle = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy, dict[str, Any]()
+    loop, strategy, cycle_by_cycle = (
+        replace(chosen.loop, accuracy=ACCURACY),
+        chosen.strategy,
+        dict[str, Any](),
+    )
     if strategy is not None:
         # What it changes from cycle to cycle is the same that its schedule of this seed says.
         loop, actions = strategy.prepared(loop), strategy.run(cycles, seed)
@@ -68,11 +73,18 @@ def run_simulate(
         )
     told = {name: getattr(made, name) for name in ("cycles", "written", "resumed")}
     last_deg = math.degrees(made.theta_last)
-    report_json = {"folder": str(made.folder), **told, "theta0_deg_last": last_deg, "bytes": made.bytes}
+    report_json = {
+        "folder": str(made.folder),
+        **told,
+        "theta0_deg_last": last_deg,
+        "bytes": made.bytes,
+    }
     if publish_json(report_json, json_target):
         return
     also = f" and {made.scans} friction scans" if made.scans else ""
-    added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(made.resumed)
+    added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(
+        made.resumed
+    )
     last = f"The last push starts at θ0 = {last_deg:.2f}°, counted without wrapping."
     words = f"{made.cycles} pushes{also} in {made.folder}, {made.bytes / 1e6:.1f} MB"
     PeopleConsole().tell(words, *added, last, f"next: cyclemap fit {made.folder}")

@@ -22,17 +22,28 @@ def run_staircase(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Predict the staircase, set the measured one beside it, draw both, and print them for people or as JSON."""
-    pairs, chosen = measured_orientations(data, table, out), chosen_collection(options, data).simplified()
+    """Predict the staircase, set the measured one beside it, draw both, and print them for people
+    or as JSON.
+    """
+    pairs, chosen = (
+        measured_orientations(data, table, out),
+        chosen_collection(options, data).simplified(),
+    )
     loop, sigma = chosen.loop, chosen.sigma
     measured = None if pairs is None else measured_staircase(pairs, seed)
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_staircase
 
-        run_strategy_staircase(chosen, chosen.strategy, measured, cycles, seed, out, picture_format, json_target)
+        run_strategy_staircase(
+            chosen, chosen.strategy, measured, cycles, seed, out, picture_format, json_target
+        )
         return
     # The run starts where the data start and is as long, unless told otherwise.
-    length, start = (DEFAULT_CYCLES, 0.0) if measured is None else (len(measured.path) - 1, float(measured.path[0]))
+    length, start = (
+        (DEFAULT_CYCLES, 0.0)
+        if measured is None
+        else (len(measured.path) - 1, float(measured.path[0]))
+    )
     with progress_bar(f"staircase of {loop.material.name}") as report:
         forecast = staircase_forecast(
             loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report
@@ -43,8 +54,14 @@ def run_staircase(
     if picture is None:
         return
     told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
-    told += [uncertainty_sentence(loop.material.name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
+    told += [
+        uncertainty_sentence(loop.material.name, forecast.uncertainty),
+        ahead_sentence(forecast.forecast),
+    ]
     if measured is not None:
-        told += [staircase_page.measured_sentence(measured), staircase_page.fitted_sentence(measured)]
+        told += [
+            staircase_page.measured_sentence(measured),
+            staircase_page.fitted_sentence(measured),
+        ]
     words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
     PeopleConsole().tell(*words)

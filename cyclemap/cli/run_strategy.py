@@ -6,7 +6,15 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.cli.json_report import Json, actions_report, degrees, direction_deg, measured_report, number, steps_report
+from cyclemap.cli.json_report import (
+    Json,
+    actions_report,
+    degrees,
+    direction_deg,
+    measured_report,
+    number,
+    steps_report,
+)
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
@@ -39,16 +47,31 @@ def run_strategy_portrait(
     law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, cycles, seed)
     mean_turn, above = float((theta[-1] - theta[0]) / (len(theta) - 1)), law.density > 0.5 / math.pi
-    peaks = np.flatnonzero((law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above)
+    peaks = np.flatnonzero(
+        (law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above
+    )
     told: Json = {
-        "strategy": {"recipe": recipe(strategy), "order": strategy.order, "needs": list(strategy.needs)},
+        "strategy": {
+            "recipe": recipe(strategy),
+            "order": strategy.order,
+            "needs": list(strategy.needs),
+        },
         "map": [
-            {"action": action, "max_error_deg": degrees(one.max_error), "mean_turn_deg": degrees(float(turn.mean()))}
+            {
+                "action": action,
+                "max_error_deg": degrees(one.max_error),
+                "mean_turn_deg": degrees(float(turn.mean())),
+            }
             for action, one, turn in zip(actions_report(strategy, loop), maps, turns, strict=True)
         ],
         "fixed_points": [],
         "fixed_points_reason": _EACH,
-        "rotation_number": {"value": number(mean_turn / (2.0 * math.pi)), "lower": None, "upper": None, "locked": None},
+        "rotation_number": {
+            "value": number(mean_turn / (2.0 * math.pi)),
+            "lower": None,
+            "upper": None,
+            "locked": None,
+        },
         "stationary": {
             "noise_deg": degrees(sigma),
             "peaks_deg": [direction_deg(math.radians(peak)) for peak in peaks.tolist()],
@@ -58,15 +81,25 @@ def run_strategy_portrait(
             "tv_error": number(law.error),
             "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": number(law.after)},
         },
-        "staircase": {"mean_turn_deg": degrees(mean_turn), "mean_residence_cycles": None, "step_deg": None, "run": ran},
-        **({} if pairs is None else {"data": {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}}),
+        "staircase": {
+            "mean_turn_deg": degrees(mean_turn),
+            "mean_residence_cycles": None,
+            "step_deg": None,
+            "run": ran,
+        },
+        **(
+            {}
+            if pairs is None
+            else {"data": {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}}
+        ),
     }
     words = (
         f"{loop.material.name}: {law.total_variation:.1%} away from uniform",
         f"With {math.degrees(sigma):.2g}° of noise a cycle: {recipe(strategy)}.",
-        f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} after {law.pushes} "
-        f"pushes from the worst start (± {law.error:.1g} for the modes kept).",
-        f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on average.",
+        f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} "
+        f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
+        f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on "
+        "average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
     picture = publish(told, figure, result_stem(out, "portrait", loop), picture_format, json_target)
@@ -84,7 +117,9 @@ def run_strategy_staircase(
     picture_format: str,
     json_target: str | None,
 ) -> None:
-    """Run the strategy, set the measured staircase beside it, draw both, and print them for people or as JSON."""
+    """Run the strategy, set the measured staircase beside it, draw both, and print them for people
+    or as JSON.
+    """
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, data, cycles, seed)
@@ -101,21 +136,38 @@ def run_strategy_staircase(
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
         f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {seed}) it {rests}; "
-        f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on average.",
+        f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on "
+        "average.",
     )
-    page, stem = strategy_page(words, loop, strategy, theta, data), result_stem(out, "staircase", loop)
+    page, stem = (
+        strategy_page(words, loop, strategy, theta, data),
+        result_stem(out, "staircase", loop),
+    )
     picture = publish(told, page, stem, picture_format, json_target)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")
 
 
 def _run(
-    loop: CollectionLoop, strategy: ResetStrategy, sigma: float, data: Array | None, cycles: int | None, seed: int
+    loop: CollectionLoop,
+    strategy: ResetStrategy,
+    sigma: float,
+    data: Array | None,
+    cycles: int | None,
+    seed: int,
 ) -> tuple[Array, Json]:
-    """A run of the strategy by the full mechanics, from where the data start and as long where there are some."""
+    """A run of the strategy by the full mechanics, from where the data start and as long where
+    there are some.
+    """
     cycles = cycles or (DEFAULT_CYCLES if data is None else len(data) - 1)
     start = 0.0 if data is None else float(data[0])
     with progress_bar(f"{cycles} cycles on {loop.material.name}") as report:
-        run = run_strategy(loop, strategy, cycles, start=start, sigma=sigma, seed=seed, progress=report)
+        run = run_strategy(
+            loop, strategy, cycles, start=start, sigma=sigma, seed=seed, progress=report
+        )
     theta = run.theta[0]
-    return theta, {"seed": seed, "cycles": cycles, "climb_deg": degrees(float(theta[-1] - theta[0]))}
+    return theta, {
+        "seed": seed,
+        "cycles": cycles,
+        "climb_deg": degrees(float(theta[-1] - theta[0])),
+    }

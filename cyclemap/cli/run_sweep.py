@@ -30,7 +30,9 @@ from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentence
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
 _LONGEST_NAME = 60
-_OBJECT_KEYS = {key for key, setting in SETTINGS.items() if setting.place in ("slider.outline", "slider.name")}
+_OBJECT_KEYS = {
+    key for key, setting in SETTINGS.items() if setting.place in ("slider.outline", "slider.name")
+}
 
 
 def run_sweep(
@@ -44,7 +46,8 @@ def run_sweep(
     json_target: str | None,
     **asked: Any,
 ) -> None:
-    """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far it is.
+    """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far
+    it is.
 
     asked : the points and quantities, see `sweep_plan`.
     """
@@ -52,7 +55,11 @@ def run_sweep(
     plan = sweep_plan(options, **asked)
     _words(draw, [one.name for one in plan.numbers.quantities if not one.many], "quantity to draw")
     # The material, or the first few letters of those that are swept.
-    name = "_".join(plan.materials)[:_LONGEST_NAME] if MATERIAL_KEY in plan.keys else plan.materials[""].name
+    name = (
+        "_".join(plan.materials)[:_LONGEST_NAME]
+        if MATERIAL_KEY in plan.keys
+        else plan.materials[""].name
+    )
     stem = result_stem(out, "sweep", _object_loop(plan), name)
     store = stem.with_name(f"{stem.name}.sqlite")
     if status:
@@ -65,11 +72,16 @@ def run_sweep(
     begun = time.monotonic()
     try:
         with progress_bar(f"sweep of {len(plan)} points") as report:
-            sweeps.run_sweep(plan, store, workers=workers, progress=lambda now: report(now.stored / now.points))
+            sweeps.run_sweep(
+                plan, store, workers=workers, progress=lambda now: report(now.stored / now.points)
+            )
     except KeyboardInterrupt:
         now = sweeps.sweep_status(store, plan)
         kept = f"{now.stored} of {now.points} points are stored in {store}"
-        click.echo(f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on", err=True)
+        click.echo(
+            f"stopped after {time.monotonic() - begun:.0f} s: {kept}; the same command goes on",
+            err=True,
+        )
         raise
     _publish(load_sweep(store, plan), stem, store, exports, drawn, picture_format, json_target)
 
@@ -89,22 +101,35 @@ def _publish(
         files.append(stem.with_name(f"{stem.name}{ending}"))
         write(sweep, files[-1])
     # One or two keys make a picture; two of a sample only where both are numbers.
-    if keys < _MOST_DRAWN_KEYS or (keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))):
+    if keys < _MOST_DRAWN_KEYS or (
+        keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
+    ):
         files.append(stem.with_name(f"{stem.name}.{picture_format}"))
-        write_whole(files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), picture_format))
+        write_whole(
+            files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), picture_format)
+        )
     if publish_json(sweep_report(sweep, store), json_target):
         return
     console = PeopleConsole()
-    console.tell(sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files))
+    console.tell(
+        sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files)
+    )
     if keys > _MOST_DRAWN_KEYS:
-        console.print("more than two keys: select values of the others in Python, or export, to draw", style="dim")
+        console.print(
+            "more than two keys: select values of the others in Python, or export, to draw",
+            style="dim",
+        )
 
 
 def _object_loop(plan: SweepPlan) -> CollectionLoop:
-    """The loop whose object the sweep is of: MIT's where objects are swept, or the first point makes none."""
+    """The loop whose object the sweep is of: MIT's where objects are swept, or the first point
+    makes none.
+    """
     settings = {key: value for key, value in plan.point(0).settings.items() if key in _OBJECT_KEYS}
     with suppress(InvalidInput):
-        return CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else loop_from_settings(settings)
+        return (
+            CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else loop_from_settings(settings)
+        )
     return CollectionLoop.mit()
 
 
@@ -118,21 +143,26 @@ def sweep_plan(
     tolerance_deg: float | None,
     rotation_tolerance: float,
 ) -> SweepPlan:
-    """The plan that the options ask for: what is swept overrules the protocol file, as --set does."""
+    """The plan that the options ask for: what is swept overrules the protocol file,
+    as --set does."""
     ranges = tuple(map(parse_over, over))
     swept = {one.key for one in ranges}
     material, told, strategy = told_settings(options)
     if strategy is not None:
         raise InvalidInput(
-            f"{options.protocol or material}: a sweep is about one push and one drag back: take the table [strategy] "
-            "out of it"
+            f"{options.protocol or material}: a sweep is about one push and one drag back: take "
+            "the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.
-    settings = {key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept}
+    settings = {
+        key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
+    }
     settings |= set_settings(options.settings)
     warn_of_defaults(settings)
     tolerance = {} if tolerance_deg is None else {"tolerance": math.radians(tolerance_deg)}
-    numbers = PortraitNumbers(_words(quantities), rotation_tolerance=rotation_tolerance, **tolerance)
+    numbers = PortraitNumbers(
+        _words(quantities), rotation_tolerance=rotation_tolerance, **tolerance
+    )
     if sample is None:
         return SweepPlan(Grid(ranges), material, settings, numbers)  # type: ignore[arg-type]
     return SweepPlan(Sample(ranges, sample, seed, sequence), material, settings, numbers)
@@ -155,7 +185,9 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
         found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
         for one in sweep.quantities:
             if one.many:
-                found[one.written_name] = numbers(one.written(sweep.lists[one.name][place]).tolist())
+                found[one.written_name] = numbers(
+                    one.written(sweep.lists[one.name][place]).tolist()
+                )
             else:
                 found[one.written_name] = number(float(one.written(sweep.columns[one.name][place])))
         results.append({**found, "refusal": sweep.refusals[place] or None})

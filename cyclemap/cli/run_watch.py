@@ -1,4 +1,6 @@
-"""`cyclemap watch`: a collection watched for locking in, once over a whole file or as the file grows."""
+"""`cyclemap watch`: a collection watched for locking in, once over a whole file or as the file
+grows.
+"""
 
 import json
 import time
@@ -26,16 +28,26 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.maps import rest_multiplier
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
-from cyclemap.resets import BiasMonitor, BiasReport, CycleAction, NextAction, next_action, strategy_maps, watch
+from cyclemap.resets import (
+    BiasMonitor,
+    BiasReport,
+    CycleAction,
+    NextAction,
+    next_action,
+    strategy_maps,
+    watch,
+)
 from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import ahead_sentence, multiplier_sentence
 
-# What is ahead: the next action of a strategy, or what the next pushes of a loop will bring; None for neither.
+# What is ahead: the next action of a strategy, or what the next pushes of a loop will bring; None
+# for neither.
 Ahead = tuple[CycleAction, NextAction] | LockForecast | None
 LookAhead = Callable[[BiasMonitor], Ahead]
-# Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below what is recorded.
+# Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below
+# what is recorded.
 _TOLD_SHARES, _TOLERANCE = 10, 1e-3
 # Pushes of a forecast from where the log stands: some hours of the robot's work.
 _PUSHES_AHEAD = 300
@@ -93,7 +105,10 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
     if strategy is None:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
-        raise InvalidInput(f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or more")
+        raise InvalidInput(
+            f"{protocol}: there is no action to choose: it needs a [strategy] of two actions or "
+            "more"
+        )
     with progress_bar(f"cycle maps on {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=_TOLERANCE, progress=report)
 
@@ -105,22 +120,32 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
 
 
 def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
-    """Forecasts from the last orientation; the maps of the samples, nearly all of the work, are computed once."""
+    """Forecasts from the last orientation; the maps of the samples, nearly all of the work, are
+    computed once.
+    """
     material = loop.material
     if material.posterior is None or material.wear is not None:
-        why = "has no samples of what is believed of it" if material.posterior is None else "wears as it is used"
+        why = (
+            "has no samples of what is believed of it"
+            if material.posterior is None
+            else "wears as it is used"
+        )
         raise InvalidInput(
-            f"{material.name} {why}: there is no forecast of it, and without a [strategy] of two actions or more in "
-            "--protocol there is no action to choose; leave --material and --protocol out"
+            f"{material.name} {why}: there is no forecast of it, and without a [strategy] of two "
+            "actions or more in --protocol there is no action to choose; leave --material and "
+            "--protocol out"
         )
     with progress_bar(f"cycle maps of what is believed of {material.name}") as report:
         turns = sampled_turns(loop, report)
     noise, _ = noises_of(loop, loop.circle_map(_TOLERANCE), sigma)
-    return lambda monitor: forecast_from_turns(turns, noise.sigma, _PUSHES_AHEAD, float(monitor.path[-1]))
+    return lambda monitor: forecast_from_turns(
+        turns, noise.sigma, _PUSHES_AHEAD, float(monitor.path[-1])
+    )
 
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_json: bool) -> None:
-    """A line of JSON; or what changed: alarm, rest, another tenth of the circle; and what is ahead."""
+    """A line of JSON; or what changed: alarm, rest, another tenth of the circle;
+    and what is ahead."""
     if as_json:
         told = {"push": after.push, "theta0_deg": direction_deg(theta), **_report(after, ahead)}
         click.echo(json.dumps(told, allow_nan=False, ensure_ascii=False))
@@ -157,13 +182,26 @@ def _conclude(
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
     last, ahead, rest = reports[-1], look_ahead(monitor), rest_multiplier(monitor.path)
-    told = {"file": file.name, "pushes": len(reports), "alarm_rate": monitor.alarm_rate, **_report(last, ahead)}
+    told = {
+        "file": file.name,
+        "pushes": len(reports),
+        "alarm_rate": monitor.alarm_rate,
+        **_report(last, ahead),
+    }
     told["multiplier"] = multiplier_report(rest)
-    figure, stem = page.watch_page(monitor, reports, file.name), out / f"watch_{file_stem(file.stem)}"
+    figure, stem = (
+        page.watch_page(monitor, reports, file.name),
+        out / f"watch_{file_stem(file.stem)}",
+    )
     picture = publish(told, figure, stem, picture_format, None if quiet else json_target)
     if picture is not None and not quiet:
         following = _ahead_sentences(ahead, monitor.path[-1])
-        lines = *page.watch_sentences(last), multiplier_sentence(rest), *following, f"picture: {picture}"
+        lines = (
+            *page.watch_sentences(last),
+            multiplier_sentence(rest),
+            *following,
+            f"picture: {picture}",
+        )
         PeopleConsole().tell(*filter(None, lines))
 
 
@@ -185,13 +223,23 @@ def _report(report: BiasReport, ahead: Ahead) -> Json:
             "largest_gap_deg": degrees(state.largest_gap),
             "gap_centre_deg": direction_deg(state.gap_centre),
         },
-        "advice": {"change_reset": advice.change_reset, "direction_deg": direction_deg(advice.direction)},
+        "advice": {
+            "change_reset": advice.change_reset,
+            "direction_deg": direction_deg(advice.direction),
+        },
     }
     if alarm is not None:
         where = [*map(direction_deg, alarm.directions)]
-        told["alarm"] = {"push": alarm.push, "kind": alarm.kind, "directions_deg": where, "began": alarm.began}
+        told["alarm"] = {
+            "push": alarm.push,
+            "kind": alarm.kind,
+            "directions_deg": where,
+            "began": alarm.began,
+        }
     if rest is not None:
-        where, towards = ([*map(direction_deg, angles)] for angles in (rest.directions, rest.towards))
+        where, towards = (
+            [*map(direction_deg, angles)] for angles in (rest.directions, rest.towards)
+        )
         told["rest"] = {"began": rest.began, "directions_deg": where, "towards_deg": towards}
     if isinstance(ahead, LockForecast):
         told["forecast"] = forecast_report(ahead)

@@ -1,4 +1,6 @@
-"""Samples a circle map with its slope until polynomials reproduce it, and finds its kinks and jumps."""
+"""Samples a circle map with its slope until polynomials reproduce it, and finds its kinks and
+jumps.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -14,8 +16,9 @@ from cyclemap.maps import CircleMap
 Sample = Callable[[Array], tuple[Array, Array]]
 
 _FIRST_INTERVALS = 24
-# Halving an interval divides the error of a cubic by 16 where the map is smooth. None of that is counted on when a half
-# is accepted, since a single sample may flatter; an error that does not fall by this much is suspect.
+# Halving an interval divides the error of a cubic by 16 where the map is smooth. None of that is
+# counted on when a half is accepted, since a single sample may flatter; an error that does not fall
+# by this much is suspect.
 _HALVING = 4.0
 # An interval this short (rad) whose error does not fall as it should may hold a kink or a jump.
 _SUSPECT = 0.04
@@ -23,20 +26,24 @@ _SUSPECT = 0.04
 _NARROWEST = 1e-10
 # A kink is located so closely that this share of the tolerance is left.
 _LOCATED = 0.01
-# Where higher polynomials hold, cubics are put through so many of their values that this share of the tolerance is
-# lost.
+# Where higher polynomials hold, cubics are put through so many of their values that this share of
+# the tolerance is lost.
 _FILLED = 0.1
-# What a polynomial through four of five nodes misses at the fifth counts as this much of the error of that through all:
-# the middle one, and those beside it. Of 4,000 stretches of the built-in materials' maps 40 were further off than that.
+# What a polynomial through four of five nodes misses at the fifth counts as this much of the error
+# of that through all: the middle one, and those beside it. Of 4,000 stretches of the built-in
+# materials' maps 40 were further off than that.
 _MIDDLE, _BESIDE = 1.0, 0.3
-# A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of the gap.
+# A sample belongs to one side of a break if it lies this near to that side's tangent, as a share of
+# the gap.
 _SIDE_SHARE = 0.2
-# Intervals that are tried at one more place at the end, the least certain first; where in them, as a share, by the
-# number of their inner nodes: where polynomials through these are off by nearly the most.
+# Intervals that are tried at one more place at the end, the least certain first; where in them, as
+# a share, by the number of their inner nodes: where polynomials through these are off by nearly the
+# most.
 _CHECKED, _OFF_NODES = 12, {0: 0.3, 1: 0.3, 3: 0.1}
 # Times that intervals are tried so, while some fail.
 _ROUNDS = 3
-# Cubics are compared at these shares of their width; they are put this much closer than what is seen there asks for.
+# Cubics are compared at these shares of their width; they are put this much closer than what is
+# seen there asks for.
 _COMPARED, _CLOSER = (0.25, 0.5, 0.75), 1.15
 
 
@@ -51,9 +58,11 @@ class Node:
 
 @dataclass(frozen=True)
 class HermitePolynomial:
-    """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided differences (Davis 1975, 3.1).
+    """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided
+    differences (Davis 1975, 3.1).
 
-    nodes : ascending, no place twice. differences : Newton's coefficients, to places that come twice each.
+    nodes : ascending, no place twice. differences : Newton's coefficients, to places that come
+        twice each.
     """
 
     nodes: tuple[Node, ...]
@@ -85,14 +94,20 @@ class HermitePolynomial:
         return value, slope
 
     def refined(self, error: float) -> Iterator[Node]:
-        """Its nodes, and so many between them that cubics from one to the next are within `error` of it."""
+        """Its nodes, and so many between them that cubics from one to the next are within `error`
+        of it.
+        """
         for low, high in pairwise(self.nodes):
-            # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of its width h.
+            # A cubic between two places misses q by q'''' (s (1 - s) h^2)^2 / 24 at the share s of
+            # its width h.
             width, off = high.theta - low.theta, 0.0
             for s in _COMPARED:
                 tangents = width * s * (1.0 - s) * ((1.0 - s) * low.slope - s * high.slope)
                 cubic = low.value + s**2 * (3.0 - 2.0 * s) * (high.value - low.value) + tangents
-                off = max(off, abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2))
+                off = max(
+                    off,
+                    abs(cubic - self.at(low.theta + s * width)[0]) / (16.0 * (s * (1.0 - s)) ** 2),
+                )
             count = max(1, math.ceil(_CLOSER * (off / error) ** 0.25))
             yield low
             for theta in (low.theta + k * (width / count) for k in range(1, count)):
@@ -104,7 +119,8 @@ class HermitePolynomial:
 class _Interval:
     """Neighbouring nodes and the error (rad) that the polynomial through them is believed to have.
 
-    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what this is half of.
+    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what
+        this is half of.
     """
 
     low: Node
@@ -122,7 +138,9 @@ class _Interval:
         return HermitePolynomial.through((self.low, *self.inner, self.high))
 
     def error_at(self, node: Node, polynomial: HermitePolynomial) -> float:
-        """What a polynomial misses at a node, in value and, as far as it reaches within a half, in slope."""
+        """What a polynomial misses at a node, in value and, as far as it reaches within a half, in
+        slope.
+        """
         value, slope = polynomial.at(node.theta)
         return max(abs(value - node.value), abs(slope - node.slope) * self.width / 8.0)
 
@@ -155,17 +173,23 @@ class _Sampler:
 
 
 def sample_circle_map(
-    sample: Sample, tolerance: float, progress: Callable[[float], None] | None = None, sample_error: float = 0.0
+    sample: Sample,
+    tolerance: float,
+    progress: Callable[[float], None] | None = None,
+    sample_error: float = 0.0,
 ) -> CircleMap:
-    """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values (n,), slopes (n,).
+    """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values
+    (n,), slopes (n,).
 
-    Intervals are halved until a polynomial through values and slopes agrees with samples that it does not go through to
-    `tolerance` (rad): a cubic or a quintic with the next ones, one of degree nine through five nodes as those through
-    four of them do. Where the error does not fall with the width as it does for a smooth map, a kink or a jump is
-    looked for by bisection, to 1e-10 rad for jumps, and kept as a break with a value and a slope on either side.
+    Intervals are halved until a polynomial through values and slopes agrees with samples that it
+    does not go through to `tolerance` (rad): a cubic or a quintic with the next ones, one of degree
+    nine through five nodes as those through four of them do. Where the error does not fall with the
+    width as it does for a smooth map, a kink or a jump is looked for by bisection, to 1e-10 rad for
+    jumps, and kept as a break with a value and a slope on either side.
 
-    The map's `max_error` is the largest error estimate, checked at further places, plus `sample_error`; it exceeds the
-    tolerance where that could not be reached, as on stretches so steep that they cannot be told from a jump.
+    The map's `max_error` is the largest error estimate, checked at further places, plus
+    `sample_error`; it exceeds the tolerance where that could not be reached, as on stretches so
+    steep that they cannot be told from a jump.
     """
     interpolated = (1.0 - _LOCATED) * positive_number("tolerance", tolerance)
     sampler = _Sampler(sample, interpolated, progress or (lambda fraction: None))
@@ -179,7 +203,11 @@ def sample_circle_map(
         # Where neighbours do not share a node, a repeated place marks a break.
         if not joined or joined[-1] != interval.low:
             joined.append(interval.low)
-        inner = interval.polynomial.refined(_FILLED * interpolated) if interval.inner else (interval.low, interval.high)
+        inner = (
+            interval.polynomial.refined(_FILLED * interpolated)
+            if interval.inner
+            else (interval.low, interval.high)
+        )
         joined.extend(list(inner)[1:])
     theta, lifted, slopes = np.array([(node.theta, node.value, node.slope) for node in joined]).T
     error = max(interval.error for interval in intervals) + _LOCATED * tolerance + sample_error
@@ -193,13 +221,17 @@ def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
     """Halve intervals until all of their parts are good enough, splitting them at breaks."""
     while waiting:
         for interval in (one for one in waiting if one.width <= 2.0 * _NARROWEST):
-            # Most that the cubic can be off where the map stays between the values of the ends: slopes lift it by 4/27
-            # of the width each at most above the straight line.
+            # Most that the cubic can be off where the map stays between the values of the ends:
+            # slopes lift it by 4/27 of the width each at most above the straight line.
             low, high = interval.low, interval.high
-            most = abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (abs(low.slope) + abs(high.slope))
+            most = abs(high.value - low.value) + 4.0 / 27.0 * interval.width * (
+                abs(low.slope) + abs(high.slope)
+            )
             sampler.finish(replace(interval, error=min(interval.error, most)))
         halved = [interval for interval in waiting if interval.width > 2.0 * _NARROWEST]
-        middles = sampler.nodes([0.5 * (interval.low.theta + interval.high.theta) for interval in halved])
+        middles = sampler.nodes(
+            [0.5 * (interval.low.theta + interval.high.theta) for interval in halved]
+        )
         rest = [pair for pair in zip(halved, middles, strict=True) if not _finished(sampler, *pair)]
         waiting = []
         for around, group in groupby(rest, key=lambda pair: pair[0].around):
@@ -231,7 +263,9 @@ def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
 
 
 def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
-    """Keep both halves of an interval together if the polynomial through their five nodes is good enough."""
+    """Keep both halves of an interval together if the polynomial through their five nodes is good
+    enough.
+    """
     (first, before), (second, after) = halves
     nodes = (first.low, before, first.high, after, second.high)
     # By how much the polynomial through the four others misses each inner node.
@@ -239,7 +273,9 @@ def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
     for number, left in list(enumerate(nodes))[1:-1]:
         others = HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]])
         missed.append(abs(others.at(left.theta)[0] - left.value))
-    error = max(_MIDDLE * missed[1], _BESIDE * max(missed[0], missed[2])) + _FILLED * sampler.tolerance
+    error = (
+        max(_MIDDLE * missed[1], _BESIDE * max(missed[0], missed[2])) + _FILLED * sampler.tolerance
+    )
     if not error <= sampler.tolerance:
         return False
     sampler.finish(_Interval(first.low, second.high, error, nodes[1:-1]))
@@ -247,20 +283,34 @@ def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
 
 
 def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, ...] | None:
-    """Bisect to a kink or a jump; return the parts on either side, or None if the map is only steep or curved."""
+    """Bisect to a kink or a jump; return the parts on either side, or None if the map is only steep
+    or curved.
+    """
     low, high = interval.low, interval.high
     while high.theta - low.theta > _NARROWEST:
-        gap = abs(high.value - low.value - 0.5 * (low.slope + high.slope) * (high.theta - low.theta))
+        gap = abs(
+            high.value - low.value - 0.5 * (low.slope + high.slope) * (high.theta - low.theta)
+        )
         is_jump = gap > 10.0 * sampler.tolerance
-        if not is_jump and abs(high.slope - low.slope) * (high.theta - low.theta) < _LOCATED * sampler.tolerance:
+        if (
+            not is_jump
+            and abs(high.slope - low.slope) * (high.theta - low.theta)
+            < _LOCATED * sampler.tolerance
+        ):
             break
         (middle,) = sampler.nodes([0.5 * (low.theta + high.theta)])
-        # It belongs to a side by value where the sides are apart, by slope where they only meet at an angle.
+        # It belongs to a side by value where the sides are apart, by slope where they only meet at
+        # an angle.
         if is_jump:
-            tangents = (side.value + side.slope * (middle.theta - side.theta) for side in (low, high))
+            tangents = (
+                side.value + side.slope * (middle.theta - side.theta) for side in (low, high)
+            )
             off = [abs(middle.value - value) for value in tangents]
         else:
-            gap, off = abs(high.slope - low.slope), [abs(middle.slope - side.slope) for side in (low, high)]
+            gap, off = (
+                abs(high.slope - low.slope),
+                [abs(middle.slope - side.slope) for side in (low, high)],
+            )
         if min(off) > _SIDE_SHARE * gap:
             return None
         low, high = (middle, high) if off[0] < off[1] else (low, middle)
@@ -273,18 +323,27 @@ def _split_at_break(sampler: _Sampler, interval: _Interval) -> tuple[_Interval, 
 
 
 def _check(sampler: _Sampler) -> None:
-    """Try the least certain intervals, and some spread over the circle, off their middle; resolve those that fail.
+    """Try the least certain intervals, and some spread over the circle, off their middle; resolve
+    those that fail.
 
-    Where one does, a map may wave in step with the nodes, which are blind to it: then all others are tried, too.
+    Where one does, a map may wave in step with the nodes, which are blind to it: then all others
+    are tried, too.
     """
     by_error = sorted(sampler.finished, key=lambda interval: interval.error, reverse=True)
     spread = sampler.finished[:: max(1, len(sampler.finished) // _CHECKED)]
     waiting, checked = [*by_error[:_CHECKED], *spread], set[tuple[float, float]]()
     for _ in range(_ROUNDS):
         chosen = {(interval.low.theta, interval.high.theta): interval for interval in waiting}
-        wide = [one for ends, one in chosen.items() if one.width > 2.0 * _NARROWEST and ends not in checked]
+        wide = [
+            one
+            for ends, one in chosen.items()
+            if one.width > 2.0 * _NARROWEST and ends not in checked
+        ]
         checked |= set(chosen)
-        places = [interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width for interval in wide]
+        places = [
+            interval.low.theta + _OFF_NODES[len(interval.inner)] * interval.width
+            for interval in wide
+        ]
         missed = False
         for interval, found in zip(wide, sampler.nodes(places), strict=True):
             filled = _FILLED * sampler.tolerance if interval.inner else 0.0

@@ -1,4 +1,6 @@
-"""The paper's numerical experiment: batches of consecutive cycles from several orientations, and where they end."""
+"""The paper's numerical experiment: batches of consecutive cycles from several orientations, and
+where they end.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -18,11 +20,13 @@ from cyclemap.errors import InvalidInput
 BATCHES, CYCLES = 6, 100
 # A batch has settled once it stays this near its last orientation, rad.
 WITHIN = math.radians(1.0)
-# A batch that turns by less than this a cycle, rad, is at rest: the errors of a dynamic cycle are as large.
+# A batch that turns by less than this a cycle, rad, is at rest: the errors of a dynamic cycle are
+# as large.
 REST = 5e-5
 # Places kept of the centre's path in each push, beside its start.
 SAMPLES = 20
-# Longest step of a quasi-static push, as a fraction of it: between steps its path is taken as straight.
+# Longest step of a quasi-static push, as a fraction of it: between steps its path is taken as
+# straight.
 _STEPS = 40
 
 
@@ -30,8 +34,9 @@ _STEPS = 40
 class BatchRun:
     """Batches of consecutive cycles on one surface.
 
-    theta : (batches, cycles + 1) rad, on the lift. path : (batches, cycles, samples + 1, 2) m, the centre of
-    mass during each push, evenly in rod travel (last: at rest), in the world, whose origin is the reset's target.
+    theta : (batches, cycles + 1) rad, on the lift. path : (batches, cycles, samples + 1, 2) m, the
+        centre of mass during each push, evenly in rod travel (last: at rest), in the world, whose
+        origin is the reset's target.
     """
 
     theta: Array
@@ -44,7 +49,8 @@ class BatchRun:
 
     @property
     def left(self) -> Array:
-        """How far each batch would still turn, (batches,) rad, if its steps went on shrinking as the last two do.
+        """How far each batch would still turn, (batches,) rad, if its steps went on shrinking as
+        the last two do.
 
         |s2| r / (1 - r) with r = |s2 / s1|; zero at rest (last step at most `REST`), infinite where the steps do not
         shrink or only one was made.
@@ -56,25 +62,34 @@ class BatchRun:
         return np.where(now <= REST, 0.0, left)
 
     def directions(self, within: float = WITHIN) -> tuple[float, ...]:
-        """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other are one direction.
+        """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other
+        are one direction.
 
-        Empty where a batch still moves, by more than a tenth of `within` a cycle or with more than a quarter of it
-        `left`: then it ends nowhere. So the slow passage of a bottleneck, where no fixed point is, is no direction: at
-        its narrowest its steps cease to shrink, and before, more is left unless its least step is near `REST`.
+        Empty where a batch still moves, by more than a tenth of `within` a cycle or with more than
+        a quarter of it `left`: then it ends nowhere. So the slow passage of a bottleneck, where no
+        fixed point is, is no direction: at its narrowest its steps cease to shrink, and before,
+        more is left unless its least step is near `REST`.
         """
         near = positive_number("within", within)
         if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
             return ()
         groups: list[list[float]] = []
         for end in np.sort(np.mod(self.theta[:, -1], 2.0 * np.pi)).tolist():
-            own = next((group for group in groups if abs(shorter_way(end - group[0])) <= near), None)
+            own = next(
+                (group for group in groups if abs(shorter_way(end - group[0])) <= near), None
+            )
             if own is None:
                 groups.append(own := [])
             own.append(end)
-        return tuple(sorted(float(np.angle(np.exp(1j * np.array(one)).mean()) % (2.0 * np.pi)) for one in groups))
+        return tuple(
+            sorted(
+                float(np.angle(np.exp(1j * np.array(one)).mean()) % (2.0 * np.pi)) for one in groups
+            )
+        )
 
     def settled_after(self) -> Array:
-        """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad) of where it ends.
+        """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad)
+        of where it ends.
 
         Where a batch still moves (`directions` is empty) that is no time of settling.
         """
@@ -122,10 +137,12 @@ def batch_experiment(
     cycles: int = CYCLES,
     progress: Callable[[float], None] | None = None,
 ) -> BatchExperiment:
-    """Run batches of cycles from evenly spaced orientations, on the loop's surface and on its isotropic twin.
+    """Run batches of cycles from evenly spaced orientations, on the loop's surface and on its
+    isotropic twin.
 
-    A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a `CollectionLoop` the same with
-    quasi-static cycles on its own footprint. `progress` is called with the fraction done.
+    A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a
+    `CollectionLoop` the same with quasi-static cycles on its own footprint. `progress` is called
+    with the fraction done.
     """
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
@@ -164,7 +181,9 @@ def run_batches(
                 theta[batch, cycle + 1], course = drag.end.theta, push.trajectory
                 centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
                 travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
-                paths[batch, cycle] = np.stack([np.interp(travel, course.path, values) for values in centre.T], axis=-1)
+                paths[batch, cycle] = np.stack(
+                    [np.interp(travel, course.path, values) for values in centre.T], axis=-1
+                )
             if progress is not None:
                 progress((batch * length + cycle + 1) / theta[:, 1:].size)
     return BatchRun(theta, paths)

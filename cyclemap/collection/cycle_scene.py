@@ -20,7 +20,8 @@ class StrokeScene:
     """One stroke of the rod, in the world frame (m, N).
 
     before, after : (k, 2) closed outlines of the object. ring_before, ring_after : (2,).
-    centre : (n, 2) path of the object's centre. rod : (n, 2) path of the rod's centre. rod_radius : m.
+    centre : (n, 2) path of the object's centre. rod : (n, 2) path of the rod's centre. rod_radius :
+        m.
     sliding : (n,) bool, where the rod slides along the object.
     force_point, force : (m, 2) some contact points and the forces on the object there.
     reach : (2, 2) m, the lowest and the highest x, y of anything in the scene.
@@ -67,14 +68,18 @@ class StrokeScene:
 
 @dataclass(frozen=True, eq=False)
 class CycleScene:
-    """The push and the drag of one cycle, its origin the reset target. strongest_force : N, of those shown."""
+    """The push and the drag of one cycle, its origin the reset target. strongest_force : N, of
+    those shown.
+    """
 
     push: StrokeScene
     drag: StrokeScene
     strongest_force: float
 
     @classmethod
-    def of_courses(cls, slider: Slider, rod_radius: float, push: Trajectory, drag: Trajectory) -> CycleScene:
+    def of_courses(
+        cls, slider: Slider, rod_radius: float, push: Trajectory, drag: Trajectory
+    ) -> CycleScene:
         """Return the scene of a cycle from the courses of both strokes."""
         push_scene = StrokeScene.of_course(slider, rod_radius, push)
         drag_scene = StrokeScene.of_course(slider, rod_radius, drag)

@@ -9,7 +9,13 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, finite_number
-from cyclemap.collection.loop import CollectionLoop, Cycles, CycleTrajectory, StrokePair, require_loop
+from cyclemap.collection.loop import (
+    CollectionLoop,
+    Cycles,
+    CycleTrajectory,
+    StrokePair,
+    require_loop,
+)
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PointFootprint, PressedFootprint
 from cyclemap.mechanics.dynamic_model import GRID, SAMPLES, DynamicModel
@@ -34,9 +40,10 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
 class DynamicLoop:
     """A collection loop whose strokes are run by `DynamicModel`, at rest in between.
 
-    loop : the protocol; it stands on its own support points, or else on those that carry its patch's pressure
-        (`on_points`).
-    speed (m/s), stiffness (N/m), regularisation, tolerance : as `DynamicModel` takes and checks them.
+    loop : the protocol; it stands on its own support points, or else on those that carry its
+        patch's pressure (`on_points`).
+    speed (m/s), stiffness (N/m), regularisation, tolerance : as `DynamicModel` takes and checks
+        them.
 
     >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 1), round(math.degrees(cycle.drag_turn), 1)
@@ -72,7 +79,9 @@ class DynamicLoop:
         )
 
     def cycle(self, theta: float, samples: int = SAMPLES) -> DynamicCycle:
-        """Run one push and reset from orientation `theta` (rad); `samples` of the course of each leg are kept."""
+        """Run one push and reset from orientation `theta` (rad); `samples` of the course of each
+        leg are kept.
+        """
         theta = finite_number("theta", theta)
         push = self.model.push(self.loop.start_pose(theta), self.loop.push, samples)
         way_points = (*self.loop.reset.way_points, (0.0, 0.0))
@@ -85,42 +94,55 @@ class DynamicLoop:
         runs, columns = [self.cycle(each, samples=1) for each in values.ravel().tolist()], {}
         for name in (one.name for one in fields(Cycles)[1:-1]):
             shape = (*values.shape, 2) if name == "push_displacement" else values.shape
-            columns[name] = np.array([getattr(run, name) for run in runs], dtype=float).reshape(shape)
+            columns[name] = np.array([getattr(run, name) for run in runs], dtype=float).reshape(
+                shape
+            )
         left = np.array([run.ended == "left" for run in runs], dtype=bool).reshape(values.shape)
         return Cycles(values, left=left, **columns)
 
 
 @dataclass(frozen=True, eq=False)
 class DynamicsComparison:
-    """Cycles from the same orientations by the dynamic simulation and by the quasi-static model, on the same points."""
+    """Cycles from the same orientations by the dynamic simulation and by the quasi-static model, on
+    the same points.
+    """
 
     loop: DynamicLoop
     dynamic: Cycles
     quasi_static: Cycles
 
     def difference(self, quantity: str) -> Array:
-        """Return dynamic less quasi-static of push_turn, drag_turn, theta_next (rad) or push_displacement (m)."""
+        """Return dynamic less quasi-static of push_turn, drag_turn, theta_next (rad) or
+        push_displacement (m).
+        """
         if quantity not in QUANTITIES:
-            raise InvalidInput(f"a comparison has no difference {quantity!r}: choose one of {', '.join(QUANTITIES)}")
+            raise InvalidInput(
+                f"a comparison has no difference {quantity!r}: choose one of "
+                f"{', '.join(QUANTITIES)}"
+            )
         return np.asarray(getattr(self.dynamic, quantity) - getattr(self.quasi_static, quantity))
 
 
 def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
-    """Run the cycles from orientations (...), rad, by both routes, on the same support points (`on_points`)."""
+    """Run the cycles from orientations (...), rad, by both routes, on the same support points
+    (`on_points`).
+    """
     if not isinstance(loop, DynamicLoop):
         raise InvalidInput(
-            f"what is compared must be a DynamicLoop, such as DynamicLoop(loop), not a {type(loop).__name__}"
+            "what is compared must be a DynamicLoop, such as DynamicLoop(loop), not a "
+            f"{type(loop).__name__}"
         )
     return DynamicsComparison(loop, loop.cycles(theta), on_points(loop.loop).cycles(theta))
 
 
 def on_points(loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop standing on points: its own, or those that carry its patch's pressure (`pressure_points`).
+    """Return the loop standing on points: its own, or those that carry its patch's pressure
+    (`pressure_points`).
 
-    Turns of a cycle on plywood from 12 orientations are within 0.44 degrees in the push, 0.63 in the drag and 0.25 in
-    both of those on the patch, as the even grid's are. Shapes of plate and floor stay: the dynamic model's points
-    follow them, the quasi-static one has the exact contact. Raises InvalidInput for a pressure that points cannot
-    carry.
+    Turns of a cycle on plywood from 12 orientations are within 0.44 degrees in the push, 0.63 in
+    the drag and 0.25 in both of those on the patch, as the even grid's are. Shapes of plate and
+    floor stay: the dynamic model's points follow them, the quasi-static one has the exact contact.
+    Raises InvalidInput for a pressure that points cannot carry.
     """
     if isinstance(require_loop(loop).footprint, (PointFootprint, PressedFootprint)):
         return loop
@@ -128,7 +150,8 @@ def on_points(loop: CollectionLoop) -> CollectionLoop:
 
 
 def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop on a surface whose limit curve is the centred circle as large as its limit ellipse.
+    """Return the loop on a surface whose limit curve is the centred circle as large as its limit
+    ellipse.
 
     >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
     0.2443
@@ -136,4 +159,6 @@ def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
     law = require_loop(loop).material.friction
     friction = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
     name = f"{loop.material.name}, made isotropic"
-    return replace(loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}"))
+    return replace(
+        loop, material=Material(name, friction, f"the mean coefficient of {loop.material.name}")
+    )

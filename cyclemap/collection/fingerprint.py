@@ -1,4 +1,6 @@
-"""How far a surface is from isotropic and flat, and the numbers that tell how a protocol's cycle answers it."""
+"""How far a surface is from isotropic and flat, and the numbers that tell how a protocol's cycle
+answers it.
+"""
 
 import cmath
 import math
@@ -16,14 +18,15 @@ from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
 
-# One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon overflow.
+# One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
+# overflow.
 MOST_ELLIPTICITY = 5.0
 
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
 _BOW, _LEAST_BOW = ("floor_bow_x", "floor_bow_y"), 1e-12
-# Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy (rad) of the cycles:
-# their gradients are then good to about 1e-8.
+# Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy
+# (rad) of the cycles: their gradients are then good to about 1e-8.
 STEP, _ACCURACY = 0.002, 1e-10
 # The mean radius of the ellipses that are run: no turn depends on it.
 _MEAN = 0.25
@@ -33,14 +36,17 @@ _OFFSET, _ELLIPTICITY, _SURFACES = 0.12, 0.06, 16
 
 @dataclass(frozen=True)
 class Anisotropy:
-    """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops out.
+    """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops
+    out.
 
-    offset : |(m0, n0)| / sqrt(mu_a mu_b). offset_direction : rad, of R(φ)(m0, n0) in the surface's axes.
-    ellipticity : log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic tangent.
+    offset : |(m0, n0)| / sqrt(mu_a mu_b). offset_direction : rad, of R(φ)(m0, n0) in the surface's
+        axes.
+    ellipticity : log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its
+        hyperbolic tangent.
     ellipse_direction : rad in [0, π), of the axis along which friction is greater.
 
-    It may be larger than any surface's, since scales are sought along a ray: `require_surface` tells. Raises
-    InvalidInput for a value that is not finite, or a negative offset or ellipticity.
+    It may be larger than any surface's, since scales are sought along a ray: `require_surface`
+    tells. Raises InvalidInput for a value that is not finite, or a negative offset or ellipticity.
 
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction, round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
@@ -62,7 +68,10 @@ class Anisotropy:
     def of(cls, friction: EllipseFriction) -> "Anisotropy":
         """Return the anisotropy of a friction ellipse; InvalidInput for anything else."""
         if not isinstance(friction, EllipseFriction):
-            raise InvalidInput(f"friction must be an EllipseFriction, such as loop.material.friction, not {friction!r}")
+            raise InvalidInput(
+                "friction must be an EllipseFriction, such as loop.material.friction, not "
+                f"{friction!r}"
+            )
         vector = complex(friction.m0, friction.n0) / math.sqrt(friction.mu_a * friction.mu_b)
         signed = 0.5 * math.log(friction.mu_a / friction.mu_b)
         axis = friction.phi if signed >= 0.0 else friction.phi + 0.5 * math.pi
@@ -74,28 +83,36 @@ class Anisotropy:
         """Return the anisotropy of the four numbers that `seen_from(0)` gives."""
         u_x, u_y, v_x, v_y = finite_array("components", components, last=4).tolist()
         angle = 0.5 * math.atan2(v_y, v_x)
-        return cls(math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi)
+        return cls(
+            math.hypot(u_x, u_y), math.atan2(u_y, u_x), math.hypot(v_x, v_y), angle % math.pi
+        )
 
     def friction(self, mean: float = 0.25) -> EllipseFriction:
-        """Return the friction ellipse of mean radius sqrt(mu_a mu_b) = `mean`; InvalidInput as `require_surface`."""
+        """Return the friction ellipse of mean radius sqrt(mu_a mu_b) = `mean`; InvalidInput as
+        `require_surface`.
+        """
         self.require_surface()
         centre = mean * cmath.rect(self.offset, self.offset_direction - self.ellipse_direction)
         stretch = math.exp(self.ellipticity)
-        return EllipseFriction(mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction)
+        return EllipseFriction(
+            mean * stretch, mean / stretch, centre.real, centre.imag, self.ellipse_direction
+        )
 
     def require_surface(self) -> None:
-        """Raise InvalidInput where the offset ends outside the friction ellipse, or the ellipticity is above 5."""
+        """Raise InvalidInput where the offset ends outside the friction ellipse, or the ellipticity
+        is above 5.
+        """
         if self.ellipticity > MOST_ELLIPTICITY:
             raise InvalidInput(
-                f"ellipticity {self.ellipticity:g} is more than any surface has: it is log(mu_a/mu_b)/2, "
-                f"about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
+                f"ellipticity {self.ellipticity:g} is more than any surface has: it is "
+                f"log(mu_a/mu_b)/2, about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
             )
         angle, stretch = self.offset_direction - self.ellipse_direction, math.exp(self.ellipticity)
         most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
         if self.offset >= most:
             raise InvalidInput(
-                f"offset {self.offset:g} reaches out of the friction ellipse, so some direction of sliding would gain "
-                f"energy: in this direction choose less than {most:.4g}"
+                f"offset {self.offset:g} reaches out of the friction ellipse, so some direction of "
+                f"sliding would gain energy: in this direction choose less than {most:.4g}"
             )
 
     def scaled(self, factor: float) -> "Anisotropy":
@@ -105,30 +122,36 @@ class Anisotropy:
     def seen_from(self, theta: ArrayLike) -> Array:
         """Return the anisotropy in the axes of an object at orientations (...), rad: (..., 4).
 
-        offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)): all that the turn of
-        a cycle depends on. Raises InvalidInput for an orientation that is not finite.
+        offset (cos, sin)(offset_direction - θ), ellipticity (cos, sin)(2 (ellipse_direction - θ)):
+        all that the turn of a cycle depends on. Raises InvalidInput for an orientation that is not
+        finite.
         """
         angle = finite_array("theta", theta)
         first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)
         u, v = self.offset, self.ellipticity
-        return np.stack([u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1)
+        return np.stack(
+            [u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1
+        )
 
 
 @dataclass(frozen=True, eq=False)
 class TurnResponse:
-    """A turn G(z) about the isotropic surface, z the anisotropy as the object sees it (`Anisotropy.seen_from`).
+    """A turn G(z) about the isotropic surface, z the anisotropy as the object sees it
+    (`Anisotropy.seen_from`).
 
-    G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,), hessian (4, 4). At
-    orientation θ on a surface of offset u along ψ and ellipticity v along φ, gradient·z is
+    G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,),
+    hessian (4, 4). At orientation θ on a surface of offset u along ψ and ellipticity v along φ,
+    gradient·z is
 
         u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase);
 
-    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ - χ) - bow_phase), bow (2,)
-    being the derivative by b cos 2χ and b sin 2χ at θ = 0.
+    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ - χ) -
+    bow_phase), bow (2,) being the derivative by b cos 2χ and b sin 2χ at θ = 0.
 
-    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad in (-π, π], the object's
-    orientation, seen from the offset, at which the offset turns it most. ellipse_phase (δ₂) : twice such an
-    orientation, seen from the axis of greater friction.
+    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad in
+        (-π, π], the object's orientation, seen from the offset, at
+        which the offset turns it most. ellipse_phase (δ₂) : twice such an orientation, seen from
+        the axis of greater friction.
 
     Raises InvalidInput for wrong shapes.
 
@@ -174,16 +197,19 @@ class TurnResponse:
 class Fingerprint:
     """How the cycle of a protocol answers a surface that is nearly isotropic.
 
-    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂) + bow·A₃ cos(2(θ - χ) - δ₃), with an
-    error of second order, offset along ψ, greater friction along φ (`Anisotropy`), the floor bowed along χ. The
-    protocol alone tells Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃: `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`,
-    `cycle.ellipse_amplitude`, `cycle.ellipse_phase`, `cycle.bow_amplitude`, `cycle.bow_phase`.
+    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂) + bow·A₃ cos(2(θ -
+    χ) - δ₃), with an error of second order, offset along ψ, greater friction along φ
+    (`Anisotropy`), the floor bowed along χ. The protocol alone tells Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃:
+    `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`, `cycle.ellipse_amplitude`,
+    `cycle.ellipse_phase`, `cycle.bow_amplitude`, `cycle.bow_phase`.
 
-    push, drag : the two parts, both over the orientation before the push. hessian_error : largest asymmetry of the
-    cycle's hessian as found, rad: what the differences that gave it are good for. remainder : 1/rad, what the second
-    order leaves of the turn of usual surfaces, root mean square, over (offset·A₁ + ellipticity·A₂)²; it does not vanish
-    with the anisotropy, since second derivatives jump where contact phases come and go. bow_remainder : rad, what the
-    first order leaves of the turn on a floor of bow 1, at most; 0 for support points, which have no bow.
+    push, drag : the two parts, both over the orientation before the push. hessian_error : largest
+        asymmetry of the cycle's hessian as found, rad: what the differences
+        that gave it are good for. remainder : 1/rad, what the second order leaves of the turn of usual surfaces, root
+        mean square, over (offset·A₁ + ellipticity·A₂)²; it does not vanish with the anisotropy,
+        since second derivatives jump where contact phases come and go. bow_remainder : rad, what
+        the first order leaves of the turn on a floor of bow 1, at most; 0 for support points, which
+        have no bow.
     """
 
     push: TurnResponse
@@ -197,13 +223,16 @@ class Fingerprint:
         """The response of the whole cycle: push plus drag."""
         push, drag = self.push, self.drag
         bow = push.bow + drag.bow
-        return TurnResponse(push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian, bow)
+        return TurnResponse(
+            push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian, bow
+        )
 
     def margin(self, anisotropy: Anisotropy) -> float:
-        """Return what the second order may leave of the turn on a surface, rad: twice the remainder, an estimate.
+        """Return what the second order may leave of the turn on a surface, rad: twice the
+        remainder, an estimate.
 
-        It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on surfaces that are
-        more anisotropic than usual.
+        It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on
+        surfaces that are more anisotropic than usual.
         """
         first, second = self.cycle.offset_amplitude, self.cycle.ellipse_amplitude
         size = anisotropy.offset * first + anisotropy.ellipticity * second
@@ -211,12 +240,16 @@ class Fingerprint:
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
 
 
-def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Fingerprint:
-    """Return the fingerprint of a loop's protocol; its material's friction, and the floor's bow, play no part.
+def fingerprint(
+    loop: CollectionLoop, progress: Callable[[float], None] | None = None
+) -> Fingerprint:
+    """Return the fingerprint of a loop's protocol; its material's friction, and the floor's bow,
+    play no part.
 
-    The gradient comes from the sensitivities of two isotropic cycles, the hessian from central differences of twelve
-    nearly isotropic ones, the remainder from sixteen cycles on usual surfaces. `progress` gets the fraction done.
-    Raises InvalidInput where `loop` is no CollectionLoop, or the way back has way-points, fixed in the world.
+    The gradient comes from the sensitivities of two isotropic cycles, the hessian from central
+    differences of twelve nearly isotropic ones, the remainder from sixteen cycles on usual
+    surfaces. `progress` gets the fraction done. Raises InvalidInput where `loop` is no
+    CollectionLoop, or the way back has way-points, fixed in the world.
 
     >>> found = fingerprint(CollectionLoop.mit()).cycle
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
@@ -224,8 +257,9 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     """
     if require_loop(loop).reset.way_points:
         raise InvalidInput(
-            f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle then depends on the "
-            "orientation on any surface and has no fingerprint; leave way_points_mm out"
+            f"way-points of the reset, {loop.reset.way_points}, are fixed in the world: a cycle "
+            "then depends on the orientation on any surface and has no fingerprint; leave "
+            "way_points_mm out"
         )
     report: Callable[[float], Any] = progress or (lambda fraction: None)
     loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
@@ -241,25 +275,39 @@ def fingerprint(loop: CollectionLoop, progress: Callable[[float], None] | None =
     whole = differences.sum(axis=0)
     turns = isotropic.push_turn, isotropic.drag_turn
     bows = _bow_gradients(loop)
-    push, drag = (TurnResponse(*parts) for parts in zip(turns, gradients, hessians, bows, strict=True))
+    push, drag = (
+        TurnResponse(*parts) for parts in zip(turns, gradients, hessians, bows, strict=True)
+    )
     found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
-    return replace(found, remainder=_remainder(loop, found.cycle), bow_remainder=_bow_remainder(loop, found.cycle))
+    return replace(
+        found,
+        remainder=_remainder(loop, found.cycle),
+        bow_remainder=_bow_remainder(loop, found.cycle),
+    )
 
 
 def with_anisotropy(loop: CollectionLoop, anisotropy: Anisotropy) -> CollectionLoop:
     """Return the loop on a surface of this anisotropy and a usual mean friction."""
-    return replace(loop, material=Material("surface of given anisotropy", anisotropy.friction(_MEAN)))
+    return replace(
+        loop, material=Material("surface of given anisotropy", anisotropy.friction(_MEAN))
+    )
 
 
 def with_bow(loop: CollectionLoop, bow: float) -> CollectionLoop:
-    """Return the loop on a floor of this bow along the world's x axis; support points have none, and stay."""
+    """Return the loop on a floor of this bow along the world's x axis; support points have none,
+    and stay.
+    """
     footprint = loop.footprint
     if isinstance(footprint, PressedFootprint):
-        return replace(loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0)))
+        return replace(
+            loop, footprint=replace(footprint, floor=replace(footprint.floor, bow=bow, axis=0.0))
+        )
     if bow == 0.0 or not _can_bow(loop):
         return loop
     slider = loop.slider
-    pressed = PressedFootprint(slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass)
+    pressed = PressedFootprint(
+        slider.outline, floor=SurfaceShape(bow=bow), centre=slider.centre_of_mass
+    )
     return replace(loop, footprint=pressed)
 
 
@@ -269,13 +317,17 @@ def floor_bow(loop: CollectionLoop) -> float:
 
 
 def _can_bow(loop: CollectionLoop) -> bool:
-    """Whether the pressure is that of an outline: flat, or one with shapes, not points or shares of the load."""
+    """Whether the pressure is that of an outline: flat, or one with shapes, not points or shares of
+    the load.
+    """
     footprint = loop.footprint
     return footprint is None or isinstance(footprint, PressedFootprint)
 
 
 def _bow_gradients(loop: CollectionLoop) -> Array:
-    """Derivatives (2, 2) of the turns of push and drag at θ = 0 by the two components of the floor's bow."""
+    """Derivatives (2, 2) of the turns of push and drag at θ = 0 by the two components of the
+    floor's bow.
+    """
     if not _can_bow(loop):
         return np.zeros((2, 2))
     # A bow of nothing, so that the footprint is one that has shapes.
@@ -285,7 +337,8 @@ def _bow_gradients(loop: CollectionLoop) -> Array:
 
 
 def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
-    """What the first order leaves of the turn on a floor of bow 1, rad, at most over half a turn."""
+    """What the first order leaves of the turn on a floor of bow 1, rad,
+    at most over half a turn."""
     if not _can_bow(loop):
         return 0.0
     bowed = with_anisotropy(with_bow(loop, 1.0), Anisotropy.of_components(np.zeros(4)))
@@ -295,7 +348,9 @@ def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
 
 
 def _remainder(loop: CollectionLoop, response: TurnResponse) -> float:
-    """Root mean square of what the second order leaves of usual surfaces' turns, over the first order squared."""
+    """Root mean square of what the second order leaves of usual surfaces' turns, over the first
+    order squared.
+    """
     # Both directions are spread evenly, their pairs too: a golden-section lattice of the torus.
     first = np.arange(_SURFACES) / _SURFACES
     second = np.arange(_SURFACES) * 0.5 * (math.sqrt(5.0) - 1.0)
@@ -326,7 +381,9 @@ def _gradients(loop: CollectionLoop, seen: Array) -> Array:
 
 
 def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Array, Array]:
-    """Derivatives of the turns of push and drag at θ = 0: by offset (2, 2), by ellipticity (2,) and by φ (2,)."""
+    """Derivatives of the turns of push and drag at θ = 0: by offset (2, 2), by ellipticity (2,) and
+    by φ (2,).
+    """
     law = surface.friction(_MEAN)
     found = with_anisotropy(loop, surface).sensitivity(0.0, _FRICTION)
     rows = found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]

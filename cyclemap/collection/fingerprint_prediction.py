@@ -1,4 +1,6 @@
-"""What a fingerprint predicts of a surface: stable directions with their error, beside those of the full map."""
+"""What a fingerprint predicts of a surface: stable directions with their error, beside those of the
+full map.
+"""
 
 import cmath
 import math
@@ -11,7 +13,13 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, positive_number
-from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, floor_bow, with_anisotropy
+from cyclemap.collection.fingerprint import (
+    Anisotropy,
+    Fingerprint,
+    TurnResponse,
+    floor_bow,
+    with_anisotropy,
+)
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
@@ -19,8 +27,8 @@ from cyclemap.mechanics import EllipseFriction
 
 # Error over first order, beyond which a first-order law is not to be trusted.
 TRUSTED_RATIO = 0.5
-# The hessian's asymmetry over its largest entry, beyond which differences did not find it: usual protocols
-# have below 0.002, a rod without friction 0.03.
+# The hessian's asymmetry over its largest entry, beyond which differences did not find it: usual
+# protocols have below 0.002, a rod without friction 0.03.
 _KNOWN = 0.02
 _ANGLES = np.arange(7200) * (TWO_PI / 7200)
 
@@ -29,9 +37,11 @@ LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
 
 @dataclass(frozen=True)
 class LockIn:
-    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node at orientation `theta`, rad.
+    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node at orientation
+    `theta`, rad.
 
-    scale : factor of the anisotropy from which there is a fixed point; inf where no factor gives one (theta nan).
+    scale : factor of the anisotropy from which there is a fixed point; inf where no factor gives
+        one (theta nan).
     """
 
     scale: float
@@ -41,7 +51,8 @@ class LockIn:
 def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockIn:
     """Return where the first-order map begins to lock in, exactly.
 
-    Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the least or greatest h.
+    Its turn is Ω + scale·h(θ) with h of mean zero: it first meets a whole number of turns at the
+    least or greatest h.
     """
     theta = stationary_angles(response, anisotropy)
     if not theta.size:
@@ -57,9 +68,11 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
 
 
 def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
-    """Return angles (k,) in [0, 2π), sorted, among them all extrema of the first-order turn; none where it is constant.
+    """Return angles (k,) in [0, 2π), sorted, among them all extrema of the first-order turn; none
+    where it is constant.
 
-    With z = exp(iθ) the turn is Re(p z + q z²), and its derivative vanishes where 2q z⁴ + p z³ - p̄ z - 2q̄ = 0.
+    With z = exp(iθ) the turn is Re(p z + q z²), and its derivative vanishes where 2q z⁴ + p z³ - p̄
+    z - 2q̄ = 0.
     """
     p, q = harmonics(response, anisotropy)
     largest = max(abs(p), abs(q))
@@ -67,7 +80,8 @@ def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
         return np.zeros(0)
     p, q = p / largest, q / largest
     roots = np.roots([2.0 * q, p, 0.0, -p.conjugate(), -2.0 * q.conjugate()])
-    # Roots off the unit circle are no extrema; an angle too many does no harm where the least turn is sought.
+    # Roots off the unit circle are no extrema; an angle too many does no harm where the least turn
+    # is sought.
     return np.sort(np.angle(roots[np.abs(roots) > 0.0]) % TWO_PI)
 
 
@@ -81,14 +95,21 @@ def harmonics(response: TurnResponse, anisotropy: Anisotropy) -> tuple[complex, 
 def lock_in_boundary(
     response: TurnResponse, offset_direction: float, ellipse_direction: float, shares: ArrayLike
 ) -> Array:
-    """Return points (..., 2) of (offset, ellipticity) on the lock-in boundary of the first-order map; inf where none.
+    """Return points (..., 2) of (offset, ellipticity) on the lock-in boundary of the first-order
+    map; inf where none.
 
-    `shares` (...): angles in [0, π/2] of rays in that plane, 0 being offset alone. Directions in rad.
+    `shares` (...): angles in [0, π/2] of rays in that plane, 0 being offset alone. Directions in
+    rad.
     """
     rays = finite_array("shares", shares)
     points = []
     for angle in rays.ravel().tolist():
-        ray = Anisotropy(max(math.cos(angle), 0.0), offset_direction, max(math.sin(angle), 0.0), ellipse_direction)
+        ray = Anisotropy(
+            max(math.cos(angle), 0.0),
+            offset_direction,
+            max(math.sin(angle), 0.0),
+            ellipse_direction,
+        )
         scale = first_order_lock_in(response, ray).scale
         points.append([scale * part if part else 0.0 for part in (ray.offset, ray.ellipticity)])
     return np.array(points).reshape((*rays.shape, 2))
@@ -96,9 +117,11 @@ def lock_in_boundary(
 
 @dataclass(frozen=True, eq=False)
 class PredictedDirection:
-    """A fixed point of the first-order map. `error` : rad, how far off it may be; π where it may be anywhere.
+    """A fixed point of the first-order map. `error` : rad, how far off it may be; π where it may be
+    anywhere.
 
-    second_order : the fixed point of the second-order map next to it, if one of its kind lies within the error.
+    second_order : the fixed point of the second-order map next to it, if one of its kind lies
+        within the error.
     """
 
     orbit: Orbit
@@ -118,11 +141,13 @@ class PredictedDirection:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """The cycle map of a surface to first order, from the fingerprint of the protocol and its anisotropy alone.
+    """The cycle map of a surface to first order, from the fingerprint of the protocol and its
+    anisotropy alone.
 
-    The first-order map is off by `turn_error(θ)`: the second-order term there, and the fingerprint's margin for what
-    the second order leaves. That is an estimate, not a bound: of the directions of random surfaces (offset up to 0.2,
-    ellipticity up to 0.12) on four protocols 96 % lay within their errors, and every verdict given was right.
+    The first-order map is off by `turn_error(θ)`: the second-order term there, and the
+    fingerprint's margin for what the second order leaves. That is an estimate, not a bound: of the
+    directions of random surfaces (offset up to 0.2, ellipticity up to 0.12) on four protocols 96 %
+    lay within their errors, and every verdict given was right.
     """
 
     fingerprint: Fingerprint
@@ -135,7 +160,9 @@ class Prediction:
 
     def second_order_turn(self, theta: ArrayLike) -> Array:
         """Return the turn to second order, (...), rad."""
-        return self.turn(theta) + self.fingerprint.cycle.second_order(self.anisotropy.seen_from(theta))
+        return self.turn(theta) + self.fingerprint.cycle.second_order(
+            self.anisotropy.seen_from(theta)
+        )
 
     def turn_error(self, theta: ArrayLike) -> Array:
         """Return how far off the first-order turn is estimated to be, (...), rad."""
@@ -145,39 +172,55 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        turn, (p, q) = self.fingerprint.cycle.turn, harmonics(self.fingerprint.cycle, self.anisotropy)
+        turn, (p, q) = (
+            self.fingerprint.cycle.turn,
+            harmonics(self.fingerprint.cycle, self.anisotropy),
+        )
         return CircleMap.with_scalar(
             lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
             lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
-            lambda theta: theta + turn + (p * cmath.exp(1j * theta) + q * cmath.exp(2j * theta)).real,
+            lambda theta: (
+                theta + turn + (p * cmath.exp(1j * theta) + q * cmath.exp(2j * theta)).real
+            ),
         )
 
     @cached_property
     def ratio(self) -> float:
-        """Largest error of the turn over its largest first-order part; 0 on an isotropic surface."""
-        first = float(np.abs(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(_ANGLES))).max())
+        """Largest error of the turn over its largest first-order part;
+        0 on an isotropic surface."""
+        first = float(
+            np.abs(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(_ANGLES))).max()
+        )
         return float(self.turn_error(_ANGLES).max()) / first if first else 0.0
 
     @property
     def second_order_found(self) -> bool:
-        """Whether differences found the protocol's second order; where not, every error here is unknown too."""
+        """Whether differences found the protocol's second order; where not, every error here is
+        unknown too.
+        """
         found = self.fingerprint
         return found.hessian_error <= _KNOWN * max(float(np.abs(found.cycle.hessian).max()), 1e-3)
 
     @property
     def trusted(self) -> bool:
-        """Whether the anisotropy is small enough for a first-order law, and the second order was found."""
+        """Whether the anisotropy is small enough for a first-order law, and the second order was
+        found.
+        """
         return self.second_order_found and self.ratio <= TRUSTED_RATIO
 
     @cached_property
     def directions(self) -> tuple[PredictedDirection, ...]:
-        """The fixed points of the first-order map, by angle; a saddle-node counts once. None on isotropic surfaces."""
+        """The fixed points of the first-order map, by angle; a saddle-node counts once. None on
+        isotropic surfaces.
+        """
         found = []
         for orbit in fixed_points(self.map) if self._anisotropic else ():
             theta = float(orbit.points[0])
             error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
             same = [other for other in self.second_order_points if other.stable == orbit.stable]
-            nearest = min(same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None)
+            nearest = min(
+                same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None
+            )
             near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
             found.append(PredictedDirection(orbit, error, nearest if near else None))
         return tuple(found)
@@ -198,7 +241,9 @@ class Prediction:
     def verdict(self) -> str:
         """`locks` or `drifts` where every map within the error does, else `undecided`."""
         turn, error = self.turn(_ANGLES), self.turn_error(_ANGLES)
-        wholes = TWO_PI * np.arange(np.floor(turn.min() / TWO_PI), np.ceil(turn.max() / TWO_PI) + 1.0)
+        wholes = TWO_PI * np.arange(
+            np.floor(turn.min() / TWO_PI), np.ceil(turn.max() / TWO_PI) + 1.0
+        )
         away = turn[:, None] - wholes
         if np.any(np.any(away > error[:, None], axis=0) & np.any(away < -error[:, None], axis=0)):
             return LOCKS
@@ -211,17 +256,27 @@ class Prediction:
 
     @cached_property
     def slowest(self) -> float:
-        """Orientation (rad) at which the first-order turn is nearest to a whole number of turns; 0 if all are equal."""
-        return float(_ANGLES[np.argmin(np.abs(shorter_way(self.turn(_ANGLES))))]) if self._anisotropic else 0.0
+        """Orientation (rad) at which the first-order turn is nearest to a whole number of turns; 0
+        if all are equal.
+        """
+        return (
+            float(_ANGLES[np.argmin(np.abs(shorter_way(self.turn(_ANGLES))))])
+            if self._anisotropic
+            else 0.0
+        )
 
     @cached_property
     def lock_in(self) -> LockIn:
-        """Where the first-order map begins to lock in as this anisotropy grows from nothing: its factor and place."""
+        """Where the first-order map begins to lock in as this anisotropy grows from nothing: its
+        factor and place.
+        """
         return first_order_lock_in(self.fingerprint.cycle, self.anisotropy)
 
     @cached_property
     def lock_in_range(self) -> tuple[float, float]:
-        """Factors of the anisotropy between which lock-in is estimated to begin; inf where it may never."""
+        """Factors of the anisotropy between which lock-in is estimated to begin; inf where it may
+        never.
+        """
         from scipy.optimize import brentq
 
         scale = self.lock_in.scale
@@ -230,7 +285,9 @@ class Prediction:
         low = float(brentq(lambda factor: self._least_turn(factor, -1.0), 0.0, scale, xtol=1e-9))
         for above in scale * 1.1 ** np.arange(1.0, 16.0):
             if self._least_turn(above, 1.0) < 0.0:
-                return low, float(brentq(lambda factor: self._least_turn(factor, 1.0), scale, above, xtol=1e-9))
+                return low, float(
+                    brentq(lambda factor: self._least_turn(factor, 1.0), scale, above, xtol=1e-9)
+                )
         return low, math.inf
 
     @property
@@ -238,9 +295,13 @@ class Prediction:
         return self.anisotropy.offset > 0.0 or self.anisotropy.ellipticity > 0.0
 
     def _least_turn(self, factor: float, sign: float) -> float:
-        """The turn (rad, negative where it locks) nearest to lock-in at a factor, `sign` errors off."""
+        """The turn (rad, negative where it locks) nearest to lock-in at a factor, `sign` errors
+        off.
+        """
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
-        part = float(self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta)))
+        part = float(
+            self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta))
+        )
         side = -math.copysign(1.0, part)
         isotropic = self.fingerprint.cycle.turn
         ahead = (side * isotropic) % TWO_PI
@@ -248,7 +309,9 @@ class Prediction:
         return float(np.min(turn + sign * scaled.turn_error(_ANGLES)))
 
     def _reach(self, theta: float, sense: float) -> float:
-        """How far from the fixed point `theta`, in one sense, a turn within the error may still be none; π at most."""
+        """How far from the fixed point `theta`, in one sense, a turn within the error may still be
+        none; π at most.
+        """
         reach = _ANGLES[: _ANGLES.size // 2 + 1]
         places = theta + sense * reach
         inside = self.turn_error(places) - np.abs(shorter_way(self.turn(places)))
@@ -262,7 +325,8 @@ class Prediction:
 def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
-    Raises InvalidInput for anything else, and for an anisotropy that no surface has (`Anisotropy.require_surface`).
+    Raises InvalidInput for anything else, and for an anisotropy that no surface has
+    (`Anisotropy.require_surface`).
 
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> from cyclemap.collection.loop import CollectionLoop
@@ -272,11 +336,14 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
     (59.4, 21.1)
     """
     if not isinstance(found, Fingerprint):
-        raise InvalidInput(f"a prediction needs a Fingerprint, such as fingerprint(loop), not {found!r}")
+        raise InvalidInput(
+            f"a prediction needs a Fingerprint, such as fingerprint(loop), not {found!r}"
+        )
     surface = Anisotropy.of(anisotropy) if isinstance(anisotropy, EllipseFriction) else anisotropy
     if not isinstance(surface, Anisotropy):
         raise InvalidInput(
-            f"a surface must be an Anisotropy or an EllipseFriction, such as loop.material.friction, not {anisotropy!r}"
+            "a surface must be an Anisotropy or an EllipseFriction, such as "
+            f"loop.material.friction, not {anisotropy!r}"
         )
     surface.require_surface()
     return Prediction(found, surface)
@@ -290,7 +357,8 @@ _REACH = 0.6
 class CheckedDirection:
     """A predicted direction beside the nearest one of its kind of the full map.
 
-    full : that fixed point, None where the full map has none of the kind. miss : rad between the two; inf without.
+    full : that fixed point, None where the full map has none of the kind. miss : rad between the
+        two; inf without.
     """
 
     predicted: PredictedDirection
@@ -305,7 +373,9 @@ class CheckedDirection:
 
 @dataclass(frozen=True, eq=False)
 class PredictionCheck:
-    """The full map of a loop, its fixed points by angle, and every predicted direction beside what it has."""
+    """The full map of a loop, its fixed points by angle, and every predicted direction beside what
+    it has.
+    """
 
     map: CircleMap
     fixed_points: tuple[Orbit, ...]
@@ -323,10 +393,11 @@ def check_prediction(
     tolerance: float = 1e-5,
     progress: Callable[[float], None] | None = None,
 ) -> PredictionCheck:
-    """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it beside a prediction.
+    """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it
+    beside a prediction.
 
-    The loop is one of the protocol whose fingerprint predicted, on the surface that was predicted. Raises InvalidInput
-    where its friction has another anisotropy, or its floor a bow.
+    The loop is one of the protocol whose fingerprint predicted, on the surface that was predicted.
+    Raises InvalidInput where its friction has another anisotropy, or its floor a bow.
 
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
@@ -336,21 +407,26 @@ def check_prediction(
     (3.8, True)
     """
     if not isinstance(prediction, Prediction) or not isinstance(loop, CollectionLoop):
-        raise InvalidInput(f"a check needs a Prediction and a CollectionLoop, not {prediction!r} and {loop!r}")
+        raise InvalidInput(
+            f"a check needs a Prediction and a CollectionLoop, not {prediction!r} and {loop!r}"
+        )
     own = Anisotropy.of(loop.material.friction)
     if floor_bow(loop):
         raise InvalidInput(
-            f"the prediction is of a floor without a bow, but the loop's has one of {floor_bow(loop):g} mean "
-            "pressures: set floor_bow=0, or ask its portrait"
+            "the prediction is of a floor without a bow, but the loop's has one of "
+            f"{floor_bow(loop):g} mean pressures: set floor_bow=0, or ask its portrait"
         )
-    if not np.allclose(own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9):
+    if not np.allclose(
+        own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9
+    ):
         given, found = (
-            f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and ellipticity "
-            f"{seen.ellipticity:.4f} along {math.degrees(seen.ellipse_direction):.2f}°"
+            f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and "
+            f"ellipticity {seen.ellipticity:.4f} along {math.degrees(seen.ellipse_direction):.2f}°"
             for seen in (prediction.anisotropy, own)
         )
         raise InvalidInput(
-            f"the prediction is of {given}, but {loop.material.name} has {found}: predict for this loop's own friction"
+            f"the prediction is of {given}, but {loop.material.name} has {found}: predict for "
+            "this loop's own friction"
         )
     full = loop.circle_map(tolerance=tolerance, progress=progress)
     points, checked = tuple(fixed_points(full)), []
@@ -365,11 +441,14 @@ def check_prediction(
     return PredictionCheck(full, points, tuple(checked))
 
 
-def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tolerance: float = 1e-6) -> LockIn:
+def full_lock_in(
+    loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tolerance: float = 1e-6
+) -> LockIn:
     """Return where the full map begins to lock in, near a first-order prediction.
 
-    The turn's extremum within 0.6 rad of near.theta is followed as the scale varies by a factor of two either
-    way, until it meets a whole number of turns, to `tolerance` in the scale's relative value. Some 100 cycles.
+    The turn's extremum within 0.6 rad of near.theta is followed as the scale varies by a factor of
+    two either way, until it meets a whole number of turns, to `tolerance` in the scale's relative
+    value. Some 100 cycles.
 
     Raises ConvergenceError where it meets none there, or the extremum goes farther.
     """
@@ -391,7 +470,9 @@ def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tol
         return float(found.fun), float(found.x)
 
     try:
-        scale = float(brentq(lambda s: nearest(s)[0], 0.5 * near.scale, 2.0 * near.scale, rtol=tolerance))
+        scale = float(
+            brentq(lambda s: nearest(s)[0], 0.5 * near.scale, 2.0 * near.scale, rtol=tolerance)
+        )
     except ValueError as cause:
         raise ConvergenceError(
             f"no lock-in between {near.scale / 2:g} and {2 * near.scale:g} of it: {cause}"
@@ -399,7 +480,7 @@ def full_lock_in(loop: CollectionLoop, anisotropy: Anisotropy, near: LockIn, tol
     theta = nearest(scale)[1]
     if abs(theta - near.theta) > 0.99 * _REACH:
         raise ConvergenceError(
-            f"the turn's extremum goes farther than {_REACH:g} rad from {near.theta:g} rad: the first order does not "
-            "tell where this surface locks in"
+            f"the turn's extremum goes farther than {_REACH:g} rad from {near.theta:g} rad: the "
+            "first order does not tell where this surface locks in"
         )
     return LockIn(scale, theta % TWO_PI)

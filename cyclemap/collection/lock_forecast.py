@@ -1,4 +1,6 @@
-"""What the next pushes will bring, of all that is believed of the floor: lock-in, where, and how much of the circle."""
+"""What the next pushes will bring, of all that is believed of the floor: lock-in, where, and how
+much of the circle.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from cyclemap.mechanics.cycle_batch import run_batch
 REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
-# Samples of what is believed, runs on each, and angles between which a map is taken as straight: off by .1 degrees.
+# Samples of what is believed, runs on each, and angles between which a map is taken as straight:
+# off by .1 degrees.
 _SAMPLES, _RUNS, _NODES = 40, 8, 96
 _ACCURACY = 1e-5
 LEVEL = 0.9
@@ -28,11 +31,13 @@ LEVEL = 0.9
 
 @dataclass(frozen=True)
 class LockForecast:
-    """What a number of pushes will bring, over samples of what is believed and runs with the noise of a cycle.
+    """What a number of pushes will bring, over samples of what is believed and runs with the noise
+    of a cycle.
 
-    cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions : about which, rad,
-    in what share of the runs, and within what of it 90 % of these rest, rad. orientations : how many of 36 will have
-    been seen, in the median, and the ends of a 90 % interval. samples : of what is believed.
+    cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions
+        : about which, rad, in what share of the runs, and within what of it 90
+        % of these rest, rad. orientations : how many of 36 will have been seen, in the median, and the ends of a 90
+        % interval. samples : of what is believed.
     """
 
     cycles: int
@@ -51,23 +56,30 @@ def lock_forecast(
 ) -> LockForecast:
     """Return what the next `cycles` pushes of a loop will bring, by its material's posterior.
 
-    All is as of `forecast_from_turns`, on the loop's `sampled_turns`. Raises InvalidInput for a material without
-    samples, and for fewer than 50 pushes.
+    All is as of `forecast_from_turns`, on the loop's `sampled_turns`. Raises InvalidInput for a
+    material without samples, and for fewer than 50 pushes.
     """
     count = _cycles_ahead(cycles)
     return forecast_from_turns(sampled_turns(loop), sigma, count, start, seed)
 
 
 def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Array:
-    """Return the turns of a cycle, rad, from 96 angles all around on each of 40 samples of a posterior: (samples, 96).
+    """Return the turns of a cycle, rad, from 96 angles all around on each of 40 samples of a
+    posterior: (samples, 96).
 
-    They are nearly all of a forecast's work, and serve for forecasts from any orientation. A surface that wears is
-    taken as it is now. progress : called with the fraction done. Raises InvalidInput for a material without samples.
+    They are nearly all of a forecast's work, and serve for forecasts from any orientation. A
+    surface that wears is
+    taken as it is now. progress : called with the fraction done. Raises InvalidInput for a material
+        without samples.
     """
     posterior = loop.material.posterior
     if posterior is None:
-        raise InvalidInput(f"{loop.material.name} has no samples of what is believed of it: identify it from data")
-    chosen = np.unique(np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int))
+        raise InvalidInput(
+            f"{loop.material.name} has no samples of what is believed of it: identify it from data"
+        )
+    chosen = np.unique(
+        np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int)
+    )
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     theta = TWO_PI * np.arange(_NODES) / _NODES
     turns = np.empty((len(chosen), _NODES))
@@ -78,12 +90,15 @@ def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None
     return turns
 
 
-def forecast_from_turns(turns: Array, sigma: float, cycles: int, start: float = 0.0, seed: int = 0) -> LockForecast:
+def forecast_from_turns(
+    turns: Array, sigma: float, cycles: int, start: float = 0.0, seed: int = 0
+) -> LockForecast:
     """Return what the next `cycles` pushes will bring.
 
-    turns : of `sampled_turns`; taken as straight between their angles. sigma : standard deviation (rad) of a cycle's
-    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer than 50 pushes,
-    and for numbers that make no sense.
+    turns : of `sampled_turns`; taken as straight between their angles. sigma : standard deviation
+        (rad) of a cycle's
+    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer
+        than 50 pushes, and for numbers that make no sense.
     """
     count = _cycles_ahead(cycles)
     scatter = positive_number("sigma", sigma)
@@ -100,7 +115,9 @@ def forecast_from_turns(turns: Array, sigma: float, cycles: int, start: float = 
         directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
     directions.sort(key=lambda one: -one[1])
     low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
-    return LockForecast(count, float(resting.mean()), tuple(directions), (middle, low, high), len(turns))
+    return LockForecast(
+        count, float(resting.mean()), tuple(directions), (middle, low, high), len(turns)
+    )
 
 
 def _cycles_ahead(cycles: int) -> int:
@@ -111,7 +128,9 @@ def _cycles_ahead(cycles: int) -> int:
 
 
 def _paths(turns: Array, sigma: float, cycles: int, start: float, seed: int) -> Array:
-    """Unwrapped orientations (cycles + 1, c) of c runs, whose turns (c, nodes) are given all around."""
+    """Unwrapped orientations (cycles + 1, c) of c runs, whose turns (c, nodes) are given all
+    around.
+    """
     rng = np.random.default_rng(seed)
     run = np.arange(len(turns))
     after = np.roll(turns, -1, axis=1)
@@ -130,7 +149,9 @@ def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
     """Whether each run rests, (c,), and where those that do rest first, rad."""
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-    low, high = (extreme(paths, REST_CYCLES, axis=0) for extreme in (minimum_filter1d, maximum_filter1d))
+    low, high = (
+        extreme(paths, REST_CYCLES, axis=0) for extreme in (minimum_filter1d, maximum_filter1d)
+    )
     half = REST_CYCLES // 2
     resting = (high - low)[half : len(paths) - half + 1] < REST_WIDTH
     found = resting.any(axis=0)

@@ -1,4 +1,6 @@
-"""The data-collection loop: its cycles of one push and one drag back, as a map of the object's orientation."""
+"""The data-collection loop: its cycles of one push and one drag back, as a map of the object's
+orientation.
+"""
 
 from __future__ import annotations
 
@@ -61,10 +63,11 @@ class CycleTrajectory(Generic[T]):
 class StrokePair(Generic[P, D]):
     """A push and the drag that followed it.
 
-    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn + drag_turn).
-    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the object's origin in
-    its initial frame, (2,), m. drag_length : path of the ring, m. ended : why the push ended, `distance`, or `left`
-    where the rod lost the object.
+    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn +
+        drag_turn).
+    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the
+        object's origin in its initial frame, (2,), m. drag_length : path of the ring, m. ended :
+        why the push ended, `distance`, or `left` where the rod lost the object.
     """
 
     theta: float
@@ -88,8 +91,10 @@ class StrokePair(Generic[P, D]):
 class Cycles:
     """Many cycles as arrays, in the shape (...) of the orientations they start from.
 
-    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m, initial object frame.
-    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's distance was done.
+    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m,
+        initial object frame.
+    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's
+        distance was done.
     """
 
     theta: NDArray[np.float64]
@@ -101,7 +106,8 @@ class Cycles:
     left: NDArray[np.bool_]
 
     def to_frame(self) -> pandas.DataFrame:
-        """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx, push_dy (rad, m).
+        """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx,
+        push_dy (rad, m).
 
         >>> from cyclemap import CollectionLoop
         >>> CollectionLoop.mit().cycles([0.0, 1.0]).to_frame().drag_length.round(3).tolist()
@@ -115,7 +121,8 @@ class Cycles:
         return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def to_dataset(self, *axes: str) -> xarray.Dataset:
-        """Return the cycles as an xarray Dataset over the axes of theta, by the names given; variables as `to_frame`.
+        """Return the cycles as an xarray Dataset over the axes of theta, by the names given;
+        variables as `to_frame`.
 
         Raises InvalidInput where names and axes differ in number.
 
@@ -126,15 +133,23 @@ class Cycles:
         import xarray
 
         if len(axes) != self.theta.ndim:
-            raise InvalidInput(f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one for each")
-        columns = {name: column.to_numpy().reshape(self.theta.shape) for name, column in self.to_frame().items()}
+            raise InvalidInput(
+                f"theta has {self.theta.ndim} axes, but {len(axes)} names are given: give one "
+                "for each"
+            )
+        columns = {
+            name: column.to_numpy().reshape(self.theta.shape)
+            for name, column in self.to_frame().items()
+        }
         return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
 
     @classmethod
     def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
         columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
-        return cls(theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns))
+        return cls(
+            theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns)
+        )
 
 
 # What a map's error can be brought below, rad.
@@ -166,10 +181,17 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     def _repr_html_(self) -> str:
         scene = self.scene()
-        outlines = [Stroke(scene.push.before), Stroke(scene.push.after, BLUE), Stroke(scene.drag.after, GREY)]
+        outlines = [
+            Stroke(scene.push.before),
+            Stroke(scene.push.after, BLUE),
+            Stroke(scene.drag.after, GREY),
+        ]
         rod = [Stroke(stroke.rod, width=1.0) for stroke in (scene.push, scene.drag)]
         push, drag = (f"{math.degrees(turn):+.1f}°" for turn in (self.push_turn, self.drag_turn))
-        caption = f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} (grey), the rod's way"
+        caption = (
+            f"from {math.degrees(self.theta):.1f}°: push {push} (blue), drag back {drag} "
+            "(grey), the rod's way"
+        )
         return inline_svg([*outlines, *rod], caption, 240, equal=True)
 
 
@@ -177,8 +199,9 @@ class Cycle(StrokePair[PushResult, DragResult]):
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. `by("theta")` is d theta_next / d theta, the multiplier. jacobian : (6, k), derivatives of
-    `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next) by `parameters`, SI units and radians.
+    theta_next : rad. `by("theta")` is d theta_next / d theta, the multiplier. jacobian : (6, k),
+        derivatives of `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next)
+        by `parameters`, SI units and radians.
     """
 
     theta: float
@@ -191,7 +214,8 @@ class CycleSensitivity:
         """Return the derivative of an output by a parameter, both by name."""
         if parameter not in self.parameters or output not in self.outputs:
             raise InvalidInput(
-                f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by {self.parameters}"
+                f"no derivative of {output!r} by {parameter!r}: know {self.outputs} by "
+                f"{self.parameters}"
             )
         return float(self.jacobian[self.outputs.index(output), self.parameters.index(parameter)])
 
@@ -200,7 +224,8 @@ class CycleSensitivity:
 class CollectionLoop:
     """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
 
-    Every cycle starts with the ring at the target, the world's origin: the state is the orientation theta alone.
+    Every cycle starts with the ring at the target, the world's origin: the state is the orientation
+    theta alone.
 
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> cycle = loop.cycle(0.0)
@@ -222,17 +247,20 @@ class CollectionLoop:
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
-        """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with fields replaced.
+        """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with
+        fields replaced.
 
-        `material`: a built-in name, a TOML file or a `Material`, which brings what was found with it (pusher friction,
-        pressure of the plate, lever and friction of the ring); `changes`: any field of the loop, which overrule it.
+        `material`: a built-in name, a TOML file or a `Material`, which brings what was found with
+        it (pusher friction, pressure of the plate, lever and friction of the ring); `changes`: any
+        field of the loop, which overrule it.
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")
         return replace(cls(slider, surface).with_material(surface), **changes)
 
     def with_material(self, material: Material) -> CollectionLoop:
-        """Return the loop on a material, with all that is not None in its `found_with` and its plate's pressure.
+        """Return the loop on a material, with all that is not None in its `found_with` and its
+        plate's pressure.
 
         >>> CollectionLoop.mit("plywood").with_material(load_material("isotropic")).material.name
         'isotropic'
@@ -253,14 +281,22 @@ class CollectionLoop:
         start, way = first_contact(self.slider, self.push, self.pusher.radius)
         push = Stroke([start, start + 0.5 * self.slider.outline.extent * way])
         marks = [Stroke([start], BLUE, DISC, 4.0), Stroke([self.slider.hitch], BLUE, CIRCLE, 4.0)]
-        size = f"pushed {1e3 * self.push.distance:.4g} mm by a rod of {1e3 * self.pusher.radius:.4g} mm"
-        caption = f"{self.slider.name} on {self.material.name}, {size} (disc), dragged back by its ring (circle)"
+        size = (
+            f"pushed {1e3 * self.push.distance:.4g} mm by a rod of {1e3 * self.pusher.radius:.4g} "
+            "mm"
+        )
+        caption = (
+            f"{self.slider.name} on {self.material.name}, {size} (disc), dragged back by "
+            "its ring (circle)"
+        )
         return inline_svg([Stroke(outline), push, *marks], caption, equal=True)
 
     @cached_property
     def model(self) -> QuasiStaticModel:
         """The mechanics of the loop. Raises InvalidInput where the parts do not fit each other."""
-        return QuasiStaticModel(self.slider, self.material.friction, self.pusher, self.footprint, self.accuracy)
+        return QuasiStaticModel(
+            self.slider, self.material.friction, self.pusher, self.footprint, self.accuracy
+        )
 
     def start_pose(self, theta: float) -> Pose:
         """Return the object's pose before the push, its ring at the target."""
@@ -273,7 +309,10 @@ class CollectionLoop:
         """
         theta = finite_number("theta", theta)
         if abs(theta) > 2.0 * math.pi and theta.is_integer():
-            told = f"theta is {theta:g} rad, more than a turn: degrees are given as math.radians({theta:g})"
+            told = (
+                f"theta is {theta:g} rad, more than a turn: degrees are given as "
+                f"math.radians({theta:g})"
+            )
             warnings.warn(told, DoubtfulInput, stacklevel=2)
         return Cycle(theta, *self.strokes(theta), self)
 
@@ -291,16 +330,19 @@ class CollectionLoop:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
         return self.cycles(theta).theta_next
 
-    def sensitivity(self, theta: float, parameters: tuple[str, ...] = PARAMETERS) -> CycleSensitivity:
-        """Run one cycle and differentiate it by theta and by every parameter of material, pusher and protocol.
+    def sensitivity(
+        self, theta: float, parameters: tuple[str, ...] = PARAMETERS
+    ) -> CycleSensitivity:
+        """Run one cycle and differentiate it by theta and by every parameter of material, pusher
+        and protocol.
 
-        At accuracy 1e-8 derivatives by theta are off by 3e-7 in the median and by 1e-5 at worst, at 1e-10 by 2e-8 and
-        6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the friction of a ring that has none, and by the
-        radius of a rod that is a point, they are one-sided: where it goes around a corner or into a concave one they
-        are those of thin rods, off by 2e-6 in the median and by 2e-3 at worst (950 cycles). They are nan by shares that
-        a footprint cannot have, and by the radius of a point that starts or rests at a corner, where a thin rod's way
-        grows as the root of its radius.
-        Raises InvalidInput for an unknown name.
+        At accuracy 1e-8 derivatives by theta are off by 3e-7 in the median and by 1e-5 at worst, at
+        1e-10 by 2e-8 and 6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the friction
+        of a ring that has none, and by the radius of a rod that is a point, they are one-sided:
+        where it goes around a corner or into a concave one they are those of thin rods, off by 2e-6
+        in the median and by 2e-3 at worst (950 cycles). They are nan by shares that a footprint
+        cannot have, and by the radius of a point that starts or rests at a corner, where a thin
+        rod's way grows as the root of its radius. Raises InvalidInput for an unknown name.
         """
         for name in parameters:
             if name not in PARAMETERS:
@@ -308,35 +350,46 @@ class CollectionLoop:
         theta = finite_number("theta", theta)
         batch = run_batch((self,), np.array([[theta]]), len(PARAMETERS))
         columns = [PARAMETERS.index(name) for name in parameters]
-        return CycleSensitivity(theta, float(batch.theta_next[0, 0]), batch.jacobian[0, 0][:, columns], parameters)
+        return CycleSensitivity(
+            theta, float(batch.theta_next[0, 0]), batch.jacobian[0, 0][:, columns], parameters
+        )
 
-    def circle_map(self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None) -> CircleMap:
-        """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it is not a jump.
+    def circle_map(
+        self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None
+    ) -> CircleMap:
+        """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it
+        is not a jump.
 
-        `progress` is called with the fraction done. See `sample_circle_map` for how samples are placed and jumps kept.
+        `progress` is called with the fraction done. See `sample_circle_map` for how samples are
+        placed and jumps kept.
         """
         if positive_number("tolerance", tolerance) < _LEAST_TOLERANCE:
             raise InvalidInput(
-                f"tolerance {tolerance} rad is out of reach: samples are good to 1e-10 rad, so ask for "
-                f"{_LEAST_TOLERANCE} or more"
+                f"tolerance {tolerance} rad is out of reach: samples are good to 1e-10 rad, so ask "
+                f"for {_LEAST_TOLERANCE} or more"
             )
         sample_error = max(0.1 * tolerance, 1e-10)
         slopes = CycleSlopes(replace(self, accuracy=min(sample_error, 1e-6)))
         return sample_circle_map(slopes, 0.9 * tolerance, progress, sample_error)
 
-    def strokes(self, theta: float, longest_step: float = math.inf) -> tuple[PushResult, DragResult]:
+    def strokes(
+        self, theta: float, longest_step: float = math.inf
+    ) -> tuple[PushResult, DragResult]:
         """Run the push and the drag of a cycle, their steps no longer than `longest_step` (m)."""
         return self.model.cycle(theta, self.push, self.reset, longest_step)
 
 
 def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
-    """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes (k, n).
+    """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes
+    (k, n).
 
-    loops : any mixture. theta : (n,), rad, orientations that all loops start from, or (k, n), those of each.
+    loops : any mixture. theta : (n,), rad, orientations that all loops start from, or (k, n), those
+        of each.
 
-    One call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the results are the numbers
-    of `CollectionLoop.cycle` to the bit. Raises what that raises where a cycle is refused, telling which loop and
-    orientation; InvalidInput for loops that are none, or thetas in another shape.
+    One call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the
+    results are the numbers of `CollectionLoop.cycle` to the bit. Raises what that raises where a
+    cycle is refused, telling which loop and orientation; InvalidInput for loops that are none, or
+    thetas in another shape.
 
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
@@ -349,7 +402,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     values = finite_array("theta", theta)
     if values.ndim not in (1, 2) or (values.ndim == 2 and len(values) != len(loops)):
         raise InvalidInput(
-            f"theta must have shape (n,) for all loops or ({len(loops)}, n), one row a loop, not {values.shape}"
+            f"theta must have shape (n,) for all loops or ({len(loops)}, n), one row a loop, not "
+            f"{values.shape}"
         )
     values = np.broadcast_to(values, (len(loops), values.shape[-1])).copy()
     return Cycles.of_batch(values, run_batch(loops, values))
@@ -358,6 +412,12 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 def require_loop(loop: object) -> CollectionLoop:
     """Return the loop that it is; InvalidInput for anything else."""
     if not isinstance(loop, CollectionLoop):
-        told = repr(loop) if isinstance(loop, (str, int, float, type(None))) else f"a {type(loop).__name__}"
-        raise InvalidInput(f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}")
+        told = (
+            repr(loop)
+            if isinstance(loop, (str, int, float, type(None)))
+            else f"a {type(loop).__name__}"
+        )
+        raise InvalidInput(
+            f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
+        )
     return loop

@@ -1,4 +1,6 @@
-"""The portrait of a collection loop: its cycle map and everything the map implies; and its staircase alone."""
+"""The portrait of a collection loop: its cycle map and everything the map implies; and its
+staircase alone.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -44,7 +46,8 @@ from cyclemap.maps.quadrature import circle_rule, gauss_rule
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 
-# The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10 degrees.
+# The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
+# degrees.
 DEFAULT_SIGMA = float(np.deg2rad(1.1))
 FULL_TURN = 2 * np.pi
 
@@ -54,9 +57,11 @@ _USUAL_MAPS = 12
 # Radians: a zone's centre is the stable point itself.
 _SAME_PLACE = 1e-6
 
-# Fourier modes that the statistics' quadrature resolves; its nodes are then less than a quarter of a degree apart.
+# Fourier modes that the statistics' quadrature resolves; its nodes are then less than a quarter of
+# a degree apart.
 _BANDWIDTH = 2048
-# Nodes on each cubic of a sampled map: however steep it is, they tell its mean exactly, and its extremes closely.
+# Nodes on each cubic of a sampled map: however steep it is, they tell its mean exactly, and its
+# extremes closely.
 _CUBIC_NODES = 24
 
 
@@ -77,14 +82,19 @@ class Portrait:
 
     loop : the loop. map : its cycle map, θ in rad. turns : statistics of the map's turn.
     fixed_points : the directions it maps to themselves. rotation : its rotation number.
-    gathering_jumps : the jumps (rad) about which orbits gather from both sides, as about a stable point.
+    gathering_jumps : the jumps (rad) about which orbits gather from both sides, as about a stable
+        point.
     noise, operator : the noise added to every cycle, and the transfer operator of map plus noise.
     staircase : one noisy run. prediction : what such a run looks like on average.
-    drifting, worn : where the surface wears, its map over the cycles of the run, which then follows it, and what runs
-        on the surface of the last cycle are like; all else is of the fresh surface. None where it does not.
-    cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is none.
-    uncertainty : how well the stable directions are known, of the fresh surface; None where the mechanics is not.
-    forecast : what the pushes of the run will bring, of all that is believed; None where there are no samples of it.
+    drifting, worn : where the surface wears, its map over the cycles of the run, which then follows
+        it, and what runs on the surface of the last cycle are like; all else is of the fresh
+        surface. None where it does not.
+    cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is
+        none.
+    uncertainty : how well the stable directions are known, of the fresh surface; None where the
+        mechanics is not.
+    forecast : what the pushes of the run will bring, of all that is believed; None where there are
+        no samples of it.
     """
 
     loop: CollectionLoop
@@ -106,22 +116,32 @@ class Portrait:
     def _repr_html_(self) -> str:
         theta = np.linspace(0.0, FULL_TURN, 361)
         points = [
-            Stroke([[orbit.points[0], 0.0]], BLUE, DISC if orbit.stable else CIRCLE, 4.0) for orbit in self.fixed_points
+            Stroke([[orbit.points[0], 0.0]], BLUE, DISC if orbit.stable else CIRCLE, 4.0)
+            for orbit in self.fixed_points
         ]
-        caption = f"{self.loop.material.name}: turn of a cycle (rad) over θ from 0 to 2π, {len(points)} fixed points"
-        return inline_svg([*map_strokes(theta, self.map.turn(theta), self.map.breaks), *points], caption)
+        caption = (
+            f"{self.loop.material.name}: turn of a cycle (rad) over θ from 0 to 2π, "
+            f"{len(points)} fixed points"
+        )
+        return inline_svg(
+            [*map_strokes(theta, self.map.turn(theta), self.map.breaks), *points], caption
+        )
 
     @cached_property
     def stable_points(self) -> tuple[Orbit, ...]:
         """The stable fixed points, the most visited first."""
         stable = [orbit for orbit in self.fixed_points if orbit.stable]
-        return tuple(sorted(stable, key=lambda orbit: -float(self.operator.density(orbit.points[:1])[0])))
+        return tuple(
+            sorted(stable, key=lambda orbit: -float(self.operator.density(orbit.points[:1])[0]))
+        )
 
     @cached_property
     def highest_peaks(self) -> tuple[float, ...]:
-        """The peaks (rad) at which the stationary density is above the uniform one, the highest first.
+        """The peaks (rad) at which the stationary density is above the uniform one, the highest
+        first.
 
-        Where noise is too weak to connect the stable directions, their shares are not determined: each is a peak.
+        Where noise is too weak to connect the stable directions, their shares are not determined:
+        each is a peak.
         """
         if not self.operator.is_certain:
             return tuple(sorted(float(orbit.points[0]) for orbit in self.stable_points))
@@ -132,17 +152,27 @@ class Portrait:
 
     @property
     def tv_from_uniform(self) -> float | None:
-        """Total variation distance of the stationary law from uniform; None where the law is not determined."""
+        """Total variation distance of the stationary law from uniform; None where the law is not
+        determined.
+        """
         return self.operator.tv_from_uniform if self.operator.is_certain else None
 
     @cached_property
     def held(self) -> tuple[MetastableSet, ...]:
-        """The sets of directions among which noise rarely carries θ0, where it is known how often it is in each."""
+        """The sets of directions among which noise rarely carries θ0, where it is known how often
+        it is in each.
+        """
         return self.operator.metastable_sets() if self.operator.is_certain else ()
 
     def stay(self, orbit: Orbit) -> float | None:
-        """Mean cycles from a stable point until noise has carried θ0 off it; None where that is not known."""
-        near = [zone for zone in self.prediction.zones if abs(shorter_way(zone.centre - orbit.points[0])) < _SAME_PLACE]
+        """Mean cycles from a stable point until noise has carried θ0 off it; None where that is not
+        known.
+        """
+        near = [
+            zone
+            for zone in self.prediction.zones
+            if abs(shorter_way(zone.centre - orbit.points[0])) < _SAME_PLACE
+        ]
         return float(near[0].residence_cycles) if near else None
 
 
@@ -162,7 +192,8 @@ def portrait(
     cycles, start (rad), seed : of the noisy run.
     tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
 
-    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be met.
+    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be
+    met.
     """
     if sigma is not None:
         positive_number("sigma", sigma)
@@ -181,7 +212,9 @@ def portrait(
         map=cycle_map,
         turns=turn_statistics(cycle_map),
         fixed_points=points,
-        gathering_jumps=tuple(jump.theta for jump in crossings_by_jump(cycle_map) if jump.attracting),
+        gathering_jumps=tuple(
+            jump.theta for jump in crossings_by_jump(cycle_map) if jump.attracting
+        ),
         rotation=rotation_number(cycle_map),
         noise=noise,
         operator=operator,
@@ -197,8 +230,12 @@ def portrait(
     return result
 
 
-def _forecast(loop: CollectionLoop, sigma: float, cycles: int, start: float, seed: int) -> LockForecast | None:
-    """What a run brings where it is long enough to lock in, on a surface that stays and of which there are samples."""
+def _forecast(
+    loop: CollectionLoop, sigma: float, cycles: int, start: float, seed: int
+) -> LockForecast | None:
+    """What a run brings where it is long enough to lock in, on a surface that stays and of which
+    there are samples.
+    """
     stays = isinstance(loop, CollectionLoop) and loop.material.wear is None
     if not stays or loop.material.posterior is None or cycles < REST_CYCLES:
         return None
@@ -208,16 +245,19 @@ def _forecast(loop: CollectionLoop, sigma: float, cycles: int, start: float, see
 def _maps_of(
     loop: CollectionLoop, cycles: int, tolerance: float, report: Progress
 ) -> tuple[CircleMap, DriftingMap | None, DirectionUncertainty | None]:
-    """The cycle map; where the surface wears, the map over a run; how well stable directions are known.
+    """The cycle map; where the surface wears, the map over a run; how well stable directions are
+    known.
 
-    That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a loop, its map alone
-    being known.
+    That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a
+    loop, its map alone being known.
     """
     share, drifting, uncertainty = 0.6 if loop.material.wear is None else 0.2, None, None
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
     if loop.material.wear is not None:
         # How many maps it takes is not known before.
-        drifting = drifting_map(loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS)))
+        drifting = drifting_map(
+            loop, cycles, progress=lambda maps: report(0.2 + 0.4 * min(1.0, maps / _USUAL_MAPS))
+        )
     if isinstance(loop, CollectionLoop):
         uncertainty = direction_uncertainty(loop, lambda done: report(0.6 + 0.2 * done))
     return cycle_map, drifting, uncertainty
@@ -226,7 +266,9 @@ def _maps_of(
 def noises_of(
     loop: CollectionLoop, cycle_map: CircleMap, sigma: float | None
 ) -> tuple[WrappedNormal, WrappedNormal | LocalNoise]:
-    """The white noise of what is predicted, and the noise of a run: the material's own, where no other is asked for."""
+    """The white noise of what is predicted, and the noise of a run: the material's own, where no
+    other is asked for.
+    """
     measured = loop.material.noise
     if sigma is not None or measured is None:
         white = WrappedNormal(DEFAULT_SIGMA if sigma is None else positive_number("sigma", sigma))
@@ -238,7 +280,9 @@ def noises_of(
 
 
 def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
-    """Mean of the turn of `cycle_map`, a quadrature that no break spoils, and extremes over its thousands of nodes."""
+    """Mean of the turn of `cycle_map`, a quadrature that no break spoils, and extremes over its
+    thousands of nodes.
+    """
     if cycle_map.pieces is None:
         theta, weight = circle_rule(cycle_map, _BANDWIDTH)
     else:
@@ -258,11 +302,14 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
 
 @dataclass(frozen=True, eq=False)
 class StaircaseForecast:
-    """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a `Portrait`.
+    """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a
+    `Portrait`.
 
-    log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles, beyond every float
-    too; None where it could not be certified. run : one noisy run. steps : the dwells and steps found in it.
-    comparison : these steps beside the prediction, of the fresh surface. forecast : as of a `Portrait`.
+    log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles,
+        beyond every float too; None where it could not be certified. run : one noisy run. steps :
+        the dwells and steps found in it.
+    comparison : these steps beside the prediction, of the fresh surface. forecast : as of a
+        `Portrait`.
     """
 
     loop: CollectionLoop
@@ -291,11 +338,13 @@ def staircase_forecast(
 ) -> StaircaseForecast:
     """Predict the staircase of `loop`.
 
-    sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's own, where it has
-    one, and what is predicted the white noise that carries as far at its slowest place, else 1.1 degrees. All else, and
-    what is raised, as of `portrait`.
+    sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's
+        own, where it has one, and what is predicted the white noise that carries as far at its
+        slowest place, else 1.1 degrees. All else, and what is raised, as of `portrait`.
     """
-    from cyclemap.maps import log10_passage_time  # its SciPy is slow to import, and a portrait does without
+    from cyclemap.maps import (
+        log10_passage_time,
+    )  # its SciPy is slow to import, and a portrait does without
 
     report = progress or (lambda fraction: None)
     cycle_map, drifting, uncertainty = _maps_of(loop, cycles, tolerance, report)
@@ -312,7 +361,9 @@ def staircase_forecast(
         still = shifted(cycle_map, -zone.winding)
         try:
             # From the point that `SlowZone.residence_cycles` starts from.
-            residences.append(log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn))
+            residences.append(
+                log10_passage_time(still, noise, zone.middle, zone.arc, lifted=zone.whole_turn)
+            )
         except ConvergenceError:
             residences.append(None)
     report(1.0)

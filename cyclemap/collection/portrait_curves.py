@@ -28,7 +28,9 @@ class Jump:
 
 @dataclass(frozen=True, eq=False)
 class TurnCurve:
-    """The turn of a map over [0, 2π]: pieces (theta, turn), each (n,) rad, and the jumps between them."""
+    """The turn of a map over [0, 2π]: pieces (theta, turn), each (n,) rad, and the jumps between
+    them.
+    """
 
     pieces: tuple[tuple[Array, Array], ...]
     jumps: tuple[Jump, ...]
@@ -38,7 +40,8 @@ class TurnCurve:
 class Cobweb:
     """A window on the graph of the map, and paths of the cobweb in it.
 
-    low, high : rad, the window on θ (lifted). pieces : (θ, f(θ)) of the map in the window, each (n,) rad.
+    low, high : rad, the window on θ (lifted). pieces : (θ, f(θ)) of the map in the window, each
+        (n,) rad.
     paths : corners (m, 2) of each cobweb, rad, on the same lift.
     """
 
@@ -52,8 +55,8 @@ class Cobweb:
 class PortraitCurves:
     """All that is drawn of a portrait.
 
-    density_theta, density : (n,) rad and (n,) per rad; where the surface wears, the mean over the run of the densities
-    that the surface of each of some cycles would lead to.
+    density_theta, density : (n,) rad and (n,) per rad; where the surface wears, the mean over the
+        run of the densities that the surface of each of some cycles would lead to.
     """
 
     turn: TurnCurve
@@ -71,7 +74,9 @@ def portrait_curves(portrait: Portrait) -> PortraitCurves:
     else:
         shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
         maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
-        density = np.mean([transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0)
+        density = np.mean(
+            [transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0
+        )
     scene = portrait.cycle.scene()
     return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)
 
@@ -88,13 +93,16 @@ def turn_curve(cycle_map: CircleMap) -> TurnCurve:
 def cobweb(portrait: Portrait) -> Cobweb:
     """The cobweb where it tells most: about a stable point, a gathering jump, or the slowest place.
 
-    The window is four times as wide as the largest turn to either side (at least 20 degrees, at most the
-    whole circle), so that single cycles can be told apart. Paths start at its ends, where the
-    map leads inward, and on both sides of every unstable point.
+    The window is four times as wide as the largest turn to either side (at least 20 degrees, at
+    most the whole circle), so that single cycles can be told apart. Paths start at its ends, where
+    the map leads inward, and on both sides of every unstable point.
     """
     curve = turn_curve(portrait.map)
     theta, turn = (np.concatenate(columns) for columns in zip(*curve.pieces, strict=True))
-    places = [*(float(orbit.points[0]) for orbit in portrait.stable_points), *portrait.gathering_jumps]
+    places = [
+        *(float(orbit.points[0]) for orbit in portrait.stable_points),
+        *portrait.gathering_jumps,
+    ]
     centre = places[0] if places else float(theta[np.argmin(np.abs(turn))])
     largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
@@ -106,14 +114,18 @@ def cobweb(portrait: Portrait) -> Cobweb:
     lifts = (np.add.outer(turns, theta).ravel() for theta in (jumps, unstable))
     cuts, between = (every[(every >= low) & (every <= high)] for every in lifts)
     pieces, beside = _pieces(low, high, cuts), 0.01 * (high - low)
-    starts = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(portrait.map.turn(high) < 0)
+    starts = [low + beside] * bool(portrait.map.turn(low) > 0) + [high - beside] * bool(
+        portrait.map.turn(high) < 0
+    )
     starts += [place + side for place in between for side in (-beside, beside)]
     paths = tuple(_cobweb_path(portrait.map, start, low, high) for start in starts)
     return Cobweb(low, high, tuple((piece, portrait.map(piece)) for piece in pieces), paths)
 
 
 def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) -> Array:
-    """Corners (m, 2) of the cobweb from `start` until it leaves the window, settles or keeps turning back."""
+    """Corners (m, 2) of the cobweb from `start` until it leaves the window, settles or keeps
+    turning back.
+    """
     visited = [start]
     reversals = 0
     while len(visited) <= COBWEB_CYCLES and reversals < COBWEB_REVERSALS:
@@ -129,7 +141,9 @@ def _cobweb_path(cycle_map: CircleMap, start: float, low: float, high: float) ->
 def _pieces(low: float, high: float, cuts: Array) -> tuple[Array, ...]:
     """Sample points (n,) of [low, high], in pieces that end just short of each cut."""
     hair = 1e-9 * FULL_TURN
-    edges = np.concatenate([[low], np.sort(cuts[(cuts > low + hair) & (cuts < high - hair)]), [high]])
+    edges = np.concatenate(
+        [[low], np.sort(cuts[(cuts > low + hair) & (cuts < high - hair)]), [high]]
+    )
     spacing = FULL_TURN / CURVE_SAMPLES
     sizes = np.maximum(np.ceil(np.diff(edges) / spacing).astype(int) + 1, 2)
     return tuple(

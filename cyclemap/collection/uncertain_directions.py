@@ -1,9 +1,11 @@
-"""How well a loop's stable directions are known: intervals, and how often it locks in, over its material's posterior.
+"""How well a loop's stable directions are known: intervals, and how often it locks in, over its
+material's posterior.
 
 Each sample of the posterior is a surface with a cycle map of its own. To first order that map is
-f_k(θ) = f(θ) + ∂f/∂p(θ) (p_k - p), with the exact derivatives of the cycle; near a saddle-node, or where the way an
-object turns is about to flip, maps are not linear in p. So some samples, the most telling of them, are run in full;
-where those lie where the first order says, it is used, else every sample is run.
+f_k(θ) = f(θ) + ∂f/∂p(θ) (p_k - p), with the exact derivatives of the cycle; near a saddle-node, or
+where the way an object turns is about to flip, maps are not linear in p. So some samples, the most
+telling of them, are run in full; where those lie where the first order says, it is used, else every
+sample is run.
 """
 
 import math
@@ -25,17 +27,21 @@ Array = NDArray[np.float64]
 
 FIRST_ORDER, SAMPLES = "first order", "samples"
 LEVEL = 0.95
-# The axes' ratio of a material without posterior is varied by this share to tell how much depends on it.
+# The axes' ratio of a material without posterior is varied by this share to tell how much depends
+# on it.
 VARIED = 0.10
 # Nodes of every map, and places of each cell at which its cubic is looked at.
 _NODES, _INSIDE = 48, 16
-# Samples run in full to judge the first order; what it may be off by: a share of the interval's width, at least rad.
+# Samples run in full to judge the first order; what it may be off by: a share of the interval's
+# width, at least rad.
 _JUDGES, _SHARE, _LEAST = 6, 0.04, math.radians(0.05)
-# Samples of the mechanics: accuracy of a cycle, and error of the map where it nears a fixed point, rad.
+# Samples of the mechanics: accuracy of a cycle, and error of the map where it nears a fixed point,
+# rad.
 _ACCURACY, _MAP_ERROR = 1e-6, 3e-5
 # No cell is halved more often: it may hold a jump.
 _HALVINGS = 8
-# Stable points farther from each other than this, rad, are not the same direction, where the stated numbers have none.
+# Stable points farther from each other than this, rad, are not the same direction, where the stated
+# numbers have none.
 _APART = math.radians(40.0)
 
 
@@ -43,8 +49,9 @@ _APART = math.radians(40.0)
 class DirectionInterval:
     """One stable direction, over the materials that the data allow.
 
-    theta : rad, that of the stated numbers; None where they have none here. lower, upper : rad, lower in [0, 2π) and
-    upper not before it, 95 % of the samples that have the direction. share : of the samples that have it.
+    theta : rad, that of the stated numbers; None where they have none here. lower, upper : rad,
+        lower in [0, 2π) and upper not before it, 95 % of the samples that have the direction. share
+        : of the samples that have it.
     """
 
     theta: float | None
@@ -57,11 +64,14 @@ class DirectionInterval:
 class DirectionUncertainty:
     """How well stable directions are known.
 
-    source : `posterior`, or `axis ratio` where the material has none: then the two `samples` are its axes' ratio 10 %
-    smaller and larger, `lower` and `upper` their span with the stated one, and nothing here is a probability.
-    method : `first order` or `samples`. samples : how many. locks : how many of them have a stable direction.
-    first_order_error : rad, the farthest that a direction of a sample run in full lay from its first order; inf where
-    the first order has another number of directions, None where it was not tried.
+    source : `posterior`, or `axis ratio` where the material has none: then the two `samples` are
+        its axes' ratio 10 % smaller and larger, `lower` and `upper` their span with the stated one,
+        and nothing here is a probability.
+    method : `first order` or `samples`. samples : how many. locks : how many of them have a stable
+        direction.
+    first_order_error : rad, the farthest that a direction of a sample run in full lay from its
+        first order; inf where the first order has another number of directions, None where it was
+        not tried.
     """
 
     source: str
@@ -82,13 +92,20 @@ class DirectionUncertainty:
         return self.locks / self.samples
 
     def of(self, theta: float) -> DirectionInterval | None:
-        """Return the interval of the stated numbers' stable direction `theta`, rad; None where there is none."""
-        near = [one for one in self.directions if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01]
+        """Return the interval of the stated numbers' stable direction `theta`, rad; None where
+        there is none.
+        """
+        near = [
+            one
+            for one in self.directions
+            if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01
+        ]
         return near[0] if near else None
 
 
 def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
-    """Return the loop on one sample of its material's posterior; what was set otherwise than by the material stays.
+    """Return the loop on one sample of its material's posterior; what was set otherwise than by the
+    material stays.
 
     Raises InvalidInput where there is no such sample.
     """
@@ -108,9 +125,9 @@ def direction_uncertainty(
 ) -> DirectionUncertainty:
     """Return how well the stable directions of a loop are known from its material's posterior.
 
-    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies inside in 95 % of cases).
-    A direction is a stable fixed point of the cycle map; places where orbits gather about a jump are not among them.
-    `progress` is called with the fraction done.
+    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies inside
+    in 95 % of cases). A direction is a stable fixed point of the cycle map; places where orbits
+    gather about a jump are not among them. `progress` is called with the fraction done.
 
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.source, found.locks, [round(math.degrees(one.theta)) for one in found.directions]
@@ -122,7 +139,9 @@ def direction_uncertainty(
         law, varied = loop.material.friction, []
         for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
             friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-            varied.append(replace(stated, material=replace(loop.material, friction=friction, wear=None)))
+            varied.append(
+                replace(stated, material=replace(loop.material, friction=friction, wear=None))
+            )
         nominal, *found = stable_points([stated, *varied], report)
         locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
         return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
@@ -135,7 +154,9 @@ def direction_uncertainty(
     report(0.3)
     intervals = _intervals(nominal, linear)
     # The farthest that a direction lies from the first order's.
-    off = [shorter_way(linear[index][:, None] - full[index]) for index in telling if linear[index].size]
+    off = [
+        shorter_way(linear[index][:, None] - full[index]) for index in telling if linear[index].size
+    ]
     error = math.inf
     if all(linear[index].size == full[index].size for index in judges):
         error = max((float(np.abs(away).min(axis=1).max()) for away in off), default=0.0)
@@ -158,13 +179,16 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     batch = run_batch((loop,), theta[None], len(PARAMETERS))
     by = dict(zip(PARAMETERS, batch.jacobian[0, :, -1].T, strict=True))
     law = loop.material.friction
-    # By the shape matrix of the ellipse instead of axes and angle, of which the latter is singular at a circle.
+    # By the shape matrix of the ellipse instead of axes and angle, of which the latter is singular
+    # at a circle.
     round_law = law.mu_a**2 - law.mu_b**2
     turned = by["phi"] - by["n0"] * law.m0 + by["m0"] * law.n0
     by_shape = [by["m0"], by["n0"], by["mu_a"] / (2.0 * law.mu_a), by["mu_b"] / (2.0 * law.mu_b)]
     by_shape += [turned / round_law if round_law else np.zeros(_NODES)]
     others = ("pusher_friction", "hitch_x", "hitch_y", *OF_PRESSURE)
-    columns = np.array([*by_shape, *(np.nan_to_num(by[name]) for name in (*others, "pin_friction_radius"))])
+    columns = np.array(
+        [*by_shape, *(np.nan_to_num(by[name]) for name in (*others, "pin_friction_radius"))]
+    )
     change = np.array([_coordinates(one, law.phi) for one in loops]) - _coordinates(loop, law.phi)
     # Slopes by the map's own derivative, and of the change by that of its Fourier series.
     waves = 1j * np.fft.rfftfreq(_NODES, 1.0 / _NODES)
@@ -174,20 +198,28 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     slope = batch.jacobian[0, :, -1, 0] - 1.0 + change @ slopes
     number, node = np.indices(turn.shape)
     after = (node + 1) % _NODES
-    cells = np.stack([theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[number, after]], -1)
+    cells = np.stack(
+        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[number, after]], -1
+    )
     cells = np.concatenate([cells, np.stack([slope, slope[number, after]], -1)], -1)
     return _roots(number.ravel(), cells.reshape(-1, 6), len(loops))
 
 
 def _coordinates(loop: CollectionLoop, phi: float) -> Array:
-    """What a posterior may change of a loop: centre and shape of the ellipse in axes at `phi`, rod, ring, pressure."""
+    """What a posterior may change of a loop: centre and shape of the ellipse in axes at `phi`, rod,
+    ring, pressure.
+    """
     law = loop.material.friction
-    axes = np.array([[math.cos(law.phi - phi), -math.sin(law.phi - phi)], [math.sin(law.phi - phi), 0.0]])
+    axes = np.array(
+        [[math.cos(law.phi - phi), -math.sin(law.phi - phi)], [math.sin(law.phi - phi), 0.0]]
+    )
     axes[1, 1] = axes[0, 0]
     shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
     pressure, (x, y) = loop.model.pressure, loop.slider.hitch
     shares = [getattr(pressure, name, 0.0) for name in SHARES]
-    shapes = (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
+    shapes = (
+        (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
+    )
     ellipse = [*(axes @ (law.m0, law.n0)), shape[0, 0], shape[1, 1], shape[0, 1]]
     return np.array(
         [
@@ -204,7 +236,9 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
 
 
 def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
-    """Samples whose directions are judged, from end to end of the interval; and extremes, of which only the number."""
+    """Samples whose directions are judged, from end to end of the interval; and extremes, of which
+    only the number.
+    """
     some = [index for index, found in enumerate(points) if found.size]
     none = [index for index, found in enumerate(points) if not found.size]
     if not some:
@@ -215,17 +249,26 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     ends = 0.5 * (1.0 - LEVEL) + LEVEL * np.linspace(0.0, 1.0, _JUDGES)
     ranks = (ends * (len(some) - 1)).round().astype(int)
     telling = {some[order[rank]] for rank in ranks.tolist()}
-    return sorted(telling), sorted({some[order[0]], some[order[-1]], *none[:1], *none[-1:]} - telling)
+    return sorted(telling), sorted(
+        {some[order[0]], some[order[-1]], *none[:1], *none[-1:]} - telling
+    )
 
 
-def stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None) -> list[Array]:
-    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees, 0.02 beside a kink."""
+def stable_points(
+    loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None
+) -> list[Array]:
+    """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees,
+    0.02 beside a kink.
+    """
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
     turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
     width = np.full(theta.shape, TWO_PI / theta.shape[1])
     ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
-    cells, number = np.stack(ends, -1).reshape(-1, 6), np.repeat(np.arange(len(loops)), theta.shape[1])
+    cells, number = (
+        np.stack(ends, -1).reshape(-1, 6),
+        np.repeat(np.arange(len(loops)), theta.shape[1]),
+    )
     done, owner = [], []
     for halving in range(_HALVINGS):
         middle = cells[:, 0] + 0.5 * cells[:, 1]
@@ -236,7 +279,8 @@ def stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], Non
         left = np.stack([cells[:, 0], half, cells[:, 2], turn, cells[:, 4], slope], -1)
         right = np.stack([middle, half, turn, cells[:, 3], slope, cells[:, 5]], -1)
         parts, parents = np.concatenate([left, right]), np.concatenate([number, number])
-        # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck less.
+        # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck
+        # less.
         error = np.concatenate([error, error])
         nearest = np.abs(_offset(parts)).min(axis=1)
         open_ = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
@@ -251,15 +295,21 @@ def stable_points(loops: Sequence[CollectionLoop], report: Callable[[float], Non
 
 
 def _cubic(cells: Array, share: Array) -> Array:
-    """Turns (n, k) of cells (n, 6: start, width, turns and slopes of turn at both ends) at shares (k,) of the width."""
+    """Turns (n, k) of cells (n, 6: start, width, turns and slopes of turn at both ends) at shares
+    (k,) of the width.
+    """
     h00, h01 = (1.0 + 2.0 * share) * (1.0 - share) ** 2, share**2 * (3.0 - 2.0 * share)
     h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)
     shapes = np.array([h00, h01, h10, h11])
-    return np.asarray((cells[:, 2:] * np.stack([np.ones(len(cells))] * 2 + [cells[:, 1]] * 2, -1)) @ shapes)
+    return np.asarray(
+        (cells[:, 2:] * np.stack([np.ones(len(cells))] * 2 + [cells[:, 1]] * 2, -1)) @ shapes
+    )
 
 
 def _offset(cells: Array) -> Array:
-    """Turns (n, k) of cells at evenly spread shares of the width, counted from the whole turn nearest to each cell."""
+    """Turns (n, k) of cells at evenly spread shares of the width, counted from the whole turn
+    nearest to each cell.
+    """
     turn = _cubic(cells, np.linspace(0.0, 1.0, _INSIDE + 1))
     return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
 
@@ -273,19 +323,29 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     step = cells[cell, 1] / _INSIDE
     theta = cells[cell, 0] + step * (place + high / (high - low))
     stable = (low - high) / step > -2.0
-    found: list[Array] = [np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)]
+    found: list[Array] = [
+        np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)
+    ]
     return found
 
 
-def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> tuple[DirectionInterval, ...]:
-    """The interval of each stable direction of the stated numbers, else of each cluster of the samples'."""
+def _intervals(
+    nominal: Array, points: Sequence[Array], span: bool = False
+) -> tuple[DirectionInterval, ...]:
+    """The interval of each stable direction of the stated numbers, else of each cluster of the
+    samples'.
+    """
     every = np.concatenate([np.zeros(0), *points])
     centres = nominal if nominal.size else clusters(every)
     found = []
     for index, centre in enumerate(centres):
         away = []
         for some in points:
-            nearest = np.argmin(np.abs(shorter_way(some[:, None] - centres)), axis=1) if some.size else np.zeros(0)
+            nearest = (
+                np.argmin(np.abs(shorter_way(some[:, None] - centres)), axis=1)
+                if some.size
+                else np.zeros(0)
+            )
             own = shorter_way(some[nearest == index] - centre)
             away += [own[np.argmin(np.abs(own))]] if own.size else []
         told = np.array([*away, 0.0] if span and nominal.size else away)
@@ -295,7 +355,9 @@ def _intervals(nominal: Array, points: Sequence[Array], span: bool = False) -> t
         low, high = np.quantile(told, ends, method="linear" if span else "weibull")
         lower = float((centre + low) % TWO_PI)
         theta = float(centre) if nominal.size else None
-        found.append(DirectionInterval(theta, lower, lower + float(high - low), len(away) / len(points)))
+        found.append(
+            DirectionInterval(theta, lower, lower + float(high - low), len(away) / len(points))
+        )
     return tuple(found)
 
 
@@ -307,4 +369,6 @@ def clusters(points: Array) -> Array:
     gaps = np.diff(order, append=order[0] + TWO_PI)
     order = np.roll(order, -1 - int(np.argmax(gaps)))
     cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
-    return np.array([np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)])
+    return np.array(
+        [np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)]
+    )

@@ -40,7 +40,9 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
 
 
 def _on_surface(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on a surface that has changed, its pressure along with it unless it was set otherwise."""
+    """Return the loop on a surface that has changed, its pressure along with it unless it was set
+    otherwise.
+    """
     footprint = loop.footprint
     if footprint == plate_footprint(loop.material, loop.slider):
         footprint = plate_footprint(material, loop.slider)
@@ -48,16 +50,25 @@ def _on_surface(loop: CollectionLoop, material: Material) -> CollectionLoop:
 
 
 def drifting_map(
-    loop: CollectionLoop, cycles: int, tolerance: float = BLEND_TOLERANCE, progress: Callable[[int], None] | None = None
+    loop: CollectionLoop,
+    cycles: int,
+    tolerance: float = BLEND_TOLERANCE,
+    progress: Callable[[int], None] | None = None,
 ) -> DriftingMap:
-    """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within `tolerance` (rad).
+    """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within
+    `tolerance` (rad).
 
-    `progress` is called with the number of maps computed so far. Raises InvalidInput where the material does not wear.
+    `progress` is called with the number of maps computed so far. Raises InvalidInput where the
+    material does not wear.
     """
     if loop.material.wear is None:
-        raise InvalidInput(f"{loop.material.name} does not wear: its file has no table [worn]; use its circle_map()")
+        raise InvalidInput(
+            f"{loop.material.name} does not wear: its file has no table [worn]; use its "
+            "circle_map()"
+        )
     wear, count, done = loop.material.wear, whole_number("cycles", cycles, least=1), [0]
-    # The way is blended, then gone through at the pace of the course: kinks of the course cost no maps.
+    # The way is blended, then gone through at the pace of the course: kinks of the course cost no
+    # maps.
     first, last = wear.share(0.0), wear.share(count - 1.0)
     even = replace(loop, material=replace(loop.material, wear=replace(wear, cycles=1.0, course=())))
 
@@ -71,7 +82,11 @@ def drifting_map(
     steps = count if last > first else 1
     blend = DriftingMap.of_family(at, np.linspace(first, last, steps), steps, tolerance)
     shares = first + (last - first) * blend.cycles / max(steps - 1, 1)
-    bends = [(0.0, first), *((n, gone) for n, gone in wear.course if 0.0 < n < count - 1.0), (count - 1.0, last)]
+    bends = [
+        (0.0, first),
+        *((n, gone) for n, gone in wear.course if 0.0 < n < count - 1.0),
+        (count - 1.0, last),
+    ]
     knots: dict[float, CircleMap] = {}
     for (begin, low), (end, high) in pairwise(bends):
         for n, share in ((begin, low), (end, high)):

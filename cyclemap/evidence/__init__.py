@@ -11,19 +11,24 @@ push_sets, PushSet, dataset_sliders : pushes made alike; the objects that files 
 Fitting
 -------
 fit_map, FittedMap : a cycle map from pairs
-fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one that wears
+fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one
+    that wears
 fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
-measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a measured path
-turn_bins, TurnBins, angle_histogram, AngleHistogram, turn_histogram, TurnHistogram : medians and counts
+measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a
+    measured path
+turn_bins, TurnBins, angle_histogram, AngleHistogram, turn_histogram, TurnHistogram : medians and
+    counts
 measured_overlay, MeasuredOverlay, MapAgreement : pairs over a map, and their distance from it
 
 Identifying
 -----------
-identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum likelihood of what is unknown
+identify, Identification, Parameter, ParameterSpace, SurfaceParameters : maximum likelihood of what
+    is unknown
 identified_material : the answer as a material
 DataBlock : data of one sort and their prediction
-push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_twist_block : blocks by sort
+push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_twist_block : blocks
+    by sort
 collected_blocks : the blocks of all data in files and folders
 friction_ellipse_from_scans, contact_force_ratio : from forces alone
 plan_pushes, PushPlan : which pushes to make, and what they will tell
@@ -32,15 +37,18 @@ Comparing
 ---------
 compare, Comparison, Verdict : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
-collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated collections
+collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated
+    collections
 CircularLaw, kernel_modes : a tabulated distribution; maxima of an estimated density
 circular_wasserstein, total_variation : distances
 kuiper_statistic, watson_statistic : of orientations against a distribution
 
 Making
 ------
-simulate_collection, SimulatedCollection, RecordingNoise : a collection's files, as a robot would record them
-probe, probe_pushes, command_push, simulated_push, Probe : what a function, program or log says of pushes
+simulate_collection, SimulatedCollection, RecordingNoise : a collection's files, as a robot would
+    record them
+probe, probe_pushes, command_push, simulated_push, Probe : what a function, program or log says of
+    pushes
 """
 
 from typing import TYPE_CHECKING
@@ -48,7 +56,8 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time each name is imported when it is first
+    # used.
     from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
@@ -57,10 +66,18 @@ if TYPE_CHECKING:
         friction_scan_block,
         wrench_twist_block,
     )
-    from cyclemap.evidence.data_blocks.stroke_block import cycle_pair_block, drag_turn_block, push_end_block
+    from cyclemap.evidence.data_blocks.stroke_block import (
+        cycle_pair_block,
+        drag_turn_block,
+        push_end_block,
+    )
     from cyclemap.evidence.identification.data_block import DataBlock
     from cyclemap.evidence.identification.identify import Identification, identify
-    from cyclemap.evidence.identification.surface_parameters import Parameter, ParameterSpace, SurfaceParameters
+    from cyclemap.evidence.identification.surface_parameters import (
+        Parameter,
+        ParameterSpace,
+        SurfaceParameters,
+    )
     from cyclemap.evidence.identified_material import identified_material
     from cyclemap.evidence.laws.fit_map import (
         FittedMap,
@@ -80,9 +97,19 @@ if TYPE_CHECKING:
         total_variation,
         watson_statistic,
     )
-    from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
+    from cyclemap.evidence.orientations.collection_null import (
+        CollectionModel,
+        collection_p_values,
+        simulated_ensemble,
+    )
     from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
-    from cyclemap.evidence.push_probe import Probe, command_push, probe, probe_pushes, simulated_push
+    from cyclemap.evidence.push_probe import (
+        Probe,
+        command_push,
+        probe,
+        probe_pushes,
+        simulated_push,
+    )
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
@@ -103,27 +130,74 @@ if TYPE_CHECKING:
     from cyclemap.evidence.replay.replay_table import ReplayedPushes, dataset_sliders, replay_pushes
     from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
     from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-    from cyclemap.evidence.tables.push_sets import PushSet, PushStatistics, push_sets, push_statistics
-    from cyclemap.evidence.tables.set_fit import SetFit, SetLaws, TurnHistogram, fit_set, set_laws, turn_histogram
+    from cyclemap.evidence.tables.push_sets import (
+        PushSet,
+        PushStatistics,
+        push_sets,
+        push_statistics,
+    )
+    from cyclemap.evidence.tables.set_fit import (
+        SetFit,
+        SetLaws,
+        TurnHistogram,
+        fit_set,
+        set_laws,
+        turn_histogram,
+    )
 else:
     import_on_first_use(__name__)
 
 __all__ = ["Comparison", "Verdict", "compare"]
-__all__ += ["WrenchTwists", "collected_blocks", "cycle_pair_block", "drag_turn_block", "friction_ellipse_from_scans"]
+__all__ += [
+    "WrenchTwists",
+    "collected_blocks",
+    "cycle_pair_block",
+    "drag_turn_block",
+    "friction_ellipse_from_scans",
+]
 __all__ += ["friction_scan_block", "push_end_block", "wrench_twist_block"]
 __all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
 __all__ += ["identified_material", "identify"]
 __all__ += ["FittedMap", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
 __all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
-__all__ += ["CircularLaw", "CollectionModel", "PValue", "circular_wasserstein", "collection_p_values", "kernel_modes"]
+__all__ += [
+    "CircularLaw",
+    "CollectionModel",
+    "PValue",
+    "circular_wasserstein",
+    "collection_p_values",
+    "kernel_modes",
+]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
 __all__ += ["PushPlan", "plan_pushes"]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
-__all__ += ["AngleHistogram", "MapAgreement", "MeasuredDrag", "MeasuredOverlay", "MeasuredPush", "PushRecord"]
-__all__ += ["PushTable", "ScanRecord", "Theta0Pairs", "TurnBins", "UnreadableFile", "angle_histogram"]
+__all__ += [
+    "AngleHistogram",
+    "MapAgreement",
+    "MeasuredDrag",
+    "MeasuredOverlay",
+    "MeasuredPush",
+    "PushRecord",
+]
+__all__ += [
+    "PushTable",
+    "ScanRecord",
+    "Theta0Pairs",
+    "TurnBins",
+    "UnreadableFile",
+    "angle_histogram",
+]
 __all__ += ["contact_force_ratio", "load_pushes", "measured_overlay"]
 __all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
 __all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
 __all__ += ["RecordingNoise", "SimulatedCollection", "simulate_collection"]
-__all__ += ["MeasuredCycleMap", "PushSet", "PushStatistics", "SetFit", "SetLaws", "TurnHistogram", "fit_set"]
+__all__ += [
+    "MeasuredCycleMap",
+    "PushSet",
+    "PushStatistics",
+    "SetFit",
+    "SetLaws",
+    "TurnHistogram",
+    "fit_set",
+]
 __all__ += ["measured_cycle_map", "push_sets", "push_statistics", "set_laws", "turn_histogram"]

@@ -1,4 +1,6 @@
-"""What follows from an identification: axes and directions with intervals, what is drawn, and a material."""
+"""What follows from an identification: axes and directions with intervals, what is drawn, and a
+material.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,12 @@ from cyclemap.mechanics import (
     Wear,
 )
 from cyclemap.mechanics.foundation import FLAT
-from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, PLATE_SHAPE_KEYS, FloorSession, shape_numbers
+from cyclemap.mechanics.material import (
+    FLOOR_SHAPE_KEYS,
+    PLATE_SHAPE_KEYS,
+    FloorSession,
+    shape_numbers,
+)
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -45,7 +52,10 @@ _AROUND = np.linspace(0.0, 2.0 * np.pi, 181)
 _BAND_DRAWS = 200
 POSTERIOR_SAMPLES = 200
 # Keys of a material file, what they are here, and the factor to their unit.
-_FOUND_UNITS = {"pusher_mu": ("pusher_friction", 1.0), "pin_friction_mm": ("pin_friction_radius", 1e3)}
+_FOUND_UNITS = {
+    "pusher_mu": ("pusher_friction", 1.0),
+    "pin_friction_mm": ("pin_friction_radius", 1e3),
+}
 # Units as people read them, and the factor from SI.
 _READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
 WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
@@ -53,7 +63,8 @@ WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 @dataclass(frozen=True)
 class Derived:
-    """One quantity: its value and interval. unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
+    """One quantity: its value and interval. unit : `1`, `kPa` or `rad`; angles are on the lift
+    nearest to the value.
 
     known : whether the data tell it; a direction that may be any is not.
     """
@@ -71,8 +82,11 @@ def _floor(surface: SurfaceParameters) -> SurfaceShape:
     return owned_shapes(surface.values(), FLOOR_NAMES)[""]
 
 
-# Names, what they are, of which parameters (by their beginning), unit, period of an angle, least value, and how.
-_QUANTITIES: tuple[tuple[str, str, str, str, float, float, Callable[[SurfaceParameters], float]], ...] = (
+# Names, what they are, of which parameters (by their beginning), unit, period of an angle, least
+# value, and how.
+_QUANTITIES: tuple[
+    tuple[str, str, str, str, float, float, Callable[[SurfaceParameters], float]], ...
+] = (
     (
         "axis_ratio",
         "longer over shorter axis of the friction ellipse",
@@ -139,11 +153,15 @@ _QUANTITIES: tuple[tuple[str, str, str, str, float, float, Callable[[SurfacePara
 )
 
 
-def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> tuple[dict[str, float], ...]:
-    """Return values of all parameters drawn from the uncertainty of an identification, each a possible truth.
+def sampled_values(
+    found: Identification, count: int = DRAWS, seed: int = 0
+) -> tuple[dict[str, float], ...]:
+    """Return values of all parameters drawn from the uncertainty of an identification, each a
+    possible truth.
 
-    Parameters are normal with the fit's covariance, each spread so that its interval is Student's, and cut at their
-    bounds; what the data leave wholly open stays at its value. Draws that are no friction ellipse are left out.
+    Parameters are normal with the fit's covariance, each spread so that its interval is Student's,
+    and cut at their bounds; what the data leave wholly open stays at its value. Draws that are no
+    friction ellipse are left out.
     """
     whole_number("draws", count, least=1)
     errors, space = found.uncertainty, found.problem.space
@@ -162,12 +180,15 @@ def sampled_values(found: Identification, count: int = DRAWS, seed: int = 0) -> 
     return tuple(drawn)
 
 
-def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0) -> tuple[Derived, ...]:
-    """Return directions and sizes of friction ellipse and floor's bow as far as their parameters are free.
+def derived_quantities(
+    found: Identification, draws: int = DRAWS, seed: int = 0
+) -> tuple[Derived, ...]:
+    """Return directions and sizes of friction ellipse and floor's bow as far as their parameters
+    are free.
 
-    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity, offset, bow) may
-    be zero by Hotelling's test, its direction is not known and its size has its least value, 1 or 0, for a lower end:
-    drawn vectors never are zero.
+    Intervals hold the middle share `found.level` of sampled surfaces. Where a vector (ellipticity,
+    offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
+    least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
     sampled = [SurfaceParameters.from_values(one) for one in sampled_values(found, draws, seed)]
     free, best, told = found.problem.space.names, SurfaceParameters.from_values(found.values), []
@@ -191,7 +212,8 @@ def derived_quantities(found: Identification, draws: int = DRAWS, seed: int = 0)
 
 
 def _may_vanish(found: Identification, index: list[int]) -> bool:
-    """Whether the vector of two parameters is within its error of zero: T^2 against F(2, freedom)."""
+    """Whether the vector of two parameters is within its error of zero: T^2 against F(2,
+    freedom)."""
     from scipy.stats import f
 
     vector, errors = found.fit.vector[index], found.uncertainty
@@ -204,7 +226,9 @@ def _may_vanish(found: Identification, index: list[int]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class StrokeFit:
-    """Turns of strokes of one block, (n,) rad; errors (n, 2), m, of where pushes ended, None of drags."""
+    """Turns of strokes of one block, (n,) rad; errors (n, 2), m, of where pushes ended, None of
+    drags.
+    """
 
     name: str
     measured: Array
@@ -214,7 +238,9 @@ class StrokeFit:
 
 @dataclass(frozen=True, eq=False)
 class CycleFit:
-    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn over `grid` (k,), and late in the wear."""
+    """Cycles: orientation and turn measured (n,), rad; the fitted map's turn over `grid` (k,), and
+    late in the wear.
+    """
 
     name: str
     theta: Array
@@ -226,7 +252,8 @@ class CycleFit:
 
 @dataclass(frozen=True, eq=False)
 class IdentifiedCurves:
-    """Tractions: the ellipse (m, 2), its worn state or None, sampled ones (d, m, 2), forces (s, 2) of scans or None.
+    """Tractions: the ellipse (m, 2), its worn state or None, sampled ones (d, m, 2), forces (s, 2)
+    of scans or None.
 
     sized : whether the data tell the size of the ellipse, and not its shape alone.
     """
@@ -240,9 +267,15 @@ class IdentifiedCurves:
     cycles: tuple[CycleFit, ...]
 
 
-def identified_curves(found: Identification, scans: Array | None = None, seed: int = 0) -> IdentifiedCurves:
-    """Compute what is drawn of an identification; `scans` : (s, 2) tractions of its friction scans."""
-    laws = [SurfaceParameters.from_values(one).to_friction() for one in sampled_values(found, _BAND_DRAWS, seed)]
+def identified_curves(
+    found: Identification, scans: Array | None = None, seed: int = 0
+) -> IdentifiedCurves:
+    """Compute what is drawn of an identification; `scans` : (s,
+    2) tractions of its friction scans."""
+    laws = [
+        SurfaceParameters.from_values(one).to_friction()
+        for one in sampled_values(found, _BAND_DRAWS, seed)
+    ]
     worn = worn_friction_of(found.values)
     strokes, cycles = [], []
     for number, block in enumerate(found.problem.blocks):
@@ -253,11 +286,20 @@ def identified_curves(found: Identification, scans: Array | None = None, seed: i
         if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
             *place, off = errors.reshape(turn.size, -1).T
-            strokes.append(StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None))
+            strokes.append(
+                StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None)
+            )
         else:
-            values, wears = block.own_values(found.values), any(one.startswith("worn_") for one in block.parameters)
+            values, wears = (
+                block.own_values(found.values),
+                any(one.startswith("worn_") for one in block.parameters),
+            )
             late = block.curve(values, _AROUND, True) if wears else None
-            cycles.append(CycleFit(block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late))
+            cycles.append(
+                CycleFit(
+                    block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late
+                )
+            )
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
@@ -270,8 +312,14 @@ def identified_curves(found: Identification, scans: Array | None = None, seed: i
 
 
 def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
-    """Return the friction at the end of data that were let wear, by the values of all parameters; else None."""
-    worn = {name.removeprefix("worn_"): value for name, value in values.items() if name.startswith("worn_")}
+    """Return the friction at the end of data that were let wear, by the values of all parameters;
+    else None.
+    """
+    worn = {
+        name.removeprefix("worn_"): value
+        for name, value in values.items()
+        if name.startswith("worn_")
+    }
     return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
 
 
@@ -290,16 +338,19 @@ def identified_material(
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
-    sources : what the data were, for the provenance. last_cycle : the number of cycles behind the first after which a
-    surface that wears is the worn one. plate : the object whose shape was identified, where it is one alone.
-    floor : what was known of it, whose plates, sessions and frames are kept, but for shares of the load, which belong
-    to flat floors. Samples of the posterior are of new sessions. What the data do not depend on is left open in
-    `found_with`. Raises InvalidInput for an empty name.
+    sources : what the data were, for the provenance. last_cycle : the number of cycles behind the
+        first after which a surface that wears is the worn one. plate : the object whose shape was
+        identified, where it is one alone.
+    floor : what was known of it, whose plates, sessions and frames are kept, but for shares of the
+        load, which belong to flat floors. Samples of the posterior are of new sessions. What the
+        data do not depend on is left open in `found_with`. Raises InvalidInput for an empty name.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
     asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
-    told = {field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked}
+    told = {
+        field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked
+    }
     worn, shifts = worn_friction_of(found.values), dict[str, list[float]]()
     for key, value in found.values.items():
         if key.startswith(("tip_offset_x", "tip_offset_y")):
@@ -320,7 +371,9 @@ def identified_material(
         misfit_words(found),
         inferred=True,
         found_with=FoundWith(**{**vars(before.found_with), **told}),
-        plates=_joined([one for one in before.plates if not any(one.shares.values())], plates, "plate"),
+        plates=_joined(
+            [one for one in before.plates if not any(one.shares.values())], plates, "plate"
+        ),
         wear=wear,
         frames=_joined(before.frames, frames, "plate"),
         noise=before.noise,
@@ -333,7 +386,9 @@ def identified_material(
 
 
 def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
-    """What was known, each of a name of its own, then what is new, which takes the place of what has its name."""
+    """What was known, each of a name of its own, then what is new, which takes the place of what
+    has its name.
+    """
     names = {getattr(one, key) for one in new}
     return (*(one for one in before if getattr(one, key) not in names), *new)
 
@@ -347,7 +402,10 @@ def _posterior(
     """
     rows, rng = list[dict[str, float]](), np.random.default_rng(0)
     for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
-        row, worn = _ellipse(SurfaceParameters.from_values(values).to_friction()), worn_friction_of(values)
+        row, worn = (
+            _ellipse(SurfaceParameters.from_values(values).to_friction()),
+            worn_friction_of(values),
+        )
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
         off = rng.standard_normal(3) * found.session_spread
         floors = owned_shapes(values, FLOOR_NAMES)
@@ -361,11 +419,16 @@ def _posterior(
             if name in values and getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
         for named, shape in owned_shapes(values, PLATE_NAMES).items():
-            row |= {f"{named or plate}.{key}": size for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items()}
+            row |= {
+                f"{named or plate}.{key}": size
+                for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items()
+            }
         if before is not None:
             old = zip(before.parameters, before.samples[number % len(before)], strict=True)
             kept = {
-                key: value for key, value in old if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
+                key: value
+                for key, value in old
+                if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
             }
             row = kept | row
         rows.append(row)
@@ -374,7 +437,10 @@ def _posterior(
 
 
 def _ellipse(law: EllipseFriction) -> dict[str, float]:
-    return {**{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")}, "phi_deg": math.degrees(law.phi)}
+    return {
+        **{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")},
+        "phi_deg": math.degrees(law.phi),
+    }
 
 
 def provenance_words(found: Identification, sources: Sequence[str]) -> str:
@@ -385,7 +451,9 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     told = []
     for one in found.estimates:
         unit, factor = readable_unit(one.unit)
-        value, lower, upper = (f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper))
+        value, lower, upper = (
+            f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper)
+        )
         words = f"{value} ({lower} to {upper}){unit}" if one.identifiable else "not identifiable"
         told.append(f"{one.name} {words}")
     free = "; ".join(told)
@@ -397,7 +465,8 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
 
 
 def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
-    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions are told once.
+    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
+    are told once.
 
     >>> belief_words({"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0), "plate_warp_x[hex]": (2.0, 0.5)})
     'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
@@ -412,14 +481,20 @@ def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
 
 
 def misfit_words(found: Identification) -> str:
-    """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks their ranges."""
+    """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks
+    their ranges.
+    """
     sentences = []
     for named in dict.fromkeys(one.kind for one in found.errors):
         kind, unit, factor = readable_kind(named)
         alike = [one for one in found.errors if one.kind == named]
         if len(alike) > 2:
             beside = []
-            for word, size in (("", "mean"), ("left out ", "left_out_mean"), ("isotropic ", "isotropic_mean")):
+            for word, size in (
+                ("", "mean"),
+                ("left out ", "left_out_mean"),
+                ("isotropic ", "isotropic_mean"),
+            ):
                 sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
                 beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
             told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit}"

@@ -1,4 +1,6 @@
-"""What measured pushes tell of a floor of which something was believed before, and whether that is enough."""
+"""What measured pushes tell of a floor of which something was believed before, and whether that is
+enough.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,8 @@ from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
 
-# Directions, and whether there are any, are known when this share of what is left to believe agrees.
+# Directions, and whether there are any, are known when this share of what is left to believe
+# agrees.
 SURE = 0.95
 
 
@@ -32,7 +35,8 @@ SURE = 0.95
 class MeasuredPlan:
     """What pushes on a floor tell of it.
 
-    loop : on the identified floor. identification : of its parameters. directions : how well the stable ones are known.
+    loop : on the identified floor. identification : of its parameters. directions : how well the
+        stable ones are known.
     notes : what was read and left out.
     """
 
@@ -43,20 +47,31 @@ class MeasuredPlan:
 
     @property
     def half_width(self) -> float:
-        """Half the widest 95 % interval of a stable direction that is likely to be there, rad; 0 where none is."""
-        likely = [direction for direction in self.directions.directions if direction.share > 1.0 - SURE]
+        """Half the widest 95 % interval of a stable direction that is likely to be there, rad; 0
+        where none is.
+        """
+        likely = [
+            direction for direction in self.directions.directions if direction.share > 1.0 - SURE
+        ]
         return 0.5 * max((direction.upper - direction.lower for direction in likely), default=0.0)
 
     def is_enough(self, within: float) -> bool:
-        """Whether it is known that the loop locks in, and where to `within` rad, or that it does not."""
+        """Whether it is known that the loop locks in, and where to `within` rad, or that it does
+        not.
+        """
         chance = self.directions.chance
         return chance <= 1.0 - SURE or (chance >= SURE and self.half_width <= within)
 
 
 def measured_plan(
-    loop: CollectionLoop, paths: Sequence[Path], *, seed: int = 0, progress: Callable[[float], None] | None = None
+    loop: CollectionLoop,
+    paths: Sequence[Path],
+    *,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
 ) -> MeasuredPlan:
-    """Identify the floor of a loop from measured pushes, and tell how well its stable directions are then known.
+    """Identify the floor of a loop from measured pushes, and tell how well its stable directions
+    are then known.
 
     Parameters
     ----------
@@ -95,11 +110,13 @@ def identified_plan(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Identification, tuple[str, ...]]:
-    """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's material believes.
+    """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's
+    material believes.
 
-    loop, paths, seed, progress : see `measured_plan`, and there what is raised. starts : of the search. Returns the
-    identification, and notes on what was read. A plate that is known stays as it is. Noise is Student's with four
-    degrees of freedom, so that a misread ruler counts little.
+    loop, paths, seed, progress : see `measured_plan`, and there what is raised. starts : of the
+        search. Returns the identification, and notes on what was read. A plate that is known stays
+        as it is. Noise is Student's with four degrees of freedom, so that a misread ruler counts
+        little.
     """
     floor = loop.material
     collected = collected_blocks(paths, loop, population=True)

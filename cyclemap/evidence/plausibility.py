@@ -1,4 +1,5 @@
-"""What no surface does: signs that an identification explains other data than it was told, or none."""
+"""What no surface does: signs that an identification explains other data than it was told,
+or none."""
 
 from __future__ import annotations
 
@@ -7,10 +8,11 @@ import math
 from cyclemap.evidence.identification.identify import Identification, KindErrors
 from cyclemap.evidence.identified_material import readable_kind
 
-# An identification that misses more than isotropic friction, by this factor, has found nothing of it.
+# An identification that misses more than isotropic friction, by this factor, has found nothing of
+# it.
 _WORSE = 1.1
-# Half of the places are further off than this share of the object's reach, half of the turns than that (rad): on floors
-# they lie within a tenth, and within 10 degrees.
+# Half of the places are further off than this share of the object's reach, half of the turns than
+# that (rad): on floors they lie within a tenth, and within 10 degrees.
 _LOST_PLACE, _LOST_TURN = 0.5, math.radians(35.0)
 # Beliefs are held against values further away than this many of their standard deviations.
 _BEYOND_BELIEF = 4.0
@@ -28,7 +30,10 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
     said = [words for one in errors for words in _lost(one, reach)]
     beside = [one for one in errors if math.isfinite(one.isotropic_median)]
     if beside and all(one.median > _WORSE * one.isotropic_median for one in beside):
-        said += [f"{_named(one)}, more than isotropic friction's {_size(one, one.isotropic_median)}" for one in beside]
+        said += [
+            f"{_named(one)}, more than isotropic friction's {_size(one, one.isotropic_median)}"
+            for one in beside
+        ]
     for one in found.estimates:
         value, deviation = found.priors.get(one.name, (one.value, math.inf))
         shape = one.name.startswith(("ellipticity", "offset"))
@@ -38,7 +43,10 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
     law = found.friction()
     low, high = sorted((law.mu_a, law.mu_b))
     if high > MOST_RATIO * low and any(one.identifiable for one in found.estimates):
-        said.append(f"axes of friction {high / low:.3g} : 1 long; no floor that was measured has them beyond 1.7 : 1")
+        said.append(
+            f"axes of friction {high / low:.3g} : 1 long; no floor that was measured has them "
+            "beyond 1.7 : 1"
+        )
     return tuple(dict.fromkeys(said))
 
 
@@ -48,7 +56,9 @@ def _size(one: KindErrors, value: float) -> str:
 
 
 def _named(one: KindErrors) -> str:
-    return f"{one.block}: {readable_kind(one.kind)[0]} off by {_size(one, one.median)} in the median"
+    return (
+        f"{one.block}: {readable_kind(one.kind)[0]} off by {_size(one, one.median)} in the median"
+    )
 
 
 def _lost(one: KindErrors, reach: float) -> list[str]:

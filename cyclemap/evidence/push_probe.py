@@ -1,8 +1,9 @@
-"""Does a simulator, or a robot, push alike in all directions? The answer, the friction ellipse that does the same, and
-the lock-in that it would cause.
+"""Does a simulator, or a robot, push alike in all directions? The answer, the friction ellipse that
+does the same, and the lock-in that it would cause.
 
-The same push is made from orientations all around. Were friction the same in every direction, the object's motion in
-its own frame would not depend on the orientation: what depends on it is anisotropy of the surface, or of the solver.
+The same push is made from orientations all around. Were friction the same in every direction, the
+object's motion in its own frame would not depend on the orientation: what depends on it is
+anisotropy of the surface, or of the solver.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ ALARM_RATE = 1e-3
 CONFIDENCE = 0.95
 MOST_HARMONICS = 4
 OUTCOMES = ("dx", "dy", "dtheta")
-# Of what a solver leaves in a motion that is the same from all orientations: m and rad of a rounding error.
+# Of what a solver leaves in a motion that is the same from all orientations: m and rad of a
+# rounding error.
 _ROUNDING = 1e-9
 # A map is asked for where it locks; no finer than intervals of probes are.
 _TOLERANCE = 1e-4
@@ -51,7 +53,9 @@ _AROUND = np.linspace(0.0, 2.0 * math.pi, 721)
 
 @dataclass(frozen=True)
 class Harmonic:
-    """How much of an outcome goes with `order` times the orientation, with its 95 % interval (m, rad)."""
+    """How much of an outcome goes with `order` times the orientation, with its 95 % interval (m,
+    rad).
+    """
 
     outcome: str
     order: int
@@ -64,11 +68,12 @@ class Harmonic:
 class Probe:
     """What a set of pushes from all around tells.
 
-    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad). p_value : of
-    pushes that are alike in all directions but for noise. noise : (3,) standard deviation of what no harmonic explains.
-    anisotropy : of the friction ellipse under `loop` that mimics them; ratio, offset : its axes' ratio, 1 or more, and
-    its centre over the mean radius, each (value, lower, upper) with 95 % confidence. explained : share of the pushes'
-    dependence on orientation that it accounts for.
+    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta
+        (rad). p_value : of pushes that are alike in all directions but for noise. noise : (3,)
+        standard deviation of what no harmonic explains.
+    anisotropy : of the friction ellipse under `loop` that mimics them; ratio, offset : its axes'
+        ratio, 1 or more, and its centre over the mean radius, each (value, lower, upper) with 95
+        % confidence. explained : share of the pushes' dependence on orientation that it accounts for.
     """
 
     loop: CollectionLoop
@@ -84,7 +89,9 @@ class Probe:
 
     @property
     def found(self) -> bool:
-        """Whether pushes depend on their direction, by more than chance in one of a thousand probes."""
+        """Whether pushes depend on their direction, by more than chance in one of a thousand
+        probes.
+        """
         return self.p_value < ALARM_RATE
 
     @cached_property
@@ -92,12 +99,20 @@ class Probe:
         """The loop on the friction ellipse that mimics what was probed."""
         law = self.loop.material.friction
         friction = self.anisotropy.friction(math.sqrt(law.mu_a * law.mu_b))
-        return replace(self.loop, material=Material(f"{self.loop.material.name} (probed)", friction))
+        return replace(
+            self.loop, material=Material(f"{self.loop.material.name} (probed)", friction)
+        )
 
     @cached_property
     def stable(self) -> tuple[float, ...]:
-        """Orientations (rad) in which a collection on that ellipse would lock; none where it would not."""
-        return tuple(orbit.points[0] for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE)) if orbit.stable)
+        """Orientations (rad) in which a collection on that ellipse would lock; none where it would
+        not.
+        """
+        return tuple(
+            orbit.points[0]
+            for orbit in fixed_points(self.mimic.circle_map(_TOLERANCE))
+            if orbit.stable
+        )
 
     @cached_property
     def turns(self) -> tuple[float, float]:
@@ -109,8 +124,9 @@ class Probe:
 def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     """Push from `count` orientations spread evenly and look at what comes back.
 
-    push : gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame before it, rad. It
-    has to be the push of `loop`, on whatever surface it has. See `probe_pushes`.
+    push : gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame
+        before it, rad. It has to be the push of `loop`, on whatever surface it has. See
+        `probe_pushes`.
 
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> def plywood(theta):
@@ -128,25 +144,34 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
         try:
             changes.append(finite_array("a pose change", given, last=3, ndim=1))
         except InvalidInput as error:
-            raise InvalidInput(f"from theta = {angle:.4g} rad: {error}; give (dx, dy, dtheta) in m and rad") from error
+            raise InvalidInput(
+                f"from theta = {angle:.4g} rad: {error}; give (dx, dy, dtheta) in m and rad"
+            ) from error
     return probe_pushes(theta, np.array(changes), loop)
 
 
 def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> Probe:
-    """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see `Probe`.
+    """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see
+    `Probe`.
 
-    Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow), and the ellipse by
-    least squares of the loop's own pushes, its mean motion left free; outcomes are weighted by the scatter that the
-    harmonics leave. Intervals take noise as normal and independent from push to push.
-    Raises InvalidInput for fewer than 12 pushes, or ones that leave gaps of a quarter turn.
+    Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow),
+    and the ellipse by least squares of the loop's own pushes, its mean motion left free; outcomes
+    are weighted by the scatter that the harmonics leave. Intervals take noise as normal and
+    independent from push to push. Raises InvalidInput for fewer than 12 pushes, or ones that leave
+    gaps of a quarter turn.
     """
-    angles, moved = finite_array("theta", theta, ndim=1), finite_array("change", change, last=3, ndim=2)
+    angles, moved = (
+        finite_array("theta", theta, ndim=1),
+        finite_array("change", change, last=3, ndim=2),
+    )
     if angles.size < FEWEST or len(moved) != angles.size:
         told = f"{angles.size} orientations and {len(moved)} changes"
         raise InvalidInput(f"{told}: give {FEWEST} or more, as many of both")
     gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
     if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
-        raise InvalidInput("the orientations leave a gap of more than a quarter turn: push from all around")
+        raise InvalidInput(
+            "the orientations leave a gap of more than a quarter turn: push from all around"
+        )
     order = min(MOST_HARMONICS, (angles.size - 4) // 4)
     design = fourier_columns(angles, order)
     fits = [fit_linear(design, column) for column in moved.T]
@@ -155,21 +180,45 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     for name, fit in zip(OUTCOMES, fits, strict=True):
         for number in range(1, order + 1):
             rows = slice(2 * number - 1, 2 * number + 1)
-            length = _length(fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1])
+            length = _length(
+                fit.coefficients[rows], fit.covariance[rows, rows], angles.size - design.shape[1]
+            )
             found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
-    free, p_value, vector = 3 * angles.size - 7, _p_value(moved, fits, noise, order), Anisotropy.of_components(values)
-    value, lower, upper = (math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
+    free, p_value, vector = (
+        3 * angles.size - 7,
+        _p_value(moved, fits, noise, order),
+        Anisotropy.of_components(values),
+    )
+    value, lower, upper = (
+        math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)
+    )
     offset = _length(values[:2], covariance[:2, :2], free)
-    return Probe(loop, angles, moved, tuple(found), p_value, noise, vector, (value, lower, upper), offset, explained)
+    return Probe(
+        loop,
+        angles,
+        moved,
+        tuple(found),
+        p_value,
+        noise,
+        vector,
+        (value, lower, upper),
+        offset,
+        explained,
+    )
 
 
 def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, float]:
-    """The length of a vector (2,), and those of the shortest and longest in its 95 % confidence ellipse."""
+    """The length of a vector (2,), and those of the shortest and longest in its 95 % confidence
+    ellipse.
+    """
     values, axes = np.linalg.eigh(covariance)
     reach = math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))
     radii = reach * np.sqrt(np.maximum(values, 0.0))
-    edge = vector + np.stack([radii[0] * np.cos(_AROUND), radii[1] * np.sin(_AROUND)], axis=-1) @ axes.T
+    edge = (
+        vector
+        + np.stack([radii[0] * np.cos(_AROUND), radii[1] * np.sin(_AROUND)], axis=-1) @ axes.T
+    )
     lengths = np.hypot(*edge.T)
     seen = axes.T @ vector
     inside = bool(np.sum((seen / np.maximum(radii, 1e-300)) ** 2) <= 1.0)
@@ -177,20 +226,29 @@ def _length(vector: Array, covariance: Array, free: int) -> tuple[float, float, 
 
 
 def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> float:
-    """Of no dependence on orientation: the likelihood ratio of Wilks, with Rao's F for three outcomes."""
+    """Of no dependence on orientation: the likelihood ratio of Wilks, with Rao's F for three
+    outcomes.
+    """
     count, extra = len(moved), 2 * order
     centred = (moved - moved.mean(axis=0)) / noise
     left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
     floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
-    log_ratio = np.linalg.slogdet(left.T @ left + floor)[1] - np.linalg.slogdet(centred.T @ centred + floor)[1]
+    log_ratio = (
+        np.linalg.slogdet(left.T @ left + floor)[1]
+        - np.linalg.slogdet(centred.T @ centred + floor)[1]
+    )
     s = math.sqrt((9.0 * extra**2 - 4.0) / (extra**2 + 4.0))
     first, second = 3.0 * extra, (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
     root = math.exp(log_ratio / s)
     return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
 
 
-def _ellipse(angles: Array, moved: Array, noise: Array, loop: CollectionLoop) -> tuple[Array, Array, float]:
-    """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the share explained."""
+def _ellipse(
+    angles: Array, moved: Array, noise: Array, loop: CollectionLoop
+) -> tuple[Array, Array, float]:
+    """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the
+    share explained.
+    """
     coarse, law = replace(loop, accuracy=min(loop.accuracy, 1e-7)), loop.material.friction
     mean = math.sqrt(law.mu_a * law.mu_b)
 
@@ -204,23 +262,32 @@ def _ellipse(angles: Array, moved: Array, noise: Array, loop: CollectionLoop) ->
         away = (moved - predicted) / noise
         return np.asarray((away - away.mean(axis=0)).ravel())
 
-    fit = optimize.least_squares(residuals, np.zeros(4), diff_step=1e-4, x_scale=0.02, method="lm", ftol=1e-6)
+    fit = optimize.least_squares(
+        residuals, np.zeros(4), diff_step=1e-4, x_scale=0.02, method="lm", ftol=1e-6
+    )
     if not fit.success:
         raise ConvergenceError(f"no friction ellipse could be fitted: {fit.message}")
-    # What an ellipse cannot mimic counts as scatter of its own, so that its intervals do not forget it.
+    # What an ellipse cannot mimic counts as scatter of its own, so that its intervals do not forget
+    # it.
     free = moved.size - 7
     scatter = max(float(fit.fun @ fit.fun) / free, 1e-30)
     covariance = scatter * np.linalg.inv(fit.jac.T @ fit.jac)
     total = (moved - moved.mean(axis=0)) / noise
-    return fit.x, covariance, max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0)
+    return (
+        fit.x,
+        covariance,
+        max(1.0 - float(fit.fun @ fit.fun) / max(float((total**2).sum()), 1e-300), 0.0),
+    )
 
 
 def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
-    """Return the push of `loop` as `probe` asks for it, from a simulator that moves a rod in the world.
+    """Return the push of `loop` as `probe` asks for it, from a simulator that moves a rod in the
+    world.
 
-    end_pose : gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after the rod has gone
-    straight from one place to another (m), at which the object lay at the origin with orientation theta (rad): the rod
-    first touches it where it starts. No push turns an object by half a turn.
+    end_pose : gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after
+        the rod has gone straight from one place to another (m), at which the object lay at the
+        origin with orientation theta (rad): the rod first touches it where it starts. No push turns
+        an object by half a turn.
 
     >>> loop = CollectionLoop.mit()
     >>> push = simulated_push(loop, lambda theta, start, end: (*end, theta))
@@ -240,12 +307,16 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
 
 
 def command_push(command: Sequence[str]) -> Push:
-    """Return a push that a program makes: a line {"theta_deg": 30} in, a line {"dx_mm", "dy_mm", "dtheta_deg"} out.
+    """Return a push that a program makes: a line {"theta_deg": 30} in, a line {"dx_mm", "dy_mm",
+    "dtheta_deg"} out.
 
-    The program is started once, and asked line by line. Raises InvalidInput where it answers otherwise.
+    The program is started once, and asked line by line. Raises InvalidInput where it answers
+    otherwise.
     """
     try:
-        process = subprocess.Popen(list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            list(command), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
     except OSError as error:
         raise InvalidInput(f"{' '.join(command)}: cannot be started ({error.strerror})") from error
     assert process.stdin is not None and process.stdout is not None
@@ -258,9 +329,16 @@ def command_push(command: Sequence[str]) -> Push:
             writer.flush()
             line = reader.readline()
             told = json.loads(line)
-            return 1e-3 * float(told["dx_mm"]), 1e-3 * float(told["dy_mm"]), math.radians(float(told["dtheta_deg"]))
+            return (
+                1e-3 * float(told["dx_mm"]),
+                1e-3 * float(told["dy_mm"]),
+                math.radians(float(told["dtheta_deg"])),
+            )
         except (OSError, ValueError, KeyError, TypeError) as error:
-            wanted = 'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., "dtheta_deg": ...} is wanted'
+            wanted = (
+                'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., '
+                '"dtheta_deg": ...} is wanted'
+            )
             answer = f"{command[0]} answered {line.strip()[:200]!r}"
             raise InvalidInput(f"{answer}: {wanted}, written out at once") from error
 

@@ -1,4 +1,6 @@
-"""What instruments record of a simulated push or friction scan: series on their own clocks, with noise."""
+"""What instruments record of a simulated push or friction scan: series on their own clocks, with
+noise.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +19,8 @@ from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
 from cyclemap.mechanics import EllipseFriction, PushResult
 
 SAMPLES_PER_SECOND = 250.0
-# As in the measured files: the rod rests a quarter of a second before and after its stroke, and the clocks of the tip
-# and of the force sensor start a little after the object's.
+# As in the measured files: the rod rests a quarter of a second before and after its stroke, and the
+# clocks of the tip and of the force sensor start a little after the object's.
 REST_SECONDS = 0.25
 TIP_LAG, WRENCH_LAG = 0.009, 0.011
 # Seconds since 1970, as robots count: the first of January 2016, the year of the dataset.
@@ -35,8 +37,10 @@ SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
 class RecordingNoise:
     """Standard deviations of normal noise in a simulated collection, independent from draw to draw.
 
-    turn : rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object really lies there.
-    position, angle : m and rad, error of each recorded pose of the object (x and y alike); the robot's tip has none.
+    turn : rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object
+        really lies there.
+    position, angle : m and rad, error of each recorded pose of the object (x and y alike); the
+        robot's tip has none.
     force : N, error of each recorded force component; the torque's is this times the rod's radius.
     """
 
@@ -48,7 +52,9 @@ class RecordingNoise:
     def __post_init__(self) -> None:
         for field in fields(self):
             name = f"noise of the {field.name}"
-            object.__setattr__(self, field.name, non_negative_number(name, getattr(self, field.name)))
+            object.__setattr__(
+                self, field.name, non_negative_number(name, getattr(self, field.name))
+            )
 
     def of_wrenches(self, count: int, lever: float, generator: np.random.Generator) -> Array:
         """Errors (count, 3) of wrenches: N, N, N m, the torque's by a `lever` (m)."""
@@ -71,9 +77,11 @@ class Recording:
         object.__setattr__(self, "speed", positive_number("speed of the rod", self.speed))
 
     def clock(self, seconds: float, lag: float = 0.0) -> tuple[Array, Array]:
-        """Times of samples at 250 Hz from `lag` on until `seconds` are past: as recorded, and since the record began.
+        """Times of samples at 250 Hz from `lag` on until `seconds` are past: as recorded, and since
+        the record began.
 
-        The latter are made of the recorded times, which a double holds to a quarter of a microsecond only.
+        The latter are made of the recorded times, which a double holds to a quarter of a
+        microsecond only.
         """
         count = math.ceil(seconds * SAMPLES_PER_SECOND) + 1
         seen = self.start + (lag + np.arange(count) / SAMPLES_PER_SECOND)
@@ -85,19 +93,26 @@ def recorded_seconds(distance: float, speed: float) -> float:
     return 2.0 * REST_SECONDS + (APPROACH + distance) / speed
 
 
-def record_push(push: PushResult, distance: float, recording: Recording, generator: np.random.Generator) -> PushRecord:
-    """Return what the instruments record of `push`, whose rod goes `distance` (m) on from first touch.
+def record_push(
+    push: PushResult, distance: float, recording: Recording, generator: np.random.Generator
+) -> PushRecord:
+    """Return what the instruments record of `push`, whose rod goes `distance` (m) on from first
+    touch.
 
-    250 Hz, as in the MIT files: the rod rests for 0.25 s, approaches over 1 mm, pushes, and rests for 0.25 s pressed
-    against the object. If it lost the object it goes on to the end of its stroke alone. Wrenches are the object's on
-    the rod, in the world; the torque is about the rod's axis. The object's angle is wrapped.
+    250 Hz, as in the MIT files: the rod rests for 0.25 s, approaches over 1 mm, pushes, and rests
+    for 0.25 s pressed against the object. If it lost the object it goes on to the end of its stroke
+    alone. Wrenches are the object's on the rod, in the world; the torque is about the rod's axis.
+    The object's angle is wrapped.
 
-    Rests, first and last pose are those of `push` to rounding; between, poses and forces are cubic splines of the rod's
-    travel through the ends of the integration's steps. With steps of a sixtieth of 150 mm they came, over 48 pushes of
-    four shapes, within 4 micrometres, 4e-6 rad and 0.2 mN of a run ten times finer.
+    Rests, first and last pose are those of `push` to rounding; between, poses and forces are cubic
+    splines of the rod's travel through the ends of the integration's steps. With steps of a
+    sixtieth of 150 mm they came, over 48 pushes of four shapes, within 4 micrometres, 4e-6 rad and
+    0.2 mN of a run ten times finer.
     """
     seconds = recorded_seconds(distance, recording.speed)
-    object_time, tip_time, wrench_time = (recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG))
+    object_time, tip_time, wrench_time = (
+        recording.clock(seconds, lag) for lag in (0.0, TIP_LAG, WRENCH_LAG)
+    )
     # The rod's way from first touch, m, negative before it.
     object_way, tip_way, wrench_way = (
         np.clip(recording.speed * (elapsed - REST_SECONDS) - APPROACH, -APPROACH, distance)
@@ -106,7 +121,11 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
     states = _states(push, distance, np.concatenate([object_way, wrench_way]))
     pose = states[: len(object_way), :3] + (*MIT_TARGET, 0.0)
     noise = recording.noise
-    pose += generator.standard_normal((len(pose), 3)) * (noise.position, noise.position, noise.angle)
+    pose += generator.standard_normal((len(pose), 3)) * (
+        noise.position,
+        noise.position,
+        noise.angle,
+    )
     pose[:, 2] = shorter_way(pose[:, 2])
     force, lever = -states[len(object_way) :, 3:5], states[len(object_way) :, 5:]
     wrench = np.column_stack([force, lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]])
@@ -123,19 +142,33 @@ def record_push(push: PushResult, distance: float, recording: Recording, generat
 
 
 def _states(push: PushResult, distance: float, travel: Array) -> Array:
-    """Pose of the object, force on it, contact from the rod's centre at travels (n,), m: (n, 7), zero where apart."""
+    """Pose of the object, force on it, contact from the rod's centre at travels (n,), m: (n, 7),
+    zero where apart.
+    """
     from scipy.interpolate import CubicSpline
 
     if push.travel > distance * (1.0 + 1e-9):
-        raise InvalidInput(f"the push went {push.travel:g} m, further than the stroke of {distance:g} m")
+        raise InvalidInput(
+            f"the push went {push.travel:g} m, further than the stroke of {distance:g} m"
+        )
     course = push.trajectory
-    rows = np.column_stack([course.pose, course.contact_force, course.contact_point - course.pusher])
+    rows = np.column_stack(
+        [course.pose, course.contact_force, course.contact_point - course.pusher]
+    )
     state = np.empty((len(travel), 7))
-    # Each phase begins with a row of its own, where the one before it ended, and is constant where it has no length.
+    # Each phase begins with a row of its own, where the one before it ended, and is constant where
+    # it has no length.
     for number in range(course.phase[-1] + 1):
         path, own = course.path[course.phase == number], rows[course.phase == number]
-        on, kept = travel >= (path[0] if number else -math.inf), np.diff(path, prepend=-math.inf) > 0.0
-        state[on] = CubicSpline(path[kept], own[kept])(travel[on]) if np.count_nonzero(kept) > 1 else own[-1]
+        on, kept = (
+            travel >= (path[0] if number else -math.inf),
+            np.diff(path, prepend=-math.inf) > 0.0,
+        )
+        state[on] = (
+            CubicSpline(path[kept], own[kept])(travel[on])
+            if np.count_nonzero(kept) > 1
+            else own[-1]
+        )
     start, end = push.start, push.end
     state[travel < 0.0] = (start.x, start.y, start.theta, 0.0, 0.0, 0.0, 0.0)
     last = rows[-1, 3:] if push.ended != "left" else np.zeros(4)
@@ -146,25 +179,41 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
 def scan_set(surface: str, shape: str, speed: float) -> list[ScanFacts]:
     """The scans of one object on one surface, as the dataset names them; speed in m/s."""
     directions = np.radians((np.arange(0, 360, 5) + 180) % 360).tolist()
-    return [ScanFacts(surface, shape, 0.0, speed, one, repetition) for one in directions for repetition in (0.0, 1.0)]
+    return [
+        ScanFacts(surface, shape, 0.0, speed, one, repetition)
+        for one in directions
+        for repetition in (0.0, 1.0)
+    ]
 
 
 def record_scan(
-    friction: EllipseFriction, weight: float, direction: float, recording: Recording, generator: np.random.Generator
+    friction: EllipseFriction,
+    weight: float,
+    direction: float,
+    recording: Recording,
+    generator: np.random.Generator,
 ) -> ScanRecord:
-    """Return what the instruments record of a stroke in `direction` (rad) of an object of `weight` (N).
+    """Return what the instruments record of a stroke in `direction` (rad) of an object of `weight`
+    (N).
 
-    Every point of the object slides the same way, so that the rod's force on it is the traction of the point's friction
-    times the weight, however the pressure is spread; it is zero while the rod rests, 0.25 s before and after. The rod
-    holds the object at the friction's centre: no torque.
+    Every point of the object slides the same way, so that the rod's force on it is the traction of
+    the point's friction times the weight, however the pressure is spread; it is zero while the rod
+    rests, 0.25 s before and after. The rod holds the object at the friction's centre: no torque.
     """
     way = np.array([math.cos(direction), math.sin(direction)])
     seconds = 2.0 * REST_SECONDS + SCAN_STROKE / recording.speed
-    (tip_seen, tip_time), (seen, time) = recording.clock(seconds), recording.clock(seconds, WRENCH_LAG)
-    travel = np.clip(recording.speed * (tip_time - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
+    (tip_seen, tip_time), (seen, time) = (
+        recording.clock(seconds),
+        recording.clock(seconds, WRENCH_LAG),
+    )
+    travel = (
+        np.clip(recording.speed * (tip_time - REST_SECONDS), 0.0, SCAN_STROKE) - SCAN_STROKE / 2.0
+    )
     force = -weight * friction.traction(way)
     moving = (time >= REST_SECONDS) & (time <= seconds - REST_SECONDS)
-    wrench = np.outer(moving, [*force, 0.0]) + recording.noise.of_wrenches(len(moving), recording.rod_radius, generator)
+    wrench = np.outer(moving, [*force, 0.0]) + recording.noise.of_wrenches(
+        len(moving), recording.rod_radius, generator
+    )
     return ScanRecord(
         np.column_stack([tip_seen, SCAN_CENTRE + np.outer(travel, way), np.zeros(len(travel))]),
         np.column_stack([seen, wrench]),

@@ -1,4 +1,6 @@
-"""A simulated collection: the files that a robot would have left behind, made cycle by cycle, to be gone on with."""
+"""A simulated collection: the files that a robot would have left behind, made cycle by cycle, to be
+gone on with.
+"""
 
 from __future__ import annotations
 
@@ -40,14 +42,18 @@ Arguments = dict[str, str | int | float | bool]
 
 # Streams of random numbers: what one cycle draws of each depends on the seed and its number alone.
 TURN, INSTRUMENTS, SCANS = 0, 1, 2
-# Seconds between two records besides the way back, which takes as long as the push: time to get in and out of the ring.
+# Seconds between two records besides the way back, which takes as long as the push: time to get in
+# and out of the ring.
 _HANDLING_SECONDS = 10.0
 _LONGEST_ARGUMENT = 500
 # Neither is a kind of file that readers of push data look at.
 TRUTH_FILE = "true_theta0.txt"
-_COMMENTS = ("The collection that these data are of; [simulation] is what was asked when they were made.",)
+_COMMENTS = (
+    "The collection that these data are of; [simulation] is what was asked when they were made.",
+)
 PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
-# Longest step (m) of a recorded push, as a share of its travel: between the steps the record is interpolated.
+# Longest step (m) of a recorded push, as a share of its travel: between the steps the record is
+# interpolated.
 _RECORDED = 60
 
 
@@ -55,11 +61,13 @@ _RECORDED = 60
 class CollectionPlan:
     """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
 
-    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle before. speed :
-    m/s, of the rod. wear_to : the surface at the last cycle, to which the limit ellipse goes in a straight line from
-    the loop's own (see `worn_friction`); None: it wears as its material says. scans : whether friction scans, of the
-    fresh surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`, where pushes or
-    way-points change. gripper_turns : rad, of each cycle, by which a gripper turns the object after the drag.
+    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on
+        θ0 or on the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle, to which the limit
+        ellipse goes in a straight line from the loop's own (see `worn_friction`); None:
+        it wears as its material says. scans : whether friction scans, of the
+    fresh surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`,
+        where pushes or way-points change. gripper_turns : rad, of each cycle, by which a gripper
+        turns the object after the drag.
 
     Raises InvalidInput for a value that cannot be used.
     """
@@ -87,10 +95,14 @@ class CollectionPlan:
         for name in ("cycle_loops", "gripper_turns"):
             given = getattr(self, name)
             if given is not None and len(given) != self.cycles:
-                raise InvalidInput(f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle")
+                raise InvalidInput(
+                    f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle"
+                )
         for number, loop in enumerate(self.cycle_loops or ()):
             if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
-                raise InvalidInput(f"cycle_loops: the loop of cycle {number} differs in more than push and reset")
+                raise InvalidInput(
+                    f"cycle_loops: the loop of cycle {number} differs in more than push and reset"
+                )
         for turn in self.gripper_turns or ():
             finite_number("gripper turn", turn)
 
@@ -112,7 +124,9 @@ class CollectionPlan:
         return np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(stream, number)))
 
     def kick(self, cycle: int, theta: float) -> float:
-        """By how much noise turns θ0 (rad) in `cycle`, that began at `theta`: the same whatever was drawn before."""
+        """By how much noise turns θ0 (rad) in `cycle`, that began at `theta`: the same whatever was
+        drawn before.
+        """
         size = self.noise.turn if self.cycle_noise is None else float(self.cycle_noise.sigma(theta))
         return size * self._scatter[cycle]
 
@@ -120,7 +134,9 @@ class CollectionPlan:
     def _scatter(self) -> list[float]:
         """The scatter of each cycle in standard deviations, as alike as successive cycles are."""
         rho = 0.0 if self.cycle_noise is None else self.cycle_noise.correlation
-        drawn = [float(self.generator(TURN, cycle).standard_normal()) for cycle in range(self.cycles)]
+        drawn = [
+            float(self.generator(TURN, cycle).standard_normal()) for cycle in range(self.cycles)
+        ]
         for cycle in range(1, self.cycles):
             drawn[cycle] = rho * drawn[cycle - 1] + math.sqrt(1.0 - rho**2) * drawn[cycle]
         return drawn
@@ -130,17 +146,37 @@ class CollectionPlan:
         # Whole seconds from one record to the next.
         longest = max(loop.push.distance for loop in self.cycle_loops or (self.loop,))
         period = math.ceil(2.0 * recorded_seconds(longest, self.speed) + _HANDLING_SECONDS)
-        return Recording(self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius)
+        return Recording(
+            self.speed, FIRST_CLOCK + cycle * period, self.noise, self.loop.pusher.radius
+        )
 
     def arguments(self) -> Arguments:
-        """Everything that the files depend on, by name: numbers and texts; long texts are cut to a hash."""
+        """Everything that the files depend on, by name: numbers and texts; long texts are cut to a
+        hash.
+        """
         loop, noise = self.loop, self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
-        found: Arguments = {"version": version("cyclemap"), "cycles": self.cycles, "seed": self.seed}
-        found |= {"start_rad": self.start, "material": loop.material.name, "friction": repr(loop.material.friction)}
+        found: Arguments = {
+            "version": version("cyclemap"),
+            "cycles": self.cycles,
+            "seed": self.seed,
+        }
+        found |= {
+            "start_rad": self.start,
+            "material": loop.material.name,
+            "friction": repr(loop.material.friction),
+        }
         found |= {"wear_to": "none" if wear is None else repr(wear), "speed_m_s": self.speed}
-        found |= {one.name: _short(repr(getattr(loop, one.name))) for one in fields(loop) if one.name != "material"}
-        found |= {"noise_turn_rad": noise.turn, "noise_position_m": noise.position, "noise_angle_rad": noise.angle}
+        found |= {
+            one.name: _short(repr(getattr(loop, one.name)))
+            for one in fields(loop)
+            if one.name != "material"
+        }
+        found |= {
+            "noise_turn_rad": noise.turn,
+            "noise_position_m": noise.position,
+            "noise_angle_rad": noise.angle,
+        }
         found |= {"noise_force_n": noise.force, "scans": self.scans, "suffix": self.suffix}
         if self.cycle_noise is not None:
             found["cycle_noise"] = _short(repr(self.cycle_noise))
@@ -159,38 +195,59 @@ def _short(text: str) -> str:
 class CollectionFolder:
     """A folder that holds one collection, begun or complete.
 
-    `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans; `collection.toml` the
-    collection and what was asked, `true_theta0.txt` the true θ0 (rad, not wrapped) of each cycle and of the one that
-    would follow, with a seal behind each.
+    `SURFACE/SHAPE/normal/` holds the pushes, `SURFACE/SHAPE/friction_scan/` the scans;
+    `collection.toml` the collection and what was asked, `true_theta0.txt` the true θ0 (rad, not
+    wrapped) of each cycle and of the one that would follow, with a seal behind each.
 
-    Raises InvalidInput where the folder holds something else, or a collection that was asked for otherwise.
+    Raises InvalidInput where the folder holds something else, or a collection that was asked for
+    otherwise.
     """
 
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
         self.folder, self.plan = Path(folder), plan
-        self.surface, self.shape = file_stem(plan.loop.material.name), file_stem(plan.loop.slider.name)
+        self.surface, self.shape = (
+            file_stem(plan.loop.material.name),
+            file_stem(plan.loop.slider.name),
+        )
         self.home = self.folder / self.surface / self.shape
-        arguments, record, unfinished = plan.arguments(), self.folder / FILE_NAME, f".*{UNFINISHED_SUFFIX}"
+        arguments, record, unfinished = (
+            plan.arguments(),
+            self.folder / FILE_NAME,
+            f".*{UNFINISHED_SUFFIX}",
+        )
         begun = record.is_file()
         if begun:
             table = read_toml(record).get(SIMULATION)
             found = table if isinstance(table, dict) else {}
-            others = [name for name in {**arguments, **found} if arguments.get(name) != found.get(name)]
+            others = [
+                name for name in {**arguments, **found} if arguments.get(name) != found.get(name)
+            ]
             if others:
-                told = "; ".join(f"{name} is {found.get(name)} there and {arguments.get(name)} here" for name in others)
+                told = "; ".join(
+                    f"{name} is {found.get(name)} there and {arguments.get(name)} here"
+                    for name in others
+                )
                 otherwise = f"{self.folder} holds a collection that was asked for otherwise: {told}"
                 raise InvalidInput(f"{otherwise}. Choose another folder")
-        elif self.folder.is_dir() and not all(path.match(unfinished) for path in self.folder.iterdir()):
-            raise InvalidInput(f"{self.folder} holds other files; give a new or empty folder for the collection")
+        elif self.folder.is_dir() and not all(
+            path.match(unfinished) for path in self.folder.iterdir()
+        ):
+            raise InvalidInput(
+                f"{self.folder} holds other files; give a new or empty folder for the collection"
+            )
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
         if not begun:
             asked = {SIMULATION: arguments}
             try:
                 # The loop as every command reads it; without it where no setting can say it.
-                text = collection_text(plan.loop, noise=plan.noise.turn or None, more=asked, comments=_COMMENTS)
+                text = collection_text(
+                    plan.loop, noise=plan.noise.turn or None, more=asked, comments=_COMMENTS
+                )
             except InvalidInput as error:
-                text = toml_text(asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}"))
+                text = toml_text(
+                    asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}")
+                )
             write_whole(record, text.encode())
 
     def push_path(self, cycle: int) -> Path:
@@ -201,15 +258,18 @@ class CollectionFolder:
         return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
 
     def known_theta(self) -> list[float]:
-        """The true θ0 of the cycles that are complete, and of the next: where to go on; the start if there are none.
+        """The true θ0 of the cycles that are complete, and of the next: where to go on; the start
+        if there are none.
 
-        Every line of the truth is sealed with the file of the push that led to its θ0, and with the line before; what
-        comes behind a broken seal does not count, and goes.
+        Every line of the truth is sealed with the file of the push that led to its θ0, and with the
+        line before; what comes behind a broken seal does not count, and goes.
         """
         truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
         self._lines = [self._truth_line(0, self.plan.start, b"")]
-        for cycle, line in enumerate(lines[1 : self.plan.cycles + 1] if lines[:1] == self._lines else (), 1):
+        for cycle, line in enumerate(
+            lines[1 : self.plan.cycles + 1] if lines[:1] == self._lines else (), 1
+        ):
             try:
                 value = plain_number(line.split()[1].decode())
             except (IndexError, ValueError):
@@ -227,16 +287,24 @@ class CollectionFolder:
         write_whole(self.folder / TRUTH_FILE, b"".join(self._lines))
 
     def _truth_line(self, cycle: int, theta: float, before: bytes) -> bytes:
-        """The cycle, its θ0, and a digest of these, of the push that led there and of the line before."""
+        """The cycle, its θ0, and a digest of these, of the push that led there and of the line
+        before.
+        """
         push = self.push_path(cycle - 1) if cycle else None
         content = push.read_bytes() if push is not None and push.is_file() else b""
         told = f"{cycle} {theta!r}".encode()
-        return told + b" # " + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode() + b"\n"
+        return (
+            told
+            + b" # "
+            + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode()
+            + b"\n"
+        )
 
 
 @dataclass(frozen=True)
 class SimulatedCollection:
-    """A complete collection: pushes, how many of them were made now and found there, friction scans, size of all files.
+    """A complete collection: pushes, how many of them were made now and found there, friction
+    scans, size of all files.
 
     theta_last : rad, not wrapped, the true θ0 of the last push.
     """
@@ -258,21 +326,24 @@ def simulate_collection(
     progress: Callable[[float], None] | None = None,
     **asked: Any,
 ) -> SimulatedCollection:
-    """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was begun.
+    """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was
+    begun.
 
-    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n + ξ_n with
-    ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to `loop.accuracy`) and α_n the
-    turn by a gripper, if any. The drag back is not recorded. See `record_push` for the series and their accuracy.
+    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n +
+    ξ_n with ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to
+    `loop.accuracy`) and α_n the turn by a gripper, if any. The drag back is not recorded. See
+    `record_push` for the series and their accuracy.
 
     asked : the other fields of `CollectionPlan`. progress : called with the fraction done.
 
-    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run that was broken off
-    and is called again with the same arguments ends with the files of an undisturbed one, bit for bit; what was
-    changed, cut or emptied since it was written is made again, and all pushes behind it.
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run
+    that was broken off and is called again with the same arguments ends with the files of an
+    undisturbed one, bit for bit; what was changed, cut or emptied since it was written is made
+    again, and all pushes behind it.
 
-    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with others; CycleMapError
-    where another process writes to it; OSError where it cannot be written; ConvergenceError or UnsupportedContact where
-    a push leads out of what the mechanics can do.
+    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with
+    others; CycleMapError where another process writes to it; OSError where it cannot be written;
+    ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
 
     >>> import tempfile
     >>> from cyclemap.evidence.pushes.push_table import load_pushes
@@ -294,7 +365,9 @@ def simulate_collection(
         scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
         for number, scan in enumerate(scans, 1):
             friction, draws = loop.material.friction, plan.generator(SCANS, number)
-            made = record_scan(friction, loop.model.weight, scan.direction, plan.recording(0), draws)
+            made = record_scan(
+                friction, loop.model.weight, scan.direction, plan.recording(0), draws
+            )
             write_push_file(begun.home / SCAN_FOLDER / f"{scan_name(scan)}{plan.suffix}", made)
         theta = begun.known_theta()
         resumed = len(theta) - 1
@@ -306,7 +379,9 @@ def simulate_collection(
             except CycleMapError as error:
                 place = f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees"
                 raise type(error)(f"{place}: {error}") from error
-            record = record_push(push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle))
+            record = record_push(
+                push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle)
+            )
             write_push_file(begun.push_path(cycle), record)
             gripped = 0.0 if plan.gripper_turns is None else plan.gripper_turns[cycle]
             theta.append(back.end.theta + gripped + plan.kick(cycle, theta[-1]))
@@ -314,4 +389,6 @@ def simulate_collection(
             report((cycle + 1) / plan.cycles)
     size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
-    return SimulatedCollection(begun.folder, plan.cycles, written, resumed, len(scans), theta[-2], size)
+    return SimulatedCollection(
+        begun.folder, plan.cycles, written, resumed, len(scans), theta[-2], size
+    )

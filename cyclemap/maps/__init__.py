@@ -8,13 +8,15 @@ CircleMap : a map given by its lift; rigid, sine, Möbius, from samples
 ParametricLift, ARNOLD_FAMILY, MOEBIUS_FAMILY : families by a formula
 compose, conjugate, inverse, nth_iterate, shifted : maps made of maps
 branches, Branch, preimages : where a lift is monotone; all θ with a given image
-is_nondecreasing, lower_envelope, upper_envelope : folds, and the monotone lifts that bound a folded one
+is_nondecreasing, lower_envelope, upper_envelope : folds, and the monotone lifts that bound a folded
+    one
 Estimate : a number and a bound on its error
 
 Orbits
 ------
 fixed_points, periodic_orbits, Orbit : each orbit once, with multiplier and kind
-periodic_points, PeriodicPoints : all points of a period as arrays; proved=True makes number and bounds theorems
+periodic_points, PeriodicPoints : all points of a period as arrays; proved=True makes number and
+    bounds theorems
 crossings_by_jump, JumpCrossing : where a jump passes the diagonal without a fixed point
 basins, Basin : which θ tend to which stable orbit
 slow_passages, SlowPassage : bottlenecks, as a saddle-node leaves them
@@ -26,15 +28,18 @@ rotation_interval, RotationInterval : of a lift that folds
 rotation_numbers, RotationNumbers, rotation_plane, RotationPlane : many at once
 topological_entropy, kneading_sequences : of a lift that folds, with bounds from both sides
 birkhoff_average : the mean of a function along an orbit, weighted to converge fast
-lyapunov_exponent, lyapunov_exponents, LyapunovExponents : with noise by the operator; of many orbits
+lyapunov_exponent, lyapunov_exponents, LyapunovExponents : with noise by the operator; of many
+    orbits
 
 Families, p → CircleMap
 -----------------------
 follow_orbit, OrbitBranch, orbit_branches : periodic orbits continued in a parameter
 bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : where orbits change
-bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of two parameters
+bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of
+    two parameters
 slow_folds, SlowFold : when a parameter that moves takes stable points away, and how late that shows
-response, Response : derivatives of law, winding, stable points and passage times by the parameter, under noise
+response, Response : derivatives of law, winding, stable points and passage times by the parameter,
+    under noise
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
 orbit_diagram, OrbitDiagram : where orbits are after a transient
 
@@ -50,7 +55,8 @@ Passages
 --------
 mean_passage_time, log10_passage_time : cycles until an arc is left
 hitting_probability, survival_probabilities : which arc first; staying for n cycles
-quasi_stationary, QuasiStationary : where a path is that has not left an arc, and to which side it slips out
+quasi_stationary, QuasiStationary : where a path is that has not left an arc, and to which side it
+    slips out
 
 Staircases
 ----------
@@ -58,7 +64,8 @@ sample_staircase, sample_staircases, Staircase : noisy paths of the lifted orien
 predict_staircase, StaircaseSummary, SlowZone : where such a path rests, how long, how high it steps
 find_steps, Steps : the dwells and steps of a path
 compare_steps, StepComparison : found beside predicted
-rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to 1
+rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to
+    1
 DriftingMap, predict_drift, DriftSummary : a map that changes with the cycle
 """
 
@@ -67,7 +74,8 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time each name is imported when it is first
+    # used.
     from cyclemap.maps.estimate import Estimate
     from cyclemap.maps.families.bifurcation_curves import (
         BifurcationCurve,
@@ -94,7 +102,12 @@ if TYPE_CHECKING:
     )
     from cyclemap.maps.families.orbit_equations import Bifurcation
     from cyclemap.maps.families.response import Response, response
-    from cyclemap.maps.families.rotation_numbers import RotationNumbers, RotationPlane, rotation_numbers, rotation_plane
+    from cyclemap.maps.families.rotation_numbers import (
+        RotationNumbers,
+        RotationPlane,
+        rotation_numbers,
+        rotation_plane,
+    )
     from cyclemap.maps.families.slow_folds import SlowFold, slow_folds
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
@@ -126,7 +139,11 @@ if TYPE_CHECKING:
     )
     from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
     from cyclemap.maps.passages.log_passage import log10_passage_time
-    from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time, survival_probabilities
+    from cyclemap.maps.passages.passage_times import (
+        hitting_probability,
+        mean_passage_time,
+        survival_probabilities,
+    )
     from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
     from cyclemap.maps.staircases.early_warning import RestMultiplier, rest_multiplier
     from cyclemap.maps.staircases.slow_zones import (
@@ -149,21 +166,106 @@ else:
     import_on_first_use(__name__)
 
 __all__ = ["Estimate"]
-__all__ += ["ARNOLD_FAMILY", "MOEBIUS_FAMILY", "Bifurcation", "LyapunovExponents", "OrbitBranch", "OrbitDiagram"]
-__all__ += ["ParametricLift", "RotationNumbers", "RotationPlane", "Tongue", "TongueBoundaries", "bifurcations"]
-__all__ += ["border_collisions", "follow_orbit", "lyapunov_exponent", "lyapunov_exponents", "orbit_branches"]
-__all__ += ["orbit_diagram", "period_doublings", "rotation_numbers", "rotation_plane", "saddle_nodes", "tongue"]
-__all__ += ["BifurcationCurve", "CodimensionTwo", "bifurcation_curves", "follow_bifurcation", "tongues"]
+__all__ += [
+    "ARNOLD_FAMILY",
+    "MOEBIUS_FAMILY",
+    "Bifurcation",
+    "LyapunovExponents",
+    "OrbitBranch",
+    "OrbitDiagram",
+]
+__all__ += [
+    "ParametricLift",
+    "RotationNumbers",
+    "RotationPlane",
+    "Tongue",
+    "TongueBoundaries",
+    "bifurcations",
+]
+__all__ += [
+    "border_collisions",
+    "follow_orbit",
+    "lyapunov_exponent",
+    "lyapunov_exponents",
+    "orbit_branches",
+]
+__all__ += [
+    "orbit_diagram",
+    "period_doublings",
+    "rotation_numbers",
+    "rotation_plane",
+    "saddle_nodes",
+    "tongue",
+]
+__all__ += [
+    "BifurcationCurve",
+    "CodimensionTwo",
+    "bifurcation_curves",
+    "follow_bifurcation",
+    "tongues",
+]
 __all__ += ["Response", "RestMultiplier", "SlowFold", "response", "rest_multiplier", "slow_folds"]
-__all__ += ["Branch", "CircleMap", "branches", "compose", "conjugate", "inverse", "nth_iterate", "preimages", "shifted"]
+__all__ += [
+    "Branch",
+    "CircleMap",
+    "branches",
+    "compose",
+    "conjugate",
+    "inverse",
+    "nth_iterate",
+    "preimages",
+    "shifted",
+]
 __all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
 __all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"]
-__all__ += ["Basin", "JumpCrossing", "Orbit", "PeriodicPoints", "RotationInterval", "RotationNumber", "SlowPassage"]
-__all__ += ["basins", "birkhoff_average", "crossings_by_jump", "fixed_points", "is_nondecreasing", "lower_envelope"]
-__all__ += ["periodic_orbits", "periodic_points", "rotation_interval", "rotation_number", "slow_passages"]
+__all__ += [
+    "Basin",
+    "JumpCrossing",
+    "Orbit",
+    "PeriodicPoints",
+    "RotationInterval",
+    "RotationNumber",
+    "SlowPassage",
+]
+__all__ += [
+    "basins",
+    "birkhoff_average",
+    "crossings_by_jump",
+    "fixed_points",
+    "is_nondecreasing",
+    "lower_envelope",
+]
+__all__ += [
+    "periodic_orbits",
+    "periodic_points",
+    "rotation_interval",
+    "rotation_number",
+    "slow_passages",
+]
 __all__ += ["kneading_sequences", "topological_entropy", "upper_envelope"]
-__all__ += ["QuasiStationary", "hitting_probability", "log10_passage_time", "mean_passage_time", "quasi_stationary"]
+__all__ += [
+    "QuasiStationary",
+    "hitting_probability",
+    "log10_passage_time",
+    "mean_passage_time",
+    "quasi_stationary",
+]
 __all__ += ["survival_probabilities"]
-__all__ += ["DriftSummary", "DriftingMap", "LocalNoise", "SlowZone", "Staircase", "StaircaseSummary", "StepComparison"]
-__all__ += ["Steps", "compare_steps", "find_steps", "predict_drift", "predict_staircase", "sample_staircase"]
+__all__ += [
+    "DriftSummary",
+    "DriftingMap",
+    "LocalNoise",
+    "SlowZone",
+    "Staircase",
+    "StaircaseSummary",
+    "StepComparison",
+]
+__all__ += [
+    "Steps",
+    "compare_steps",
+    "find_steps",
+    "predict_drift",
+    "predict_staircase",
+    "sample_staircase",
+]
 __all__ += ["sample_staircases"]

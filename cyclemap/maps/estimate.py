@@ -1,4 +1,6 @@
-"""Numbers that carry a bound on their own error, and what double precision leaves: each allowance once."""
+"""Numbers that carry a bound on their own error, and what double precision leaves: each allowance
+once.
+"""
 
 from __future__ import annotations
 
@@ -47,10 +49,11 @@ STAIRCASE = 1e-9
 
 
 class Estimate(float):
-    """A number and a bound on its error: everywhere a float, with ``error_bound``, ``lower`` and ``upper``.
+    """A number and a bound on its error: everywhere a float, with ``error_bound``, ``lower`` and
+    ``upper``.
 
-    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is said where the
-    number is made; inf says that nothing is known.
+    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is said
+    where the number is made; inf says that nothing is known.
 
     Raises InvalidInput for a bound that is negative or nan.
 
@@ -64,7 +67,9 @@ class Estimate(float):
 
     def __new__(cls, value: float, error_bound: float) -> Estimate:  # noqa: D102
         if not error_bound >= 0.0:
-            raise InvalidInput(f"error_bound is {error_bound!r}: a bound on an error is zero or more")
+            raise InvalidInput(
+                f"error_bound is {error_bound!r}: a bound on an error is zero or more"
+            )
         made = super().__new__(cls, value)
         object.__setattr__(made, "error_bound", float(error_bound))
         return made
@@ -78,12 +83,20 @@ class Estimate(float):
     @property
     def lower(self) -> float:
         """The least that the truth can be, rounded outward."""
-        return math.nextafter(float(self) - self.error_bound, -math.inf) if self.error_bound else float(self)
+        return (
+            math.nextafter(float(self) - self.error_bound, -math.inf)
+            if self.error_bound
+            else float(self)
+        )
 
     @property
     def upper(self) -> float:
         """The most that the truth can be, rounded outward."""
-        return math.nextafter(float(self) + self.error_bound, math.inf) if self.error_bound else float(self)
+        return (
+            math.nextafter(float(self) + self.error_bound, math.inf)
+            if self.error_bound
+            else float(self)
+        )
 
     def holds(self, truth: float) -> bool:
         """Whether ``truth`` lies between ``lower`` and ``upper``."""

@@ -1,8 +1,8 @@
 """Nodes and weights on the circle or an arc for integrands h(F(θ)) p(θ) of limited bandwidth.
 
-``bandwidth`` is the M beyond which the Fourier coefficients of h and p are negligible. Where F' = s the
-product then carries frequencies up to M·√(1 + s²) (Gaussian coefficients; heavier ones need less), which
-sets the nodes' density.
+``bandwidth`` is the M beyond which the Fourier coefficients of h and p are negligible. Where F' = s
+the product then carries frequencies up to M·√(1 + s²) (Gaussian coefficients; heavier ones need
+less), which sets the nodes' density.
 """
 
 from __future__ import annotations
@@ -23,25 +23,34 @@ MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
 _SHORTEST = 1e-12  # radians: panels are not cut below this
 _PASSES = 64
-_POINTS = 16  # nodes a panel at least, where the map is given by formulas: as many as show what F is like
+_POINTS = (
+    16  # nodes a panel at least, where the map is given by formulas: as many as show what F is like
+)
 _LEAST = 10  # nodes a panel there: enough for F times waves of θ that hardly turn on it
 _TAIL = 3  # last coefficients of a panel that must be small
 _RESOLVED = 1e-12  # radians: F's own last coefficients, rounding apart
-_HALF_RESOLVED = 1.2e-5  # half a wave's last two: falling fast, as those of plain waves, their square is rounding
+# half a wave's last two: falling fast, as those of plain waves, their square is rounding
+_HALF_RESOLVED = 1.2e-5
 _LOG_RESOLVED = 1e-11  # of a panel's part of the integral of ln|F'|
-_PROBES = 3**10  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
+_PROBES = (
+    3**10
+)  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
 _GOLDEN = 0.6180339887498949  # share of a step between the nodes of a rule and those of a finer one
-_UNEVEN = 8.0  # times its own mean: where F' is steeper, panels need fewer nodes than a uniform grid
+_UNEVEN = (
+    8.0  # times its own mean: where F' is steeper, panels need fewer nodes than a uniform grid
+)
 _FLOOR = 1e-300
 _DIRECTIONS = ((1.0, 0.0), (0.8, 0.6), (0.8, -0.6))  # shares of F's waves and of θ's
 _STEEPNESS = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
 
 
 def circle_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights over one turn; ``finer`` times as many nodes as needed, between those of the plain rule.
+    """Nodes and weights over one turn; ``finer`` times as many nodes as needed, between those of
+    the plain rule.
 
-    The trapezoidal rule for maps given by formulas without breaks (geometric convergence for analytic F:
-    Trefethen & Weideman 2014), its nodes as many as F's own waves and the products ask for; else ``arc_rule``.
+    The trapezoidal rule for maps given by formulas without breaks (geometric convergence for
+    analytic F: Trefethen & Weideman 2014), its nodes as many as F's own waves and the products ask
+    for; else ``arc_rule``.
     """
     count = None
     if not circle_map.breaks.size and circle_map.pieces is None:
@@ -56,17 +65,22 @@ def circle_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tupl
 
 
 def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
-    """Nodes with which no product of waves of θ and of F(θ) is taken for a constant; None where panels do better."""
+    """Nodes with which no product of waves of θ and of F(θ) is taken for a constant; None where
+    panels do better.
+    """
     theta = TWO_PI * np.arange(_PROBES) / _PROBES
     turn = circle_map(theta) - circle_map.degree * theta
     size = np.abs(np.fft.rfft(turn)) / _PROBES
-    noticed = np.flatnonzero(size > _RESOLVED / (1.0 + bandwidth) + 4.0 * EPS * (1.0 + float(np.max(np.abs(turn)))))
+    noticed = np.flatnonzero(
+        size > _RESOLVED / (1.0 + bandwidth) + 4.0 * EPS * (1.0 + float(np.max(np.abs(turn))))
+    )
     own = int(noticed[-1]) if noticed.size else 0
     slope = np.abs(np.gradient(turn, theta) + circle_map.degree)
     steepest = float(np.max(slope))
     if own > _PROBES // 4 or steepest > _UNEVEN * max(1.0, float(np.sqrt(np.mean(slope**2)))):
         return None
-    # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of both fall.
+    # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of
+    # both fall.
     whole, needed = int(np.ceil(bandwidth)), 0
     for share in (0.0, 0.4, 0.7, 0.9, 1.0):
         order, other = int(np.ceil(share * whole)), int(np.ceil(np.sqrt(1.0 - share**2) * whole))
@@ -100,10 +114,11 @@ def arc_rule(
     finer: int = 1,
     every_sample: bool = True,
 ) -> tuple[Array, Array]:
-    """Gauss-Legendre panels on [start, end]: none crosses a break, F is resolved on each, each order fits its phase.
+    """Gauss-Legendre panels on [start, end]: none crosses a break, F is resolved on each, each
+    order fits its phase.
 
-    With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without, far
-    fewer nodes. Raises ConvergenceError where more than 400,000 nodes are needed.
+    With ``every_sample`` none crosses a sample of a sampled map either, where F'' jumps; without,
+    far fewer nodes. Raises ConvergenceError where more than 400,000 nodes are needed.
     """
     edges = _edges(circle_map, start, end, every_sample)
     if circle_map.pieces is not None:
@@ -115,8 +130,8 @@ def arc_rule(
 def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False) -> Array:
     """``edges`` and more between them, until F is a polynomial of degree below 16 on each panel.
 
-    logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then at angles between
-    them no further apart than a ten-thousandth of a radian.
+    logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then
+        at angles between them no further apart than a ten-thousandth of a radian.
     """
     open_left, open_right, done = edges[:-1], edges[1:], [edges]
     probed = False
@@ -159,9 +174,13 @@ def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
     coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
     count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
     owner = np.repeat(np.arange(width.size), count)
-    share = (np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count) + _GOLDEN) / count[owner]
+    share = (np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count) + _GOLDEN) / count[
+        owner
+    ]
     image = circle_map(left[owner] + share * width[owner])
-    expected = np.einsum("ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner])
+    expected = np.einsum(
+        "ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner]
+    )
     off = np.abs(image - expected) > 16.0 * (_RESOLVED + 4.0 * LIFT * (TWO_PI + np.abs(image)))
     return np.asarray((np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST))
 
@@ -169,21 +188,25 @@ def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
 def too_many_nodes(count: int) -> ConvergenceError:
     """What is said where a rule would need more nodes than are allowed."""
     return ConvergenceError(
-        f"the map needs {count} quadrature nodes, more than {MAX_NODES}: it is too steep, or has too fine a structure, "
-        "for so small a noise; raise the noise or smooth the map"
+        f"the map needs {count} quadrature nodes, more than {MAX_NODES}: it is too steep, or has "
+        "too fine a structure, for so small a noise; raise the noise or smooth the map"
     )
 
 
 def _on_panels(
     circle_map: CircleMap, edges: Array, bandwidth: float, finer: int, least: int = 3
 ) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its phase."""
+    """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
+    phase.
+    """
     open_left, open_width, done = edges[:-1], np.diff(edges), []
     for _ in range(_PASSES):
         left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
         rough = np.zeros(left.size, dtype=bool)
         if circle_map.pieces is None:  # within cubics the phase tells all
-            rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (width > _SHORTEST)
+            rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (
+                width > _SHORTEST
+            )
         done.append((left[~rough], width[~rough], order[~rough]))
         if not np.any(rough):
             break
@@ -207,7 +230,9 @@ def _on_panels(
 def _fitted(
     circle_map: CircleMap, left: Array, width: Array, bandwidth: float, least: int
 ) -> tuple[Array, Array, Whole]:
-    """Panels cut until their phase, of waves of θ and of F together, is at most 60, and the order that it asks for."""
+    """Panels cut until their phase, of waves of θ and of F together, is at most 60, and the order
+    that it asks for.
+    """
     inner = left[:, None] + width[:, None] * _STEEPNESS
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width
@@ -221,8 +246,12 @@ def _fitted(
     return np.repeat(left, parts) + rank * narrow, narrow, order
 
 
-def _has_rough_waves(circle_map: CircleMap, left: Array, width: Array, order: Whole, bandwidth: float) -> Mask:
-    """Which panels have too few nodes for half a wave of F, or of F and θ, whose square is a whole one."""
+def _has_rough_waves(
+    circle_map: CircleMap, left: Array, width: Array, order: Whole, bandwidth: float
+) -> Mask:
+    """Which panels have too few nodes for half a wave of F, or of F and θ, whose square is a whole
+    one.
+    """
     rough = np.zeros(left.size, dtype=bool)
     for points in np.unique(order).tolist():
         use = np.flatnonzero(order == points)
@@ -249,16 +278,21 @@ def _edges(circle_map: CircleMap, start: float, end: float, every_sample: bool) 
 def graded_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
     """Nodes and weights over one turn on panels that shrink towards each (near) zero of F'.
 
-    For integrands with a logarithm of |F'|, singular where F' = 0, times a density of that bandwidth.
+    For integrands with a logarithm of |F'|, singular where F' = 0, times a density of that
+    bandwidth.
     """
     edges = _resolved_edges(circle_map, _edges(circle_map, 0.0, TWO_PI, True), logarithm=True)
     return _on_panels(circle_map, edges, bandwidth, finer, _POINTS)
 
 
 def gauss_rule(left: Array, width: Array, points: int) -> tuple[Array, Array]:
-    """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width], panel by panel."""
+    """Gauss-Legendre nodes and weights, ``points`` of them on each panel [left, left + width],
+    panel by panel.
+    """
     x, w = _gauss(points)
-    return (left[:, None] + width[:, None] * (0.5 + 0.5 * x)).ravel(), (0.5 * width[:, None] * w).ravel()
+    return (left[:, None] + width[:, None] * (0.5 + 0.5 * x)).ravel(), (
+        0.5 * width[:, None] * w
+    ).ravel()
 
 
 @lru_cache(maxsize=256)

@@ -1,4 +1,5 @@
-"""A data collection as settings and files: from keys in degrees and millimetres to a loop and its strategy, and back.
+"""A data collection as settings and files: from keys in degrees and millimetres to a loop and its
+strategy, and back.
 
 Loops
 -----
@@ -21,7 +22,8 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time each name is imported when it is first
+    # used.
     from cyclemap.protocol.collection_file import loop_from_file
     from cyclemap.protocol.outline_files import OutlineFile, read_outline
     from cyclemap.protocol.own_object import CheckedCollection, check_collection

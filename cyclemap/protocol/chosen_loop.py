@@ -1,7 +1,7 @@
 """From the options of a command to the loop it is about, and the strategy of its cycles.
 
-What is said later wins: MIT's defaults, the folder of the data, the material (a file may tell of object, push and
-reset, too), the protocol file, then each --set in order.
+What is said later wins: MIT's defaults, the folder of the data, the material (a file may tell of
+object, push and reset, too), the protocol file, then each --set in order.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from cyclemap.protocol.strategy import ResetStrategy, one_loop, overruled_settin
 
 @dataclass(frozen=True)
 class LoopOptions:
-    """Which loop a command is about; material: None where none was named, which stands for isotropic friction."""
+    """Which loop a command is about; material: None where none was named, which stands for
+    isotropic friction.
+    """
 
     material: str | None
     protocol: Path | None
@@ -32,7 +34,8 @@ class LoopOptions:
 class ChosenCollection:
     """What the options ask for.
 
-    loop : as the settings have it, what the strategy sets up left out. sigma : the noise of a cycle (rad), None where
+    loop : as the settings have it, what the strategy sets up left out. sigma : the noise of a cycle
+        (rad), None where
     none is named. strategy : of the protocol file; None where it has none.
     """
 
@@ -48,31 +51,43 @@ class ChosenCollection:
         return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
 
 
-def chosen_loop(options: LoopOptions, data: Path | None = None) -> tuple[CollectionLoop, float | None]:
-    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one; data: see below.
+def chosen_loop(
+    options: LoopOptions, data: Path | None = None
+) -> tuple[CollectionLoop, float | None]:
+    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one; data:
+    see below.
 
     A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
     """
     chosen = chosen_collection(options, data).simplified()
     if chosen.strategy is not None:
-        why = "turns the object by a gripper" if len(chosen.strategy.actions) == 1 else "differs from cycle to cycle"
+        why = (
+            "turns the object by a gripper"
+            if len(chosen.strategy.actions) == 1
+            else "differs from cycle to cycle"
+        )
         raise InvalidInput(
-            f"{options.protocol}: its strategy {why}, and this command is about one loop: give the protocol to "
-            "cyclemap cycle, portrait, staircase or simulate, or take [strategy] out of it"
+            f"{options.protocol}: its strategy {why}, and this command is about one loop: give the "
+            "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out "
+            "of it"
         )
     return chosen.loop, chosen.sigma
 
 
 def loop_beside(data: Path) -> CollectionLoop | None:
-    """The loop that a collection file in the folder of data tells, on isotropic friction; None without one."""
+    """The loop that a collection file in the folder of data tells, on isotropic friction; None
+    without one.
+    """
     settings = data_settings(data)
     return loop_from_settings(settings, CollectionLoop.mit("isotropic")) if settings else None
 
 
 def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
-    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the strategy overrules.
+    """The loop, noise and strategy that `options` ask for; InvalidInput for a --set that the
+    strategy overrules.
 
-    data : measured; what their folder says of object, push and reset holds where `options` do not say otherwise.
+    data : measured; what their folder says of object, push and reset holds where `options` do not
+        say otherwise.
     """
     material, settings, strategy = told_settings(options, data)
     own = set_settings(options.settings)
@@ -86,7 +101,8 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
         lost = [key for key in own if key in overruled_settings(strategy)]
         if lost:
             raise InvalidInput(
-                f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it in its table [strategy]"
+                f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it "
+                "in its table [strategy]"
             )
     return ChosenCollection(loop, sigma, strategy)
 
@@ -96,8 +112,8 @@ def told_settings(
 ) -> tuple[str | Path | None, dict[str, object], ResetStrategy | None]:
     """The material where one is named, the settings that are said anywhere, and the strategy.
 
-    Of a file that is a material and a collection in one, both count; a surface in the protocol file only where no
-    material is named.
+    Of a file that is a material and a collection in one, both count; a surface in the protocol file
+    only where no material is named.
     """
     layers = [] if data is None else [data_settings(data)]
     if options.material is not None and options.material.endswith(".toml"):
@@ -110,7 +126,9 @@ def told_settings(
 
 
 def protocol_of(options: LoopOptions) -> tuple[dict[str, object], ResetStrategy | None]:
-    """The settings and the strategy of the protocol file, else of the material's; none where there is no file."""
+    """The settings and the strategy of the protocol file, else of the material's; none where there
+    is no file.
+    """
     is_file = options.material is not None and options.material.endswith(".toml")
     path = options.protocol or (Path(str(options.material)) if is_file else None)
     if path is None:

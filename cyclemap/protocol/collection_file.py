@@ -1,8 +1,10 @@
-"""A collection as one TOML file: the object and its surface, push and reset; what a command writes every one reads.
+"""A collection as one TOML file: the object and its surface, push and reset; what a command writes
+every one reads.
 
-The tables [object], [push], [reset] and [noise] hold settings by the names of `--set`. The surface stands beside them
-as in a material file. The table [data] says how data beside it count angles and lay their axes. What else is in it
-([strategy], [predicted], [simulation]) belongs to those who wrote it.
+The tables [object], [push], [reset] and [noise] hold settings by the names of `--set`. The surface
+stands beside them as in a material file. The table [data] says how data beside it count angles and
+lay their axes. What else is in it ([strategy], [predicted], [simulation]) belongs to those who
+wrote it.
 """
 
 from __future__ import annotations
@@ -57,19 +59,26 @@ _TABLES = {"object": ("Object", "Pressure", "Shape"), "push": ("Push", "Rod"), "
 _READ_OFF = [
     one
     for one in SETTINGS.values()
-    if one.group in ("Object", "Ring", "Push", "Rod") and one.kind != WORD and one.place != "slider.outline"
+    if one.group in ("Object", "Ring", "Push", "Rod")
+    and one.kind != WORD
+    and one.place != "slider.outline"
 ]
 
 
-def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None = None) -> dict[str, Table]:
-    """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by their part.
+def collection_tables(
+    loop: CollectionLoop, noise: WrappedNormal | float | None = None
+) -> dict[str, Table]:
+    """Return the settings that make of `CollectionLoop.mit(loop.material)` this loop, in tables by
+    their part.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad, told in a table of its own.
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad, told in a table of its
+        own.
 
-    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and the rod's friction.
-    What a material brings along is else told only where the loop has it otherwise, so that another material brings its
-    own. Not told: the friction of the surface, the accuracy, and the inertia of an outline that is not MIT's. Raises
-    InvalidInput for what no setting can say: support points that are neither corners nor a grid.
+    Object, push and rod are always told, and of an object that is not MIT's its mass, its ring and
+    the rod's friction. What a material brings along is else told only where the loop has it
+    otherwise, so that another material brings its own. Not told: the friction of the surface, the
+    accuracy, and the inertia of an outline that is not MIT's. Raises InvalidInput for what no
+    setting can say: support points that are neither corners nor a grid.
     """
     base = CollectionLoop.mit(loop.material)
     shape = _shape(loop.slider)
@@ -86,19 +95,29 @@ def collection_tables(loop: CollectionLoop, noise: WrappedNormal | float | None 
         if always or not _same(attrgetter(part)(loop), attrgetter(part)(start)):
             told[setting.key] = _written(setting.unit, setting.of(loop))
     tables: dict[str, Table] = {
-        name: {key: told[key] for key, setting in SETTINGS.items() if key in told and setting.group in groups}
+        name: {
+            key: told[key]
+            for key, setting in SETTINGS.items()
+            if key in told and setting.group in groups
+        }
         for name, groups in _TABLES.items()
     }
     found = loop_from_settings(plain_numbers(told), base)
-    lost = [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
+    lost = (
+        [] if _same(loop.slider.outline_points(8), found.slider.outline_points(8)) else ["outline"]
+    )
     lost += [setting.key for setting in _READ_OFF if not _same(setting.of(loop), setting.of(found))]
     # A footprint that is left to the centre of mass is compared as what it comes to.
     pressures = [
-        one.footprint or PatchFootprint(one.slider.outline, centre=one.slider.centre_of_mass) for one in (loop, found)
+        one.footprint or PatchFootprint(one.slider.outline, centre=one.slider.centre_of_mass)
+        for one in (loop, found)
     ]
     lost += [] if _same_footprint(*pressures) else ["footprint"]
     if lost:
-        raise InvalidInput(f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as it was")
+        raise InvalidInput(
+            f"no setting of a protocol file can say the loop's {', '.join(lost)}: leave that as "
+            "it was"
+        )
     if noise is not None:
         sigma = noise.sigma if isinstance(noise, WrappedNormal) else noise
         tables["noise"] = {NOISE_KEY: math.degrees(positive_number("noise", sigma))}
@@ -115,7 +134,9 @@ def plain_numbers(value: Any) -> Any:
 
 
 def _written(unit: Unit, value: Any) -> object:
-    """What a file says of a value, or of the values of a list, in SI units: the double that, read, comes nearest."""
+    """What a file says of a value, or of the values of a list, in SI units: the double that, read,
+    comes nearest.
+    """
     if isinstance(value, (tuple, list)):
         return [_written(unit, part) for part in value]
     return value if unit is NUMBER else Decimal(repr(float(unit.written(value))))
@@ -127,7 +148,9 @@ def _shape(slider: Slider) -> Settings:
             return {"shape": shape}
     name: Settings = {} if slider.name == OWN_OUTLINE else {"object_name": slider.name}
     if isinstance(slider.outline, Ellipse):
-        semi_x, semi_y = (_written(MILLIMETRES, value) for value in (slider.outline.semi_x, slider.outline.semi_y))
+        semi_x, semi_y = (
+            _written(MILLIMETRES, value) for value in (slider.outline.semi_x, slider.outline.semi_y)
+        )
         return {"semi_x_mm": semi_x, "semi_y_mm": semi_y, **name}
     assert isinstance(slider.outline, Polygon)
     return {"vertices_mm": _written(MILLIMETRES, slider.outline.array.tolist()), **name}
@@ -149,8 +172,8 @@ def _footprint(loop: CollectionLoop, start: CollectionLoop) -> Settings:
         if _same_footprint(found, parse_footprint(name, loop.slider.outline)):
             return {"footprint": name}
     raise InvalidInput(
-        f"{len(found.positions)} support points are neither corners nor a grid: a protocol names them by their CSV "
-        "file; write it without them, and add footprint = FILE.csv by hand"
+        f"{len(found.positions)} support points are neither corners nor a grid: a protocol names "
+        "them by their CSV file; write it without them, and add footprint = FILE.csv by hand"
     )
 
 
@@ -160,7 +183,11 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PressedFootprint) and isinstance(other, PressedFootprint):
         bends = np.concatenate([footprint.plate_bend for footprint in (one, other)])
         floors = np.concatenate([footprint.floor_bend for footprint in (one, other)])
-        alike = _same(bends[:3], bends[3:]) and _same(floors[:3], floors[3:]) and _same(one.centre, other.centre)
+        alike = (
+            _same(bends[:3], bends[3:])
+            and _same(floors[:3], floors[3:])
+            and _same(one.centre, other.centre)
+        )
         if one.field is None or other.field is None:
             return alike and one.field is other.field
         same_field = _same(one.field.coefficients, other.field.coefficients) and _same(
@@ -186,13 +213,14 @@ _FOLDERS_UP = 4
 
 
 def read_settings(path: str | Path) -> Settings:
-    """Return the settings of a file, in its units, for `loop_from_settings`; `noise_deg` among them.
+    """Return the settings of a file, in its units, for `loop_from_settings`; `noise_deg` among
+    them.
 
-    They stand in tables of any name. A surface's own keys and tables are passed over; a table [friction] is one where
-    it has both mu_a and mu_b, and settings otherwise.
+    They stand in tables of any name. A surface's own keys and tables are passed over; a table
+    [friction] is one where it has both mu_a and mu_b, and settings otherwise.
 
-    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper, gives a key twice,
-    holds what is no setting, or is not what its checksum was made of.
+    Raises DataFileError, naming file, key and value, where the file cannot be read, nests deeper,
+    gives a key twice, holds what is no setting, or is not what its checksum was made of.
     """
     text = read_text(Path(path), "TOML")
     check_checksum(path, text)
@@ -208,7 +236,9 @@ def read_settings(path: str | Path) -> Settings:
                     raise InvalidInput(f"{key} is given twice; keep one")
                 settings[key] = plain_numbers(value)
                 if isinstance(value, bool) or not isinstance(value, (int, Decimal, str, list)):
-                    raise InvalidInput(f"{key} is {settings[key]!r}; it must be a number, text or list of points")
+                    raise InvalidInput(
+                        f"{key} is {settings[key]!r}; it must be a number, text or list of points"
+                    )
                 setting_named(key).checked(settings[key])
     return settings
 
@@ -227,9 +257,10 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
 
     Parameters
     ----------
-    path : the file. What it does not say is MIT's; where its object is not, a `DoubtfulInput` warning tells what
-        that is.
-    surface : a material, or a material file, in place of the file's own; without either, isotropic friction.
+    path : the file. What it does not say is MIT's; where its object is not, a `DoubtfulInput`
+        warning tells what that is.
+    surface : a material, or a material file, in place of the file's own; without either, isotropic
+        friction.
 
     Returns
     -------
@@ -256,13 +287,17 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
 
 
 def data_settings(data: str | Path) -> Settings:
-    """Return what the folder of data, or one above it, says of object, push and reset; not the surface."""
+    """Return what the folder of data, or one above it, says of object, push and reset; not the
+    surface.
+    """
     file = _collection_of(data)
     return {} if file is None else without_noise(read_settings(file))[0]
 
 
 def data_table(data: str | Path) -> Settings:
-    """Return the table [data] of the collection file in the folder of data, or in one above it; empty without one."""
+    """Return the table [data] of the collection file in the folder of data, or in one above it;
+    empty without one.
+    """
     file = _collection_of(data)
     found = {} if file is None else read_toml(file).get(DATA, {})
     if not isinstance(found, dict):
@@ -286,8 +321,10 @@ def collection_text(
 ) -> str:
     """Return a loop with its surface as the text of a file.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more : further tables. comments : lines
-    before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop no setting can say.
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more
+        : further tables. comments : lines
+    before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop
+        no setting can say.
     """
     head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
     tables = {**collection_tables(loop, noise), **(more or {})}

@@ -1,4 +1,6 @@
-"""Outlines from drawings and models: SVG, DXF, STL (and what else trimesh reads), URDF, and CSV vertices."""
+"""Outlines from drawings and models: SVG, DXF, STL (and what else trimesh reads), URDF, and CSV
+vertices.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +26,13 @@ Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 # What headers call them.
-_UNIT_WORDS = {**{name: name for name in UNITS}, "in": "inch", "inches": "inch", "metres": "m", "meters": "m"}
+_UNIT_WORDS = {
+    **{name: name for name in UNITS},
+    "in": "inch",
+    "inches": "inch",
+    "metres": "m",
+    "meters": "m",
+}
 MESHES = (".stl", ".obj", ".ply", ".off", ".glb", ".dae")
 # DXF's own numbers of units, and CSS's names of them; a pixel is 1/96 inch there.
 _DXF_UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
@@ -42,7 +50,8 @@ _PIECES = 64
 # Of the curves of a drawing, and of the pieces that all of them are cut into.
 _MOST_CURVES = 30_000
 _MOST_VERTICES = 400
-# Of what is that small nobody would make a drawing in metres, and of what is that large none in millimetres.
+# Of what is that small nobody would make a drawing in metres, and of what is that large none in
+# millimetres.
 _METRES_BELOW = 1.5
 # Triangles that lie this near to the lowest place, as a share of the height, are the underside.
 _UNDERSIDE = 1e-3
@@ -50,7 +59,9 @@ _UNDERSIDE = 1e-3
 
 @dataclass(frozen=True)
 class OutlineFile:
-    """The outline of a file, m, about its centroid, vertex 0 the one farthest up and right; words: what was assumed."""
+    """The outline of a file, m, about its centroid, vertex 0 the one farthest up and right; words:
+    what was assumed.
+    """
 
     outline: Polygon
     words: tuple[str, ...]
@@ -63,12 +74,16 @@ def read_outline(
 
     - ``.svg``: paths and shapes, drawn with y down, in the unit of the drawing's width.
     - ``.dxf``: closed polylines, lines that meet, circles, splines, in the drawing's unit.
-    - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`: the foot print.
-    - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two that there are.
+    - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`: the
+      foot print.
+    - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two that
+      there are.
 
-    unit : "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which `words` say. tolerance : m, by
-    which the outline may be simplified. Needs the libraries of the extra ``cyclemap[outlines]`` for all but CSV.
-    Raises DataFileError where the file has no closed outline, InvalidInput where a library is missing.
+    unit : "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which
+        `words` say. tolerance : m, by which the outline may be simplified. Needs the libraries of the extra
+        ``cyclemap[outlines]`` for all but CSV.
+    Raises DataFileError where the file has no closed outline, InvalidInput where a library is
+    missing.
     """
     path = Path(path)
     kind = path.suffix.lower()
@@ -88,7 +103,8 @@ def read_outline(
         else:
             listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
             raise InvalidInput(
-                f"{path}: an outline is read from {listed}, not from {kind or 'a file without an ending'}"
+                f"{path}: an outline is read from {listed}, not from "
+                f"{kind or 'a file without an ending'}"
             )
     if unit is not None:
         metres, known = UNITS[unit], f"as told, in {unit}"
@@ -96,7 +112,10 @@ def read_outline(
         metres, known = own, "in the file's own unit"
     else:
         guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
-        metres, known = UNITS[guess], f"in {guess}, guessed by its size: give --unit where that is wrong"
+        metres, known = (
+            UNITS[guess],
+            f"in {guess}, guessed by its size: give --unit where that is wrong",
+        )
     return _finished(path, metres * line, known, tolerance)
 
 
@@ -111,7 +130,8 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
         points = np.array(shape.exterior.coords)[:-1]
     if len(points) > _MOST_VERTICES:
         raise DataFileError(
-            f"{path}: {len(points)} vertices: take a larger --tolerance-mm, {_MOST_VERTICES} are enough"
+            f"{path}: {len(points)} vertices: take a larger --tolerance-mm, {_MOST_VERTICES} are "
+            "enough"
         )
     around = np.roll(points, -1, axis=0)
     if float((points[:, 0] * around[:, 1] - points[:, 1] * around[:, 0]).sum()) < 0.0:
@@ -121,8 +141,8 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
     outline = Polygon(tuple(map(tuple, points.round(9).tolist())))
     width, height = 1e3 * np.ptp(points, axis=0)
     told = (
-        f"{path.name}: {width:.4g} x {height:.4g} mm, {known}; {outline.sides} sides of {drawn} points, simplified "
-        f"within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
+        f"{path.name}: {width:.4g} x {height:.4g} mm, {known}; {outline.sides} sides of {drawn} "
+        f"points, simplified within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
     )
     return OutlineFile(outline, (told,))
 
@@ -130,7 +150,9 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
 def _largest(path: Path, lines: Sequence[Array]) -> Array:
     """The closed line around the largest area."""
     if not lines:
-        raise DataFileError(f"{path}: no closed line: close the path of the outline, or join its lines")
+        raise DataFileError(
+            f"{path}: no closed line: close the path of the outline, or join its lines"
+        )
     areas = []
     for line in lines:
         x, y = (line - line[0]).T
@@ -139,7 +161,9 @@ def _largest(path: Path, lines: Sequence[Array]) -> Array:
 
 
 def _csv_vertices(path: Path) -> tuple[Array, str | None]:
-    """The vertices, and their unit where a header names it; columns are told by their names, else they are x and y."""
+    """The vertices, and their unit where a header names it; columns are told by their names, else
+    they are x and y.
+    """
     text = enumerate(read_text(path, "CSV").splitlines(), 1)
     kept = [(number, line) for number, line in text if line.strip(" ,;\t") and line[0] != "#"]
     numbers, lines = [number for number, _ in kept], [line for _, line in kept]
@@ -160,9 +184,13 @@ def _csv_vertices(path: Path) -> tuple[Array, str | None]:
         try:
             points.append([plain_number(row[column]) for column in columns])
         except (ValueError, IndexError) as error:
-            raise DataFileError(f"{path}, line {number}: two numbers x,y are wanted, not {line[:60]!r}") from error
+            raise DataFileError(
+                f"{path}, line {number}: two numbers x,y are wanted, not {line[:60]!r}"
+            ) from error
     if len(points) < 3:
-        raise DataFileError(f"{path}: {len(points)} vertices; an outline has three or more, one x,y a line")
+        raise DataFileError(
+            f"{path}: {len(points)} vertices; an outline has three or more, one x,y a line"
+        )
     return np.array(points), unit
 
 
@@ -178,18 +206,25 @@ def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], 
     """Where a header has x and y, and the unit that it names."""
     found: dict[str, tuple[int, str]] = {}
     for number, name in enumerate(header):
-        match = re.fullmatch(r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower())
+        match = re.fullmatch(
+            r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower()
+        )
         if match and match[1] in found:
-            raise DataFileError(f"{path}: {header[found[match[1]][0]]} and {name} may both be {match[1]}: keep one")
+            raise DataFileError(
+                f"{path}: {header[found[match[1]][0]]} and {name} may both be {match[1]}: keep one"
+            )
         if match:
             found[match[1]] = number, match[2] or ""
     if set(found) != {"x", "y"}:
         raise DataFileError(
-            f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as x_mm,y_mm"
+            f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as "
+            "x_mm,y_mm"
         )
     named = {unit for _, unit in found.values()}
     if len(named) > 1:
-        raise DataFileError(f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one")
+        raise DataFileError(
+            f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one"
+        )
     (word,) = named
     if word and word not in _UNIT_WORDS:
         raise DataFileError(f"{path}: {word} is no unit that is known: give {', '.join(UNITS)}")
@@ -213,10 +248,15 @@ def _svg_outline(path: Path) -> tuple[Array, float]:
             for segment in part:
                 pieces = 1 if type(segment).__name__ == "Line" else most_pieces
                 ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
-            if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(abs(end - ends[0]) for end in ends):
+            if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(
+                abs(end - ends[0]) for end in ends
+            ):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
     # One unit of the drawing, m: its width in the world over its width in the drawing's own units.
-    width, box = (root.get("width") or "").strip(), (root.get("viewBox") or "").replace(",", " ").split()
+    width, box = (
+        (root.get("width") or "").strip(),
+        (root.get("viewBox") or "").replace(",", " ").split(),
+    )
     digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
     try:
         name, across = width[len(digits) :], plain_number(digits)
@@ -244,10 +284,18 @@ def _dxf_outline(path: Path) -> tuple[Array, float | None]:
         pieces.append(np.array([[point.x, point.y] for point in made.flattening(finest)]))
     unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0))
     pieces = [piece for piece in pieces if len(piece) > 1]
-    closed = [piece for piece in pieces if len(piece) > 3 and math.dist(piece[0], piece[-1]) <= 1e-6 * np.ptp(piece)]
+    closed = [
+        piece
+        for piece in pieces
+        if len(piece) > 3 and math.dist(piece[0], piece[-1]) <= 1e-6 * np.ptp(piece)
+    ]
     # Open lines make closed ones where their ends meet.
     shapely = _library("shapely")
-    rest = [shapely.LineString(piece.round(6)) for piece in pieces if not any(piece is one for one in closed)]
+    rest = [
+        shapely.LineString(piece.round(6))
+        for piece in pieces
+        if not any(piece is one for one in closed)
+    ]
     if rest:
         closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
     return _largest(path, closed), None if unit is None else UNITS[unit]
@@ -276,7 +324,11 @@ def _mesh_outline(triangles: Array, underside: bool, path: Path) -> Array:
     hair = 1e-6 * size
     parts = [one.buffer(hair, join_style="mitre") for one in flat if one.area > 1e-12 * size * size]
     union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
-    outlines = [np.array(part.exterior.coords) for part in getattr(union, "geoms", [union]) if not part.is_empty]
+    outlines = [
+        np.array(part.exterior.coords)
+        for part in getattr(union, "geoms", [union])
+        if not part.is_empty
+    ]
     return _largest(path, outlines)
 
 
@@ -286,10 +338,13 @@ def _urdf_mesh(path: Path) -> Array:
         root = ElementTree.fromstring(read_bytes(path))
     except ElementTree.ParseError as error:
         raise DataFileError(f"{path}: not XML: {error}") from error
-    links = {link.get("name"): link for link in root.iter("link") if link.find(".//geometry") is not None}
+    links = {
+        link.get("name"): link for link in root.iter("link") if link.find(".//geometry") is not None
+    }
     if len(links) != 1:
         raise DataFileError(
-            f"{path}: {len(links)} links with a geometry ({', '.join(map(str, links))}): keep the object's alone"
+            f"{path}: {len(links)} links with a geometry ({', '.join(map(str, links))}): keep "
+            "the object's alone"
         )
     link = next(iter(links.values()))
     parts = link.findall("collision") or link.findall("visual")
@@ -306,7 +361,9 @@ def _urdf_mesh(path: Path) -> Array:
     except CycleMapError:
         raise
     except Exception as error:  # what is missing, or is no number, in an element's text
-        raise DataFileError(f"{path}: a geometry or origin of {link.get('name')} cannot be read ({error})") from error
+        raise DataFileError(
+            f"{path}: a geometry or origin of {link.get('name')} cannot be read ({error})"
+        ) from error
 
 
 def _geometry(geometry: Any, path: Path) -> Array:
@@ -323,7 +380,9 @@ def _geometry(geometry: Any, path: Path) -> Array:
         if file is None:
             raise DataFileError(f"{path}: its mesh {name} is not there: put it beside the URDF")
         return np.asarray(_loaded_mesh(file) * np.array(_numbers(shape.get("scale") or "1 1 1")))
-    raise DataFileError(f"{path}: a {shape.tag} has no flat underside: give a box, cylinder or mesh")
+    raise DataFileError(
+        f"{path}: a {shape.tag} has no flat underside: give a box, cylinder or mesh"
+    )
 
 
 def _numbers(text: str | None) -> list[float]:
@@ -334,4 +393,6 @@ def _library(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError as error:
-        raise InvalidInput(f"this kind of file needs {name}: {install_words('outlines')}") from error
+        raise InvalidInput(
+            f"this kind of file needs {name}: {install_words('outlines')}"
+        ) from error

@@ -1,4 +1,6 @@
-"""An experiment with one's own object: a first guess of where to push it, and what is likely wrong with a guess."""
+"""An experiment with one's own object: a first guess of where to push it, and what is likely wrong
+with a guess.
+"""
 
 from __future__ import annotations
 
@@ -19,27 +21,31 @@ from cyclemap.protocol.setting_table import SETTINGS, Settings, without_noise
 from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_settings
 
 MM = 1000.0
-# MIT's experiment by the size of its object, the square root of the plate's area: where the ring is, how far it pushes.
+# MIT's experiment by the size of its object, the square root of the plate's area: where the ring
+# is, how far it pushes.
 _RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
 # Degrees of a push on a disc, and how far the axes of what counts as one may differ.
 _SLANT, _ROUND = 15.0, 1.02
 _RULED_MM = 5.0
-# Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none that is heavier (kg).
+# Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none
+# that is heavier (kg).
 _SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
 _MOST_RATIO = 2.0
-# Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side inside.
+# Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side
+# inside.
 _CELLS = 40
 _AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
-# A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter than this neither.
+# A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter
+# than this neither.
 _SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
 
 
 def first_settings(outline: Outline, name: str) -> Settings:
     """Return settings of an experiment with an object of this outline, in proportion as MIT's is.
 
-    The pushed side is the longest that a straight wall could touch, the ring on the way from the centroid to the corner
-    that ends it; a disc, which no straight push turns, is pushed at a slant. Rod and friction are MIT's rod and no
-    surface at all: they want to be measured.
+    The pushed side is the longest that a straight wall could touch, the ring on the way from the
+    centroid to the corner that ends it; a disc, which no straight push turns, is pushed at a slant.
+    Rod and friction are MIT's rod and no surface at all: they want to be measured.
     """
     size, centre = math.sqrt(outline.area), np.array(outline.centroid)
     if isinstance(outline, Ellipse):
@@ -47,7 +53,9 @@ def first_settings(outline: Outline, name: str) -> Settings:
         side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
         slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
     else:
-        shape = {"vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]}
+        shape = {
+            "vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]
+        }
         side, slant = _longest_outer_side(outline), 0.0
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
@@ -70,7 +78,9 @@ def first_settings(outline: Outline, name: str) -> Settings:
 
 
 def within_reach(loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop with its push no longer than its rod stays on the object, from 24 orientations, less a tenth."""
+    """Return the loop with its push no longer than its rod stays on the object, from 24
+    orientations, less a tenth.
+    """
     coarse = replace(loop, accuracy=1e-6)
     travel = min(coarse.cycle(theta).push.travel for theta in _AROUND)
     if travel >= loop.push.distance * (1.0 - 1e-9):
@@ -90,12 +100,15 @@ def _longest_outer_side(outline: Polygon) -> int:
         for corner, ahead in zip(start, edge / length[:, None], strict=True)
     ]
     outer = [side for side in range(outline.sides) if beyond[side] >= -1e-9 * outline.extent]
-    return max(outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side))
+    return max(
+        outer or range(outline.sides), key=lambda side: (round(float(length[side]), 9), -side)
+    )
 
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong, or likely so, in plain words: `wrong` where nothing can be computed with it."""
+    """What is wrong, or likely so, in plain words:
+    `wrong` where nothing can be computed with it."""
 
     wrong: bool
     words: str
@@ -103,7 +116,9 @@ class Finding:
 
 @dataclass(frozen=True)
 class CheckedCollection:
-    """A collection file as it was understood, and what is doubted of it; loop: None where there can be none."""
+    """A collection file as it was understood, and what is doubted of it; loop: None where there can
+    be none.
+    """
 
     loop: CollectionLoop | None
     findings: tuple[Finding, ...]
@@ -112,9 +127,10 @@ class CheckedCollection:
 def check_collection(path: str | Path) -> CheckedCollection:
     """Look at a collection file as a careful colleague would.
 
-    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment, then, by running the push
-    and drag from 24 orientations, whether the rod runs off the object and whether cycles turn it; last, friction.
-    Raises DataFileError where the file is no collection at all.
+    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment, then,
+    by running the push and drag from 24 orientations, whether the rod runs off the object and
+    whether cycles turn it; last, friction. Raises DataFileError where the file is no collection at
+    all.
     """
     (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
     told = [
@@ -123,11 +139,13 @@ def check_collection(path: str | Path) -> CheckedCollection:
     ]
     if not {"vertices_mm", "semi_x_mm", "shape"} & set(settings):
         told.append(
-            "no object is said, so it is MIT's 90 mm square rect1: give vertices_mm, semi_x_mm and semi_y_mm, or shape"
+            "no object is said, so it is MIT's 90 mm square rect1: give vertices_mm, semi_x_mm "
+            "and semi_y_mm, or shape"
         )
     if not has_surface:
         told.append(
-            "no surface is said: give a table [friction] with mu_a and mu_b, or name a material with each command"
+            "no surface is said: give a table [friction] with mu_a and mu_b, or name a material "
+            "with each command"
         )
     with warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", DoubtfulInput)
@@ -137,7 +155,9 @@ def check_collection(path: str | Path) -> CheckedCollection:
             first_contact(loop.slider, loop.push, loop.pusher.radius)
             _ = loop.model
         except InvalidInput as error:
-            return CheckedCollection(None, (Finding(True, str(error)), *(Finding(False, words) for words in told)))
+            return CheckedCollection(
+                None, (Finding(True, str(error)), *(Finding(False, words) for words in told))
+            )
     told += [*dict.fromkeys(str(doubt.message) for doubt in doubts), *_unusual(loop)]
     return CheckedCollection(loop, (*_strokes(loop), *(Finding(False, words) for words in told)))
 
@@ -148,29 +168,41 @@ def _unusual(loop: CollectionLoop) -> list[str]:
     reach, told = slider.outline.extent, []
     size = f"the object reaches {MM * reach:.4g} mm from its centre"
     if reach < _SMALLEST:
-        told.append(f"{size}: were its lengths given in metres or centimetres? They are read as millimetres")
+        told.append(
+            f"{size}: were its lengths given in metres or centimetres? They are read as millimetres"
+        )
     if reach > _LARGEST:
         told.append(f"{size}: were its lengths given in finer units than millimetres?")
     away = math.dist(slider.outline.centroid, (0.0, 0.0))
     if away > reach:
-        told.append(f"{size}, which is {MM * away:.4g} mm from the origin of its frame: was the drawing not centred?")
+        told.append(
+            f"{size}, which is {MM * away:.4g} mm from the origin of its frame: was the drawing "
+            "not centred?"
+        )
     if math.dist(slider.hitch, slider.centre_of_mass) < _SHORT_LEVER * reach:
-        told.append("the ring is all but at the centre of mass: the drag back will hardly turn the object")
+        told.append(
+            "the ring is all but at the centre of mass: the drag back will hardly turn the object"
+        )
     if slider.mass > _HEAVIEST:
         told.append(f"the mass is {slider.mass:g} kg: was it given in grams?")
     low, high = sorted((law.mu_a, law.mu_b))
     if low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high:
-        told.append(f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual")
+        told.append(
+            f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual"
+        )
     if high > _MOST_RATIO * low:
         told.append(
-            f"friction is {high / low:.3g} times as large in one direction as in another; measured ones reach 1.6"
+            f"friction is {high / low:.3g} times as large in one direction as in another; "
+            "measured ones reach 1.6"
         )
     if loop.pusher.friction > SETTINGS["pusher_mu"].high:
-        told.append(f"friction of {loop.pusher.friction:g} between rod and object is that of rubber")
+        told.append(
+            f"friction of {loop.pusher.friction:g} between rod and object is that of rubber"
+        )
     if law.mu_a == law.mu_b and law.m0 == law.n0 == 0.0:
         told.append(
-            "friction is the same in every direction, so that no push direction is preferred: a guess to start with; "
-            "cyclemap identify finds it from data"
+            "friction is the same in every direction, so that no push direction is preferred: a "
+            "guess to start with; cyclemap identify finds it from data"
         )
     return told
 
@@ -190,12 +222,16 @@ def _strokes(loop: CollectionLoop) -> list[Finding]:
     if shortest[0] < asked * (1.0 - 1e-9):
         told.append(
             f"the rod slides past the edge after {MM * shortest[0]:.0f} of {MM * asked:.0f} mm "
-            f"(from θ0 = {math.degrees(shortest[1]):.0f}°): take a shorter push_mm, or push nearer to the middle"
+            f"(from θ0 = {math.degrees(shortest[1]):.0f}°): take a shorter push_mm, or push "
+            "nearer to the middle"
         )
     if asked < _SHORT_PUSH * loop.slider.outline.extent:
-        told.append(f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?")
+        told.append(
+            f"a push of {MM * asked:.4g} mm hardly moves this object: is push_mm in millimetres?"
+        )
     if max(turns) < math.radians(1.0):
         told.append(
-            "the push goes through the centre of friction and does not turn the object: move the contact or slant it"
+            "the push goes through the centre of friction and does not turn the object: move the "
+            "contact or slant it"
         )
     return [Finding(False, words) for words in told]

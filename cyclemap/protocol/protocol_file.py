@@ -1,4 +1,6 @@
-"""A data collection as a TOML protocol file: the settings of its loop, its strategy, and what was predicted of it."""
+"""A data collection as a TOML protocol file: the settings of its loop, its strategy, and what was
+predicted of it.
+"""
 
 from __future__ import annotations
 
@@ -19,9 +21,12 @@ from cyclemap.text_files import read_toml, write_whole
 Prediction = Mapping[str, object]
 
 _COMMENTS = (
-    "Protocol of a data collection: how the robot pushes the object and drags it back, cycle after cycle.",
-    "Lengths in mm; angles in degrees, counter-clockwise; way-points and directions from the target.",
-    "In Python: cyclemap.read_protocol(FILE). Commands take it as: cyclemap portrait MATERIAL --protocol FILE",
+    "Protocol of a data collection: how the robot pushes the object and drags it back, cycle "
+    "after cycle.",
+    "Lengths in mm; angles in degrees, counter-clockwise; way-points and directions from the "
+    "target.",
+    "In Python: cyclemap.read_protocol(FILE). Commands take it as: cyclemap portrait MATERIAL "
+    "--protocol FILE",
 )
 
 
@@ -35,12 +40,15 @@ def write_protocol(
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
 
-    The file holds the robot's side of the loop as --set keys (the surface is named in a comment only), and the strategy
-    in a table [strategy], from which `read_protocol` makes the equal one. None: no strategy. Its first line is a
-    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by name (numbers, texts,
-    booleans, lists of them; None is left out), a table that readers pass over.
+    The file holds the robot's side of the loop as --set keys (the surface is named in a comment
+    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one.
+    None: no strategy. Its first line is a
+    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by
+        name (numbers, texts, booleans, lists of them; None is left out), a table that readers pass
+        over.
 
-    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be written.
+    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be
+    written.
 
     >>> import tempfile
     >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
@@ -50,7 +58,9 @@ def write_protocol(
     >>> strategy == coin, settings["push_mm"]
     (True, 150)
     """
-    write_whole(Path(path), protocol_text(loop, strategy, noise=noise, predicted=predicted).encode())
+    write_whole(
+        Path(path), protocol_text(loop, strategy, noise=noise, predicted=predicted).encode()
+    )
 
 
 def protocol_text(
@@ -63,7 +73,10 @@ def protocol_text(
     """Return the text that `write_protocol` writes."""
     tables = collection_tables(loop, noise)
     x, y = (1e3 * part for part in loop.slider.hitch)
-    told = [*_COMMENTS, f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object."]
+    told = [
+        *_COMMENTS,
+        f"Written for {loop.material.name}, with the ring at ({x:.4f}, {y:.4f}) mm of the object.",
+    ]
     if strategy is not None:
         tables[STRATEGY] = _strategy_table(strategy)
         needs = f"; needs: {', '.join(strategy.needs)}" if strategy.needs else ""
@@ -75,10 +88,12 @@ def protocol_text(
 
 
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
-    """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its strategy.
+    """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its
+    strategy.
 
-    Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the strategy is None.
-    Raises DataFileError, naming file, key and value, where the file is none of settings, or holds no strategy.
+    Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the
+    strategy is None. Raises DataFileError, naming file, key and value, where the file is none of
+    settings, or holds no strategy.
     """
     settings = read_settings(path)
     # Decimals, so that no number is rounded before its unit is known.
@@ -96,8 +111,12 @@ def _check_prediction(table: object) -> None:
         if not isinstance(key, str):
             raise InvalidInput(f"[{PREDICTED}] names its scores by texts, not {key!r}")
         parts = value if isinstance(value, list) else [value]
-        if value is not None and not all(isinstance(part, (bool, int, float, Decimal, str)) for part in parts):
-            raise InvalidInput(f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}")
+        if value is not None and not all(
+            isinstance(part, (bool, int, float, Decimal, str)) for part in parts
+        ):
+            raise InvalidInput(
+                f"[{PREDICTED}] {key} must be a number, text or list of them, not {value!r}"
+            )
 
 
 _PUSH_UNITS = {"fraction": NUMBER, "angle_deg": DEGREES, "push_mm": MILLIMETRES}
@@ -118,10 +137,17 @@ def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
             told["weight"] = NUMBER.written(strategy.weights[number])
         if action.push is not None:
             push = action.push
-            values = zip(_PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True)
-            told |= {"side": push.side, **{key: unit.written(value) for (key, unit), value in values}}
+            values = zip(
+                _PUSH_UNITS.items(), (push.fraction, push.angle, push.distance), strict=True
+            )
+            told |= {
+                "side": push.side,
+                **{key: unit.written(value) for (key, unit), value in values},
+            }
         if action.way_points is not None:
-            told["way_points_mm"] = [[MILLIMETRES.written(part) for part in place] for place in action.way_points]
+            told["way_points_mm"] = [
+                [MILLIMETRES.written(part) for part in place] for place in action.way_points
+            ]
         if action.turn or not told:
             told["gripper_turn_deg"] = DEGREES.written(action.turn)
         actions.append(told)
@@ -129,12 +155,14 @@ def _strategy_table(strategy: ResetStrategy) -> dict[str, object]:
 
 
 def _strategy(table: object) -> ResetStrategy:
-    """The strategy of a table [strategy]; InvalidInput that names the place, the key and its value."""
+    """The strategy of a table [strategy]; InvalidInput that names the place,
+    the key and its value."""
     with located("[strategy]"):
         if isinstance(table, Mapping) and "kind" in table:
             raise InvalidInput(
-                f"kind = {table['kind']!r} is how earlier versions said it: give order, one of {', '.join(ORDERS)}, "
-                "and a table [[strategy.actions]] for each push, drag or gripper's turn"
+                f"kind = {table['kind']!r} is how earlier versions said it: give order, one of "
+                f"{', '.join(ORDERS)}, and a table [[strategy.actions]] for each push, drag or "
+                "gripper's turn"
             )
         given = _checked(table, STRATEGY_KEYS, ("actions",))
         rows = given["actions"]
@@ -151,14 +179,21 @@ def _strategy(table: object) -> ResetStrategy:
     told = [weight for weight in weights if weight is not None]
     with located("[strategy]"):
         if len(told) not in (0, len(weights)):
-            raise InvalidInput(f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or none")
-        return ResetStrategy(tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch)
+            raise InvalidInput(
+                f"{len(told)} of {len(weights)} actions have a weight: give all of them one, or "
+                "none"
+            )
+        return ResetStrategy(
+            tuple(actions), tuple(told) or None, str(given.get("order", RANDOM)), block, hitch
+        )
 
 
 def _action(row: object) -> tuple[CycleAction, float | None]:
     given = _checked(row, ACTION_KEYS, ())
     if not given or set(given) == {"weight"}:
-        raise InvalidInput("it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg")
+        raise InvalidInput(
+            "it is empty: give side, fraction and push_mm, or way_points_mm, or gripper_turn_deg"
+        )
     push = None
     if {"side", *_PUSH_UNITS} & set(given):
         whole = _checked(
@@ -167,13 +202,16 @@ def _action(row: object) -> tuple[CycleAction, float | None]:
             ("side", "fraction", "push_mm"),
         )
         push = SidePush(
-            whole_number("side", whole["side"], least=0), *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items())
+            whole_number("side", whole["side"], least=0),
+            *(_number(k, whole[k], u) for k, u in _PUSH_UNITS.items()),
         )
     points = None
     if "way_points_mm" in given:
         places = given["way_points_mm"]
         if not isinstance(places, list):
-            raise InvalidInput(f"way_points_mm must be a list of points [[x, y], ...], not {places!r}")
+            raise InvalidInput(
+                f"way_points_mm must be a list of points [[x, y], ...], not {places!r}"
+            )
         points = tuple(_point("way_points_mm", place) for place in places)
     turn = _number("gripper_turn_deg", given.get("gripper_turn_deg", 0), DEGREES)
     weight = None

@@ -1,4 +1,6 @@
-"""The schedule of a collection as a CSV file for the robot's program: one row a cycle; and back to its actions."""
+"""The schedule of a collection as a CSV file for the robot's program: one row a cycle; and back to
+its actions.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,39 @@ from pathlib import Path
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.file_text import DEGREES, MILLIMETRES, NUMBER, Unit, check_checksum, decimal_text, located, with_checksum
+from cyclemap.file_text import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    Unit,
+    check_checksum,
+    decimal_text,
+    located,
+    with_checksum,
+)
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
-from cyclemap.text_files import CsvRow, CsvTable, check_shape, read_text, require_columns, write_whole
+from cyclemap.text_files import (
+    CsvRow,
+    CsvTable,
+    check_shape,
+    read_text,
+    require_columns,
+    write_whole,
+)
 
-PUSH_COLUMNS = ("cycle", "side", "fraction", "angle_deg", "push_mm", "rod_x_mm", "rod_y_mm", "push_dx", "push_dy")
+PUSH_COLUMNS = (
+    "cycle",
+    "side",
+    "fraction",
+    "angle_deg",
+    "push_mm",
+    "rod_x_mm",
+    "rod_y_mm",
+    "push_dx",
+    "push_dy",
+)
 TURN_COLUMN = "gripper_turn_deg"
 _LEG_COLUMNS = ("way_point_{}_x_mm", "way_point_{}_y_mm", "leg_{}_direction_deg", "leg_{}_mm")
 # Told twice, as way-points and as legs: how far the two may be apart (mm).
@@ -28,24 +56,34 @@ _DECIMALS = 9
 _MOST_DIGITS = 18  # of a whole number
 
 _COMMENTS = (
-    "Schedule of a data collection: what the robot does, one row a cycle. Lengths in mm, angles in degrees,",
-    "counter-clockwise. The rod's centre touches the object at (rod_x_mm, rod_y_mm) and moves push_mm straight along",
-    "(push_dx, push_dy), both in the object's frame as it lies before the push; the same push by side, fraction of it,",
-    "and angle from its inward normal. Then the rod drags the object by its ring, straight to way_point_1, and on",
-    "to the target, which is (0, 0) of the world: leg_k runs from way_point_k to the next one, the last to the target.",
-    "Blank: no such leg; none at all: straight to the target. At last a gripper turns the object about its ring.",
+    "Schedule of a data collection: what the robot does, one row a cycle. Lengths in mm, angles "
+    "in degrees,",
+    "counter-clockwise. The rod's centre touches the object at (rod_x_mm, rod_y_mm) and moves "
+    "push_mm straight along",
+    "(push_dx, push_dy), both in the object's frame as it lies before the push; the same push by "
+    "side, fraction of it,",
+    "and angle from its inward normal. Then the rod drags the object by its ring, straight to "
+    "way_point_1, and on",
+    "to the target, which is (0, 0) of the world: leg_k runs from way_point_k to the next one, "
+    "the last to the target.",
+    "Blank: no such leg; none at all: straight to the target. At last a gripper turns the object "
+    "about its ring.",
 )
 
 
-def write_schedule(path: str | Path, loop: CollectionLoop, strategy: ResetStrategy, cycles: int, seed: int = 0) -> None:
-    """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of `run_strategy`'s `seed`.
+def write_schedule(
+    path: str | Path, loop: CollectionLoop, strategy: ResetStrategy, cycles: int, seed: int = 0
+) -> None:
+    """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of
+    `run_strategy`'s `seed`.
 
-    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg that leaves it
-    (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...); gripper_turn_deg. The first line is a
-    checksum of the rest. Every number that `read_schedule` needs has the digits that give it back exactly; the file is
-    written whole or not at all.
+    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg
+    that leaves it (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...);
+    gripper_turn_deg. The first line is a checksum of the rest. Every number that `read_schedule`
+    needs has the digits that give it back exactly; the file is written whole or not at all.
 
-    Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it cannot be written.
+    Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it
+    cannot be written.
 
     >>> import tempfile
     >>> loop = CollectionLoop.mit()
@@ -84,20 +122,32 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
             place, way = first_contact(loop.slider, push, loop.pusher.radius)
             numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
             told = [decimal_text(unit.written(value)) for unit, value in numbers]
-            starts[push] = [str(push.side), *told, *map(_rounded, (1e3 * place).tolist() + way.tolist())]
+            starts[push] = [
+                str(push.side),
+                *told,
+                *map(_rounded, (1e3 * place).tolist() + way.tolist()),
+            ]
         drag = []
         for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
             dx, dy = onward_x - x, onward_y - y
             drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
             drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
         drag += [""] * (4 * (legs - len(way_points)))
-        writer.writerow([str(cycle), *starts[push], *drag, decimal_text(DEGREES.written(action.turn))])
-    head = [f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))]
+        writer.writerow(
+            [str(cycle), *starts[push], *drag, decimal_text(DEGREES.written(action.turn))]
+        )
+    head = [
+        f"# {line}" for line in (*_COMMENTS, *(f"{name}: {fact}" for name, fact in facts.items()))
+    ]
     return "\n".join([*head, table.getvalue()])
 
 
 def _columns(legs: int) -> list[str]:
-    return [*PUSH_COLUMNS, *(name.format(leg) for leg in range(1, legs + 1) for name in _LEG_COLUMNS), TURN_COLUMN]
+    return [
+        *PUSH_COLUMNS,
+        *(name.format(leg) for leg in range(1, legs + 1) for name in _LEG_COLUMNS),
+        TURN_COLUMN,
+    ]
 
 
 def _rounded(value: float) -> str:
@@ -106,13 +156,15 @@ def _rounded(value: float) -> str:
 
 
 def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
-    """Return the actions of a file of `write_schedule`, equal to those written, with their pushes and way-points.
+    """Return the actions of a file of `write_schedule`, equal to those written, with their pushes
+    and way-points.
 
-    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them: give the loop the one
-    that the file's comments name.
+    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them: give
+    the loop the one that the file's comments name.
 
-    Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle missing or out of
-    order, a field that is no number, legs that do not run between the way-points beside them.
+    Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle
+    missing or out of order, a field that is no number, legs that do not run between the way-points
+    beside them.
     """
     table, facts = _read_commented(path)
     legs = 0
@@ -125,14 +177,21 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
             raise DataFileError(f"{path}: {unknown_name('column', name, _columns(legs + 1))}")
     text = facts.get("cycles", "")
     if not text.isdecimal() or len(text) > _MOST_DIGITS or int(text) < 1:
-        raise DataFileError(f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew")
+        raise DataFileError(
+            f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew"
+        )
     count = int(text)
     for number, row in enumerate(table.rows):
         if table.text(row, "cycle") != str(number):
-            raise table.error(row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow")
+            raise table.error(
+                row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow"
+            )
     if len(table.rows) != count:
         last = table.rows[-1].line
-        raise table.error(last, f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew")
+        raise table.error(
+            last,
+            f"{len(table.rows)} cycles of the {count} that the comments promise; write it anew",
+        )
     return tuple(_action(table, row, legs) for row in table.rows)
 
 
@@ -140,15 +199,23 @@ def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
     with located(f"{table.path}, line {row.line}", DataFileError):
         side = table.text(row, "side")
         if not side.isdecimal() or len(side) > _MOST_DIGITS:
-            raise table.error(row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number")
+            raise table.error(
+                row.line, f"side is {side[:_MOST_DIGITS]!r}; it must be a whole number"
+            )
         fraction, angle, distance = (
             _number(table, row, column, unit)
-            for column, unit in (("fraction", NUMBER), ("angle_deg", DEGREES), ("push_mm", MILLIMETRES))
+            for column, unit in (
+                ("fraction", NUMBER),
+                ("angle_deg", DEGREES),
+                ("push_mm", MILLIMETRES),
+            )
         )
         for column in PUSH_COLUMNS[5:]:
             table.number(row, column)
         push = SidePush(int(side), fraction, angle, distance)
-        return CycleAction(_way_points(table, row, legs), push, _number(table, row, TURN_COLUMN, DEGREES))
+        return CycleAction(
+            _way_points(table, row, legs), push, _number(table, row, TURN_COLUMN, DEGREES)
+        )
 
 
 def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
@@ -165,7 +232,10 @@ def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
     runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
     for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
         dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
-        if math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing)) > _AGREE_MM:
+        if (
+            math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing))
+            > _AGREE_MM
+        ):
             words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
             raise table.error(row.line, words)
     return tuple(found)
@@ -189,7 +259,10 @@ def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
     check_checksum(path, text)
     lines = text.split("\n")
     if lines.pop():
-        raise DataFileError(f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file anew")
+        raise DataFileError(
+            f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file "
+            "anew"
+        )
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
     rows = []
     for number, line in enumerate(lines, 1):
@@ -198,10 +271,14 @@ def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
         try:
             (fields,) = csv.reader([line], strict=True)
         except csv.Error as error:
-            raise DataFileError(f"{path}, line {number}: {error}; mend the quotes of this line") from error
+            raise DataFileError(
+                f"{path}, line {number}: {error}; mend the quotes of this line"
+            ) from error
         rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
     if len(rows) < 2:
-        raise DataFileError(f"{path}: a schedule has a header and at least one row; the file is empty or cut off")
+        raise DataFileError(
+            f"{path}: a schedule has a header and at least one row; the file is empty or cut off"
+        )
     table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
     check_shape(table)
     named = (comment.partition(":") for comment in comments)

@@ -1,7 +1,8 @@
-"""Every fact of an experiment that can be set, told once: key, unit, usual range, meaning, and where a loop has it.
+"""Every fact of an experiment that can be set, told once: key, unit, usual range, meaning, and
+where a loop has it.
 
-From this table come --set, the files' tables and their checks, sweeps, the explorer's sliders, what `cyclemap check`
-doubts, the comments that `cyclemap init` writes, and the table of the guide.
+From this table come --set, the files' tables and their checks, sweeps, the explorer's sliders, what
+`cyclemap check` doubts, the comments that `cyclemap init` writes, and the table of the guide.
 """
 
 from __future__ import annotations
@@ -30,10 +31,11 @@ ALWAYS, OWN, CHANGED = "always", "own", "changed"
 class Setting:
     """One fact of an experiment, by the key of `--set`, whose ending tells its unit.
 
-    group : of sliders, and of a file's tables. place : the attribute of a loop, by dots, in SI units. kind : what its
-    values are, a number, WORD or POINTS. default : words for MIT's, where it is no number of the loop. told : when a
-    file says it: ALWAYS, of an object of one's OWN, or where it is CHANGED. label, low, high, step : of its slider; the
-    range is the usual one, in the key's unit, and holds nobody to it.
+    group : of sliders, and of a file's tables. place : the attribute of a
+        loop, by dots, in SI units. kind : what its values are, a number, WORD or POINTS. default : words for MIT's,
+        where it is no number of the loop. told : when a file says it: ALWAYS, of an object of one's
+        OWN, or where it is CHANGED. label, low, high, step : of its slider; the range is the usual
+        one, in the key's unit, and holds nobody to it.
     """
 
     key: str
@@ -61,7 +63,9 @@ class Setting:
         return found
 
     def parsed(self, text: str) -> object:
-        """Return the value that people mean by a text; the text itself, for `checked` to refuse, where it is none."""
+        """Return the value that people mean by a text; the text itself, for `checked` to refuse,
+        where it is none.
+        """
         if self.kind == WORD:
             return text
         try:
@@ -70,7 +74,8 @@ class Setting:
             return text
 
     def checked(self, value: object) -> object:
-        """Return a value that the key may have, numbers as float, points as tuples; InvalidInput otherwise.
+        """Return a value that the key may have, numbers as float, points as tuples; InvalidInput
+        otherwise.
 
         Whether the values of several keys go together only the loop can tell.
         """
@@ -84,29 +89,50 @@ class Setting:
 
 
 _TABLE = (
-    Setting("shape", "Object", "slider.outline", "the object, by its name in the MIT push dataset", WORD, "`rect1`"),
+    Setting(
+        "shape",
+        "Object",
+        "slider.outline",
+        "the object, by its name in the MIT push dataset",
+        WORD,
+        "`rect1`",
+    ),
     Setting(
         "vertices_mm",
         "Object",
         "slider.outline",
-        "or its corners `[[x, y], ...]` in the frame of its drawing, "
-        "counter-clockwise; side i runs from corner i (from 0) to the next",
+        "or its corners `[[x, y], ...]` in the frame of its drawing, counter-clockwise; side i "
+        "runs from corner i (from 0) to the next",
         POINTS,
         "-",
     ),
-    Setting("semi_x_mm", "Object", "slider.outline", "or an ellipse: its half axis along x", default="-"),
+    Setting(
+        "semi_x_mm", "Object", "slider.outline", "or an ellipse: its half axis along x", default="-"
+    ),
     Setting("semi_y_mm", "Object", "slider.outline", "and along y", default="-"),
     Setting("object_name", "Object", "slider.name", "what the data call it", WORD, "the shape's"),
     Setting(
         "mass_kg",
         "Object",
         "slider.mass",
-        "its mass; it scales forces, and the motion only where "
-        "the surface or the object has a shape: a heavier one rests more evenly",
+        "its mass; it scales forces, and the motion only where the surface or the object has a "
+        "shape: a heavier one rests more evenly",
         told=OWN,
     ),
-    Setting("centre_x_mm", "Object", "slider.centre_of_mass.0", "its centre of mass", default="the centroid"),
-    Setting("centre_y_mm", "Object", "slider.centre_of_mass.1", "its centre of mass", default="the centroid"),
+    Setting(
+        "centre_x_mm",
+        "Object",
+        "slider.centre_of_mass.0",
+        "its centre of mass",
+        default="the centroid",
+    ),
+    Setting(
+        "centre_y_mm",
+        "Object",
+        "slider.centre_of_mass.1",
+        "its centre of mass",
+        default="the centroid",
+    ),
     Setting(
         "hitch_x_mm",
         "Ring",
@@ -202,7 +228,8 @@ _TABLE = (
         "footprint",
         "Pressure",
         "footprint",
-        "pressure under the object: `exact` (uniform), `grid:8` (8 x 8 points), `corners`, or a CSV file",
+        "pressure under the object: `exact` (uniform), `grid:8` (8 x 8 points), `corners`, or a "
+        "CSV file",
         WORD,
         "`exact`",
     ),
@@ -243,8 +270,8 @@ _TABLE = (
         "floor_dome",
         "Shape",
         "footprint.floor.dome",
-        "how far the floor is from flat, in mean pressures at "
-        "50 mm from the object's centre: alike in all directions, positive: high around the object",
+        "how far the floor is from flat, in mean pressures at 50 mm from the object's centre: "
+        "alike in all directions, positive: high around the object",
         default="the material's",
         label="floor dome",
         low=-20.0,
@@ -386,7 +413,11 @@ _TABLE = (
 )
 
 SETTINGS: Mapping[str, Setting] = {one.key: one for one in _TABLE}
-SHARES = tuple(key for key, one in SETTINGS.items() if one.place.startswith("footprint.") and one.group == "Pressure")
+SHARES = tuple(
+    key
+    for key, one in SETTINGS.items()
+    if one.place.startswith("footprint.") and one.group == "Pressure"
+)
 SHAPES = tuple(key for key, one in SETTINGS.items() if one.group == "Shape")
 
 
@@ -402,7 +433,8 @@ def setting_named(key: str) -> Setting:
 
 
 def without_noise(settings: Mapping[str, object]) -> tuple[Settings, float | None]:
-    """Return the settings of a loop, and the noise of a cycle (standard deviation, rad) where they name one.
+    """Return the settings of a loop, and the noise of a cycle (standard deviation, rad) where they
+    name one.
 
     >>> without_noise({"mu_a": 0.3, "noise_deg": 180})
     ({'mu_a': 0.3}, 3.141592653589793)

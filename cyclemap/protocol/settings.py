@@ -1,4 +1,6 @@
-"""A loop from settings in degrees and millimetres, by name; layers of settings, and what they leave to MIT."""
+"""A loop from settings in degrees and millimetres, by name; layers of settings, and what they leave
+to MIT.
+"""
 
 import warnings
 from collections.abc import Iterator
@@ -23,14 +25,22 @@ from cyclemap.mechanics import (
 from cyclemap.mechanics.foundation import FLAT
 from cyclemap.mechanics.outline import Outline
 from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint, pressed_footprint
-from cyclemap.protocol.setting_table import NOISE_KEY, SETTINGS, SHAPES, SHARES, Settings, without_noise
+from cyclemap.protocol.setting_table import (
+    NOISE_KEY,
+    SETTINGS,
+    SHAPES,
+    SHARES,
+    Settings,
+    without_noise,
+)
 from cyclemap.text_files import file_stem
 
 # What an outline that is not MIT's is called until it is given a name.
 OWN_OUTLINE = "own outline"
 _OUTLINE = ("shape", "vertices_mm", "semi_x_mm", "semi_y_mm")
 
-# What an experiment with an own object would else take over from MIT's without a word: keys, and words for them.
+# What an experiment with an own object would else take over from MIT's without a word: keys, and
+# words for them.
 _TO_BE_TOLD = {
     "the ring": ("hitch_x_mm", "hitch_y_mm"),
     "the mass": ("mass_kg",),
@@ -42,17 +52,22 @@ _TO_BE_TOLD = {
 
 
 def layered(*layers: Settings) -> Settings:
-    """Return settings of which later ones win; an outline takes the place of one that was said in another way."""
+    """Return settings of which later ones win; an outline takes the place of one that was said in
+    another way.
+    """
     found: Settings = {}
     for layer in layers:
         if any(key in layer for key in _OUTLINE):
-            found = {key: value for key, value in found.items() if key not in (*_OUTLINE, "object_name")}
+            found = {
+                key: value for key, value in found.items() if key not in (*_OUTLINE, "object_name")
+            }
         found |= layer
     return found
 
 
 def inherited_defaults(settings: Settings) -> dict[str, tuple[str, ...]]:
-    """Return what the settings of an object that is not MIT's leave to MIT's experiment: words, and the keys.
+    """Return what the settings of an object that is not MIT's leave to MIT's experiment: words, and
+    the keys.
 
     >>> inherited_defaults({"semi_x_mm": 40, "semi_y_mm": 50, "side": 0, "fraction": 0.2, "push_mm": 80, "mass_kg": 1})
     {'the ring': ('hitch_x_mm', 'hitch_y_mm'), 'the rod': ('pusher_radius_mm',)}
@@ -67,7 +82,10 @@ def warn_of_defaults(settings: Settings) -> None:
     left = inherited_defaults(settings)
     if left:
         keys = ", ".join(key for group in left.values() for key in group)
-        told = f"the object is not MIT's, but {', '.join(left)} still are: give {keys}, or begin with cyclemap init"
+        told = (
+            f"the object is not MIT's, but {', '.join(left)} still are: give {keys}, or begin "
+            "with cyclemap init"
+        )
         warnings.warn(told, DoubtfulInput, stacklevel=3)
 
 
@@ -76,9 +94,10 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
 
     Parameters
     ----------
-    settings : by the keys of `--set`. A new outline (`shape`: an MIT shape's name; `vertices_mm`: [[x, y], ...];
-        `semi_x_mm` with `semi_y_mm`) keeps the ring unless `hitch_x_mm`, `hitch_y_mm` move it. What files say of the
-        noise of a cycle, `noise_deg`, is checked and left aside: a loop has none.
+    settings : by the keys of `--set`. A new outline (`shape`: an MIT shape's name; `vertices_mm`:
+        [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the ring unless `hitch_x_mm`,
+        `hitch_y_mm` move it. What files say of the noise of a cycle, `noise_deg`, is checked and
+        left aside: a loop has none.
     base : what is not set is taken from it; None: MIT's loop on plywood.
 
     Returns
@@ -99,7 +118,9 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
     loop = base or CollectionLoop.mit()
     for key in settings:
         if key not in SETTINGS:
-            raise unknown_name("setting", str(key), [known for known in SETTINGS if known != NOISE_KEY])
+            raise unknown_name(
+                "setting", str(key), [known for known in SETTINGS if known != NOISE_KEY]
+            )
     with _blaming(settings, "slider"):
         slider = _slider(loop.slider, settings)
     with _blaming(settings, "material"):
@@ -107,7 +128,11 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
     material = stated = loop.material
     if friction != stated.friction:
         material = Material(
-            f"{stated.name} (changed)", friction, stated.provenance, plates=stated.plates, floor=stated.floor
+            f"{stated.name} (changed)",
+            friction,
+            stated.provenance,
+            plates=stated.plates,
+            floor=stated.floor,
         )
     parts: dict[str, Any] = {"slider": slider, "material": material}
     for part in ("pusher", "push", "reset"):
@@ -121,11 +146,14 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
 
 
 def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Footprint | None:
-    """Return what is set; `exact` leans as the centre of mass asks; a new outline has the pressure its plate has."""
+    """Return what is set; `exact` leans as the centre of mass asks; a new outline has the pressure
+    its plate has.
+    """
     same = slider.outline == loop.slider.outline
     found = loop.footprint if same else plate_footprint(loop.material, slider)
     if same and isinstance(found, PressedFootprint):
-        # Shapes are the surface's and the object's pressures: a heavier object has less of them in mean pressures.
+        # Shapes are the surface's and the object's pressures: a heavier object has less of them in
+        # mean pressures.
         lighter = mean_pressure(loop.slider) / mean_pressure(slider)
         found = pressed_footprint(slider, found.plate, found.floor, found.field, lighter)
     if "footprint" in settings:
@@ -135,21 +163,34 @@ def _footprint(loop: CollectionLoop, slider: Slider, settings: Settings) -> Foot
     if not given:
         return found
     if isinstance(found, PointFootprint):
-        raise InvalidInput(f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave {given[0]} out")
-    plate, floor = (found.plate, found.floor) if isinstance(found, PressedFootprint) else (FLAT, FLAT)
+        raise InvalidInput(
+            f"{given[0]} belongs to the exact footprint: set footprint=exact, or leave "
+            f"{given[0]} out"
+        )
+    plate, floor = (
+        (found.plate, found.floor) if isinstance(found, PressedFootprint) else (FLAT, FLAT)
+    )
     plate = replace(plate, **_numbers(settings, "footprint.plate"))
     floor = replace(floor, **_numbers(settings, "footprint.floor"))
     before = (
-        found if isinstance(found, PatchFootprint) else PatchFootprint(slider.outline, centre=slider.centre_of_mass)
+        found
+        if isinstance(found, PatchFootprint)
+        else PatchFootprint(slider.outline, centre=slider.centre_of_mass)
     )
     patch = replace(before, **_numbers(settings, "footprint"), centre=slider.centre_of_mass)  # type: ignore[arg-type]
     field = found.field if isinstance(found, PressedFootprint) else None
     if plate.is_flat and floor.is_flat and field is None:
-        return patch if any(key in settings for key in SHARES) or isinstance(found, PatchFootprint) else None
+        return (
+            patch
+            if any(key in settings for key in SHARES) or isinstance(found, PatchFootprint)
+            else None
+        )
     shared = [key for key in SHARES if getattr(patch, key) != 0.0]
     if shared:
         told = f"{shared[0]}={getattr(patch, shared[0]):g}"
-        raise InvalidInput(f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0")
+        raise InvalidInput(
+            f"{told} beside shapes of floor or object: both tell how it rests; set one of them to 0"
+        )
     return PressedFootprint(slider.outline, plate, floor, slider.centre_of_mass, field)
 
 
@@ -159,7 +200,9 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
         raise InvalidInput(f"{given[0]} and {given[1]} both name the outline: give one of them")
     if ("semi_x_mm" in settings) != ("semi_y_mm" in settings):
         raise InvalidInput("an ellipse needs both semi_x_mm and semi_y_mm")
-    set_hitch, set_centre = (_numbers(settings, f"slider.{part}") for part in ("hitch", "centre_of_mass"))
+    set_hitch, set_centre = (
+        _numbers(settings, f"slider.{part}") for part in ("hitch", "centre_of_mass")
+    )
     hitch = set_hitch.get("0", slider.hitch[0]), set_hitch.get("1", slider.hitch[1])
     if "shape" in settings:
         slider = Slider.mit(str(settings["shape"]), hitch)
@@ -170,10 +213,12 @@ def _slider(slider: Slider, settings: Settings) -> Slider:
             else Ellipse(*(_si(key, settings[key]) for key in ("semi_x_mm", "semi_y_mm")))
         )
         slider = Slider(outline, slider.mass, hitch=hitch, name=OWN_OUTLINE)
-    centre = tuple(set_centre.get(axis, before) for axis, before in zip("01", slider.centre_of_mass, strict=True))
+    x, y = slider.centre_of_mass
+    centre = (set_centre.get("0", x), set_centre.get("1", y))
     name = str(settings.get("object_name", slider.name))
     file_stem(name)
-    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **_numbers(settings, "slider"))  # type: ignore[arg-type]
+    numbers: dict[str, Any] = _numbers(settings, "slider")
+    return replace(slider, hitch=hitch, centre_of_mass=centre, name=name, **numbers)
 
 
 @contextmanager
@@ -182,7 +227,11 @@ def _blaming(settings: Settings, part: str) -> Iterator[None]:
     try:
         yield
     except InvalidInput as cause:
-        keys = [key for key, one in SETTINGS.items() if key in settings and one.place.split(".")[0] == part]
+        keys = [
+            key
+            for key, one in SETTINGS.items()
+            if key in settings and one.place.split(".")[0] == part
+        ]
         given = ", ".join(f"{key}={settings[key]}" for key in keys)
         if not given or given.partition("=")[0] in str(cause):
             raise

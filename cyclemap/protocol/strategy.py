@@ -32,10 +32,12 @@ class CycleAction:
 
     Parameters
     ----------
-    way_points : (x, y), m, from the target: where the drag goes before its last leg to the target; (): straight.
+    way_points : (x, y), m, from the target: where the drag goes before its last leg to the target;
+        (): straight.
     push : the push of this cycle.
-    turn : rad, counter-clockwise: a gripper turns the object about its ring after the drag. The ring stays at the
-        target, so that the state before the next push is still the orientation alone.
+    turn : rad, counter-clockwise: a gripper turns the object about its ring after the drag. The
+        ring stays at the target, so that the state before the next push is still the orientation
+        alone.
 
     Raises InvalidInput for a value that is not finite, or a push that is not a `SidePush`.
 
@@ -49,18 +51,29 @@ class CycleAction:
 
     def __post_init__(self) -> None:
         if self.way_points is not None:
-            object.__setattr__(self, "way_points", tuple(point("way-point", p) for p in self.way_points))
+            object.__setattr__(
+                self, "way_points", tuple(point("way-point", p) for p in self.way_points)
+            )
         if self.push is not None and not isinstance(self.push, SidePush):
-            raise InvalidInput(f"the push of an action must be a SidePush or None, not {self.push!r}")
+            raise InvalidInput(
+                f"the push of an action must be a SidePush or None, not {self.push!r}"
+            )
         object.__setattr__(self, "turn", finite_number("gripper turn", self.turn))
 
     def on(self, loop: CollectionLoop) -> CollectionLoop:
-        """Return the loop with this action's push and way-points; the gripper's turn is no part of a loop."""
-        reset = loop.reset if self.way_points is None else replace(loop.reset, way_points=self.way_points)
+        """Return the loop with this action's push and way-points; the gripper's turn is no part of
+        a loop.
+        """
+        reset = (
+            loop.reset
+            if self.way_points is None
+            else replace(loop.reset, way_points=self.way_points)
+        )
         return replace(loop, push=self.push or loop.push, reset=reset)
 
     def filled(self, loop: CollectionLoop) -> CycleAction:
-        """Return the same action with the loop's push and way-points where it has none of its own."""
+        """Return the same action with the loop's push and way-points where it has
+        none of its own."""
         acted = self.on(loop)
         return CycleAction(acted.reset.way_points, acted.push, self.turn)
 
@@ -73,9 +86,9 @@ class ResetStrategy:
     ----------
     actions : one or more `CycleAction`.
     weights : positive, one an action, scaled to shares that sum to one; None: all alike.
-    order : ``random``: drawn anew before every push, so that orientations are a Markov chain. ``in turn``: as listed,
-        again and again; all alike. ``shuffled``: blocks that hold every action as often as its share says, each block
-        in an order of its own.
+    order : ``random``: drawn anew before every push, so that orientations are a Markov chain. ``in
+        turn``: as listed, again and again; all alike. ``shuffled``: blocks that hold every action
+        as often as its share says, each block in an order of its own.
     block : of ``shuffled``, how many pushes a block has; None: as few as the shares allow.
     hitch : (x, y), m, object's frame: the ring's place for the whole collection; None: the loop's.
 
@@ -95,19 +108,25 @@ class ResetStrategy:
     def __post_init__(self) -> None:
         given = tuple(self.actions) if isinstance(self.actions, Sequence) else ()
         if not given or not all(isinstance(action, CycleAction) for action in given):
-            raise InvalidInput(f"a strategy is made of one CycleAction or more, not of {self.actions!r}")
+            raise InvalidInput(
+                f"a strategy is made of one CycleAction or more, not of {self.actions!r}"
+            )
         if len(given) > MOST_ACTIONS:
             raise InvalidInput(f"{len(given)} actions are more than {MOST_ACTIONS}: give fewer")
         if self.order not in ORDERS:
             raise InvalidInput(f"order is {self.order!r}; it must be one of {', '.join(ORDERS)}")
         object.__setattr__(self, "actions", given)
         if self.weights is not None:
-            weights = tuple(positive_number("weight of an action", weight) for weight in self.weights)
+            weights = tuple(
+                positive_number("weight of an action", weight) for weight in self.weights
+            )
             if len(weights) != len(given):
                 raise InvalidInput(f"{len(given)} actions need as many weights, not {len(weights)}")
             object.__setattr__(self, "weights", None if len(set(weights)) == 1 else weights)
         if self.order == IN_TURN and self.weights is not None:
-            raise InvalidInput("actions in turn are all alike: list one twice where it should come twice as often")
+            raise InvalidInput(
+                "actions in turn are all alike: list one twice where it should come twice as often"
+            )
         if self.hitch is not None:
             object.__setattr__(self, "hitch", point("hitch", self.hitch))
         self._check_block()
@@ -139,13 +158,21 @@ class ResetStrategy:
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """What it asks of the robot besides the same rod and ring: "gripper", "ring" (elsewhere), or nothing."""
+        """What it asks of the robot besides the same rod and ring: "gripper", "ring" (elsewhere),
+        or nothing.
+        """
         gripper = (GRIPPER,) if any(action.turn for action in self.actions) else ()
         return gripper if self.hitch is None else (*gripper, RING)
 
     def prepared(self, loop: CollectionLoop) -> CollectionLoop:
-        """Return the loop as it is set up once, before the first cycle: its ring where the strategy wants it."""
-        return loop if self.hitch is None else replace(loop, slider=replace(loop.slider, hitch=self.hitch))
+        """Return the loop as it is set up once, before the first cycle: its ring where the strategy
+        wants it.
+        """
+        return (
+            loop
+            if self.hitch is None
+            else replace(loop, slider=replace(loop.slider, hitch=self.hitch))
+        )
 
     def loops(self, loop: CollectionLoop) -> tuple[CollectionLoop, ...]:
         """Return the loop of each action, its gripper's turn left out."""
@@ -153,13 +180,16 @@ class ResetStrategy:
         return tuple(action.on(prepared) for action in self.actions)
 
     def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
-        """Return the number of the action of each of `cycles` cycles, (cycles,); the same for the same seed.
+        """Return the number of the action of each of `cycles` cycles, (cycles,); the same for the
+        same seed.
 
         InvalidInput for more than ten million cycles.
         """
         count = whole_number("cycles", cycles, least=0)
         if count > MOST_CYCLES:
-            raise InvalidInput(f"{count} cycles are more than {MOST_CYCLES}: ask for fewer at a time")
+            raise InvalidInput(
+                f"{count} cycles are more than {MOST_CYCLES}: ask for fewer at a time"
+            )
         if self.order == IN_TURN:
             return np.arange(count) % len(self.actions)
         random = np.random.default_rng(seed)
@@ -175,7 +205,9 @@ class ResetStrategy:
         return tuple(self.actions[number] for number in self.drawn(cycles, seed).tolist())
 
     def _least_block(self) -> int:
-        """The least number of pushes in which every action comes as often as its share says; 0 where none will do."""
+        """The least number of pushes in which every action comes as often as its share says; 0
+        where none will do.
+        """
         for size in range(len(self.actions), MOST_ACTIONS + 1):
             often = size * self.shares
             if np.abs(often - np.round(often)).max() <= _WHOLE * size:
@@ -185,19 +217,32 @@ class ResetStrategy:
     def _check_block(self) -> None:
         if self.order != SHUFFLED:
             if self.block is not None:
-                raise InvalidInput(f"a block of {self.block} belongs to the order {SHUFFLED!r}, not to {self.order!r}")
+                raise InvalidInput(
+                    f"a block of {self.block} belongs to the order {SHUFFLED!r}, not to "
+                    f"{self.order!r}"
+                )
             return
-        size = self._least_block() if self.block is None else whole_number("block", self.block, least=1)
+        size = (
+            self._least_block()
+            if self.block is None
+            else whole_number("block", self.block, least=1)
+        )
         if size > MOST_ACTIONS:
-            raise InvalidInput(f"a block of {size} pushes is larger than {MOST_ACTIONS}: choose a smaller one")
+            raise InvalidInput(
+                f"a block of {size} pushes is larger than {MOST_ACTIONS}: choose a smaller one"
+            )
         often = size * self.shares
         if not size or np.abs(often - np.round(often)).max() > _WHOLE * size or often.min() < 0.5:
             shares = ", ".join(f"{share:.4g}" for share in self.shares)
-            raise InvalidInput(f"no block of {size or MOST_ACTIONS} pushes gives shares {shares}: choose other weights")
+            raise InvalidInput(
+                f"no block of {size or MOST_ACTIONS} pushes gives shares {shares}: choose other "
+                "weights"
+            )
 
 
 def one_loop(loop: CollectionLoop, strategy: ResetStrategy) -> CollectionLoop | None:
-    """Return the loop that the strategy amounts to where every cycle is the same and needs no gripper; else None.
+    """Return the loop that the strategy amounts to where every cycle is the same and needs no
+    gripper; else None.
 
     >>> leg = ResetStrategy((CycleAction(((0.05, 0.0),)),))
     >>> one_loop(CollectionLoop.mit(), leg).reset.way_points
@@ -215,13 +260,20 @@ def overruled_settings(strategy: ResetStrategy) -> tuple[str, ...]:
     ('way_points_mm',)
     """
     pushes = ("side", "fraction", "angle_deg", "push_mm")
-    keys: tuple[str, ...] = pushes if all(action.push is not None for action in strategy.actions) else ()
-    keys += ("way_points_mm",) if all(action.way_points is not None for action in strategy.actions) else ()
+    keys: tuple[str, ...] = (
+        pushes if all(action.push is not None for action in strategy.actions) else ()
+    )
+    keys += (
+        ("way_points_mm",)
+        if all(action.way_points is not None for action in strategy.actions)
+        else ()
+    )
     return keys if strategy.hitch is None else (*keys, "hitch_x_mm", "hitch_y_mm")
 
 
 def gripper_turns(count: int) -> tuple[CycleAction, ...]:
-    """Return the loop's own cycle followed by one of `count` equal turns of a gripper, the first of them none.
+    """Return the loop's own cycle followed by one of `count` equal turns of a gripper, the first of
+    them none.
 
     >>> [round(math.degrees(action.turn)) for action in gripper_turns(4)]
     [0, 90, 180, 270]
@@ -231,11 +283,17 @@ def gripper_turns(count: int) -> tuple[CycleAction, ...]:
 
 
 def legs(length: float, count: int) -> tuple[CycleAction, ...]:
-    """Return drags by a place `length` (m) off the target, in `count` equal directions, the first along x.
+    """Return drags by a place `length` (m) off the target, in `count` equal directions, the first
+    along x.
 
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """
-    away, steps = positive_number("leg's length", length), whole_number("directions", count, least=1)
+    away, steps = (
+        positive_number("leg's length", length),
+        whole_number("directions", count, least=1),
+    )
     angles = [TWO_PI * step / steps for step in range(steps)]
-    return tuple(CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles)
+    return tuple(
+        CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles
+    )

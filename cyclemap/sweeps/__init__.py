@@ -1,9 +1,11 @@
-"""Sweeps: the portrait's numbers at every point of a grid or a sample of settings, stored as they come.
+"""Sweeps: the portrait's numbers at every point of a grid or a sample of settings, stored as they
+come.
 
 Planning
 --------
 SweepPlan, SweptPoint : which points, of which loop, and what is asked of each
-Grid, Sample, SweepAxis, SweepRange : all combinations of values, or a number of points spread over ranges
+Grid, Sample, SweepAxis, SweepRange : all combinations of values, or a number of points spread over
+    ranges
 PortraitNumbers, PointOutcome, Quantity : what is found at a point
 
 Running
@@ -19,7 +21,8 @@ sweep_curves, SweptLines, SweptPlane, SweptScatter : what can be drawn of one ke
 
 Margins
 -------
-direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining a stable direction
+direction_margins, DirectionMargin, DirectionChange : how far each setting is from losing or gaining
+    a stable direction
 change_curve : where that happens in a plane of two settings
 """
 
@@ -28,7 +31,8 @@ from typing import TYPE_CHECKING
 from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
-    # What an editor and a type checker see; at run time each name is imported when it is first used.
+    # What an editor and a type checker see; at run time each name is imported when it is first
+    # used.
     from cyclemap.sweeps.direction_margins import (
         DirectionChange,
         DirectionMargin,

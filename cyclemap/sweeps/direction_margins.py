@@ -1,4 +1,5 @@
-"""How far a set-up is from losing or gaining a stable direction, along every one of its settings."""
+"""How far a set-up is from losing or gaining a stable direction,
+along every one of its settings."""
 
 import math
 import warnings
@@ -17,7 +18,8 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
 
-# Shares of the way to either end of a setting's usual range at which the stable directions are counted.
+# Shares of the way to either end of a setting's usual range at which the stable directions are
+# counted.
 _WAY = (0.03125, 0.125, 0.25, 0.5, 0.75, 1.0)
 # rad, of the cycles by which directions are counted; of those by which changes are solved for.
 _COUNTED, _ACCURACY = 1e-6, 1e-10
@@ -35,8 +37,9 @@ SMOOTH = {"saddle-node": 1.0, "period doubling": -1.0}
 class DirectionChange:
     """A value of a setting at which the number of stable directions changes.
 
-    value : SI units or rad. kind : "saddle-node" (a stable direction and an unstable one merge), "period doubling" (it
-    gives way to two that alternate) or "kink" (elsewise, at a kink or a jump of the map). theta : rad, where; nan at a
+    value : SI units or rad. kind : "saddle-node" (a stable direction and an unstable one merge),
+        "period doubling" (it gives way to two that alternate) or "kink" (elsewise, at a kink or a
+        jump of the map). theta : rad, where; nan at a
     kink. directions : how many stable ones there are beyond it.
     """
 
@@ -50,9 +53,11 @@ class DirectionChange:
 class DirectionMargin:
     """How far one setting is from a change of the number of stable directions.
 
-    key : the setting's. value : what the loop has, SI units or rad. directions : how many stable ones it has.
-    below, above : the nearest change on either side; None where there is none down to `low`, or up to `high`, as far
-    as the loop can be run within the usual range. span : length of the usual range.
+    key : the setting's. value : what the loop has, SI units or rad. directions : how many stable
+        ones it has.
+    below, above : the nearest change on either side; None where there is none down to `low`, or up
+        to `high`, as far as the loop can be run within the usual range. span : length of the usual
+        range.
     """
 
     key: str
@@ -72,19 +77,27 @@ class DirectionMargin:
 
     @property
     def share(self) -> float:
-        """The distance of the nearest change as a share of the usual range; inf where there is none."""
-        return math.inf if self.nearest is None else abs(self.nearest.value - self.value) / self.span
+        """The distance of the nearest change as a share of the usual range; inf where there is
+        none.
+        """
+        return (
+            math.inf if self.nearest is None else abs(self.nearest.value - self.value) / self.span
+        )
 
 
 def direction_margins(
-    loop: CollectionLoop, keys: tuple[str, ...] | None = None, progress: Callable[[float], None] | None = None
+    loop: CollectionLoop,
+    keys: tuple[str, ...] | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> tuple[DirectionMargin, ...]:
-    """Return how far a loop is from losing or gaining a stable direction along each of its settings, nearest first.
+    """Return how far a loop is from losing or gaining a stable direction along each of its
+    settings, nearest first.
 
     Parameters
     ----------
     loop : the set-up.
-    keys : settings, all that have a usual range by default, each alone being changed within that range.
+    keys : settings, all that have a usual range by default, each alone being changed within that
+        range.
     progress : called with the fraction done.
 
     Returns
@@ -98,11 +111,12 @@ def direction_margins(
 
     Notes
     -----
-    The stable directions are counted at 1/32, 1/8, 1/4, 1/2, 3/4 and all of the way to either end of the range; between
-    the first two that differ, f(θ) = θ with f'(θ) = 1, or -1, is solved for θ and the setting by Newton's method on
-    cycles good to 1e-10, and held only where the number changes across it; else halving encloses the change. So a
-    direction that comes and goes between two of those values is missed, and jumps about which orbits gather do not
-    count. Bounds are of first order in the errors of a cycle (1e-9 rad) and of its slope (1e-6), and of the difference
+    The stable directions are counted at 1/32, 1/8, 1/4, 1/2, 3/4 and all of the way to either end
+    of the range; between the first two that differ, f(θ) = θ with f'(θ) = 1, or -1, is solved for θ
+    and the setting by Newton's method on cycles good to 1e-10, and held only where the number
+    changes across it; else halving encloses the change. So a direction that comes and goes between
+    two of those values is missed, and jumps about which orbits gather do not count. Bounds are of
+    first order in the errors of a cycle (1e-9 rad) and of its slope (1e-6), and of the difference
     steps; those of a "kink" enclose.
 
     Examples
@@ -127,8 +141,13 @@ def direction_margins(
         value, unit = _value(setting, loop), float(setting.unit.in_si)
         assert value is not None
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DoubtfulInput)  # of places of the ring that are only tried
-            sides = [_Way(loop, setting, value, end * unit, count).nearest() for end in (setting.low, setting.high)]
+            warnings.simplefilter(
+                "ignore", DoubtfulInput
+            )  # of places of the ring that are only tried
+            sides = [
+                _Way(loop, setting, value, end * unit, count).nearest()
+                for end in (setting.low, setting.high)
+            ]
         (below, low), (above, high) = sides
         span = unit * (setting.high - setting.low)
         margins.append(DirectionMargin(setting.key, value, count, below, above, low, high, span))
@@ -143,7 +162,9 @@ def _value(setting: Setting, loop: CollectionLoop) -> float | None:
 
 @dataclass(frozen=True)
 class _Way:
-    """From the value that a loop has, with so many stable directions, to an end of the setting's range."""
+    """From the value that a loop has, with so many stable directions, to an end of the setting's
+    range.
+    """
 
     loop: CollectionLoop
     setting: Setting
@@ -153,7 +174,9 @@ class _Way:
 
     def at(self, value: float, accuracy: float) -> CollectionLoop:
         """The loop with the setting at a value, SI."""
-        set_there = loop_from_settings({self.setting.key: value / float(self.setting.unit.in_si)}, self.loop)
+        set_there = loop_from_settings(
+            {self.setting.key: value / float(self.setting.unit.in_si)}, self.loop
+        )
         return replace(set_there, accuracy=accuracy)
 
     def counted(self, value: float) -> int:
@@ -190,11 +213,17 @@ class _Way:
         for _ in range(_HALVINGS):
             middle = 0.5 * (near + far)
             many = self.counted(middle)
-            near, far, beyond = (middle, far, beyond) if many == self.count else (near, middle, many)
-        return DirectionChange(Estimate(0.5 * (near + far), 0.5 * abs(far - near)), "kink", math.nan, beyond)
+            near, far, beyond = (
+                (middle, far, beyond) if many == self.count else (near, middle, many)
+            )
+        return DirectionChange(
+            Estimate(0.5 * (near + far), 0.5 * abs(far - near)), "kink", math.nan, beyond
+        )
 
     def _starts(self, value: float) -> Iterator[tuple[float, float]]:
-        """Angles of a map at which Newton's method begins, and the slope that it seeks: where the slope passes it."""
+        """Angles of a map at which Newton's method begins, and the slope that it seeks: where the
+        slope passes it.
+        """
         theta = TWO_PI * np.arange(_NODES) / _NODES
         batch = run_batch((self.at(value, _COUNTED),), theta[None], 1)
         slope, turn = batch.jacobian[0, :, -1, 0], np.abs(shorter_way(batch.theta_next[0] - theta))
@@ -205,8 +234,12 @@ class _Way:
     def _solved(
         self, theta: float, value: float, target: float, ends: tuple[float, float]
     ) -> tuple[float, Estimate, float] | None:
-        """Where the turn is whole and the slope ``target``: angle and value; and what moves the turn by 1 mrad."""
-        step = _SETTING_STEP * float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
+        """Where the turn is whole and the slope ``target``: angle and value; and what moves the
+        turn by 1 mrad.
+        """
+        step = (
+            _SETTING_STEP * float(self.setting.unit.in_si) * (self.setting.high - self.setting.low)
+        )
         slack = 0.5 * (ends[1] - ends[0])
         for _ in range(_ITERATIONS):
             try:
@@ -230,8 +263,12 @@ class _Way:
         error = float(row @ off) + abs(float(moved[1]))
         return theta, Estimate(value, error), _BESIDE / max(abs(float(matrix[0, 1])), 1e-300)
 
-    def _system(self, theta: float, value: float, target: float, step: float) -> tuple[Array, Array]:
-        """(turn, slope - target), and the derivative by the angle and the value, by centred differences."""
+    def _system(
+        self, theta: float, value: float, target: float, step: float
+    ) -> tuple[Array, Array]:
+        """(turn, slope - target), and the derivative by the angle and the value, by centred
+        differences.
+        """
         loops = [self.at(value + k * step, _ACCURACY) for k in (-1, 0, 1)]
         angles = np.tile(theta + _ANGLE_STEP * np.arange(-1.0, 2.0), (3, 1))
         batch = run_batch(loops, angles, 1)
@@ -240,13 +277,16 @@ class _Way:
         push = float(batch.theta_next[2, 1] - batch.theta_next[0, 1]) / (2.0 * step)
         bend = float(slope[1, 2] - slope[1, 0]) / (2.0 * _ANGLE_STEP)
         twist = float(slope[2, 1] - slope[0, 1]) / (2.0 * step)
-        return np.array([turn, slope[1, 1] - target]), np.array([[slope[1, 1] - 1.0, push], [bend, twist]])
+        return np.array([turn, slope[1, 1] - target]), np.array(
+            [[slope[1, 1] - 1.0, push], [bend, twist]]
+        )
 
 
 def change_curve(
     loop: CollectionLoop, key: str, change: DirectionChange, other: str, first: Ends, second: Ends
 ) -> BifurcationCurve:
-    """Return the curve on which stable directions change in a plane of two settings, from one change of a margin.
+    """Return the curve on which stable directions change in a plane of two settings, from one
+    change of a margin.
 
     Parameters
     ----------
@@ -257,9 +297,8 @@ def change_curve(
 
     Returns
     -------
-    BifurcationCurve
-        In the units of the keys. See `cyclemap.maps.follow_bifurcation`; every map is run cycle by cycle, so that a
-        curve takes half a minute.
+    BifurcationCurve In the units of the keys. See `cyclemap.maps.follow_bifurcation`; every map is
+        run cycle by cycle, so that a curve takes half a minute.
 
     Raises
     ------
@@ -270,7 +309,10 @@ def change_curve(
     units = [float(setting.unit.in_si) for setting in settings]
     at = _value(settings[1], require_loop(loop))
     if at is None or change.kind not in SMOOTH:
-        raise InvalidInput(f"{other} must be a setting with a range, and the change, a {change.kind}, must be smooth")
+        raise InvalidInput(
+            f"{other} must be a setting with a range, and the change, a {change.kind}, must be "
+            "smooth"
+        )
     exact = replace(loop, accuracy=_ACCURACY)
 
     @lru_cache(maxsize=64)
@@ -278,11 +320,18 @@ def change_curve(
         member = loop_from_settings({key: value_of_key, other: value_of_other}, exact)
 
         def slopes(theta: Array) -> Array:
-            return run_batch((member,), theta.reshape(1, -1), 1).jacobian[0, :, -1, 0].reshape(theta.shape)
+            return (
+                run_batch((member,), theta.reshape(1, -1), 1)
+                .jacobian[0, :, -1, 0]
+                .reshape(theta.shape)
+            )
 
         return CircleMap(member.next_theta, slopes, max_error=_CYCLE_ERROR)
 
-    value, slope = Estimate(change.value / units[0], change.value.error_bound / units[0]), SMOOTH[change.kind]
+    value, slope = (
+        Estimate(change.value / units[0], change.value.error_bound / units[0]),
+        SMOOTH[change.kind],
+    )
     turn = float(exact.next_theta(change.theta)) - change.theta
     kind = change.kind.replace(" ", "-")
     winding = round(turn / TWO_PI)

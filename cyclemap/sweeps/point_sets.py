@@ -1,4 +1,6 @@
-"""Which points a sweep visits: the keys it varies, every combination of their values, or a sample of their ranges."""
+"""Which points a sweep visits: the keys it varies, every combination of their values, or a sample
+of their ranges.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,10 @@ from cyclemap.plain_text import json_value, plain_number, plain_whole
 from cyclemap.protocol.setting_table import POINTS, SETTINGS, WORD, Setting
 
 MATERIAL_KEY, FOOTPRINT_KEY = "material", "footprint"
-SWEPT = {**SETTINGS, MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD)}
+SWEPT = {
+    **SETTINGS,
+    MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD),
+}
 _MOST_VALUES = 1_000_000
 
 
@@ -27,8 +32,8 @@ _MOST_VALUES = 1_000_000
 class SweepAxis:
     """The values that a key takes, in their order: numbers, words, or lists of points.
 
-    Degrees and millimetres as the key's ending says. Raises InvalidInput for an unknown key, a value that the key
-    cannot have, or one that is given twice.
+    Degrees and millimetres as the key's ending says. Raises InvalidInput for an unknown key, a
+    value that the key cannot have, or one that is given twice.
 
     >>> SweepAxis("mu_a", (0.2, 0.3)).values
     (0.2, 0.3)
@@ -78,7 +83,9 @@ class SweepRange:
         for name in ("low", "high"):
             object.__setattr__(self, name, checked_value(self.key, getattr(self, name)))
         if not self.low < self.high:
-            raise InvalidInput(f"{self.key} runs from {self.low:g} to {self.high:g}: the end must be the larger")
+            raise InvalidInput(
+                f"{self.key} runs from {self.low:g} to {self.high:g}: the end must be the larger"
+            )
 
     def at(self, share: float) -> object:
         """Return the value at a share of the range, 0 <= share < 1."""
@@ -105,7 +112,11 @@ def parse_over(text: str) -> SweptKey:
         return SweepAxis(key, tuple(part.strip() for part in values.split(",")))
     if len(parts) == 1:
         try:
-            listed = json_value(f"[{values}]") if kind == POINTS else list(map(plain_number, values.split(",")))
+            listed = (
+                json_value(f"[{values}]")
+                if kind == POINTS
+                else list(map(plain_number, values.split(",")))
+            )
         except ValueError as cause:
             form = "[[x, y], ...],[[x, y], ...]" if kind == POINTS else "numbers, by commas"
             raise InvalidInput(f"--over {key}={values}: give {form}") from cause
@@ -116,11 +127,15 @@ def parse_over(text: str) -> SweptKey:
     except ValueError:
         numbers = []
     if len(numbers) != 2 or len(parts) > 3 or not all(map(math.isfinite, numbers)):
-        raise InvalidInput(f"--over {text!r}: write {key}=start:stop:count with finite numbers and a whole count")
+        raise InvalidInput(
+            f"--over {text!r}: write {key}=start:stop:count with finite numbers and a whole count"
+        )
     if len(parts) == 2:
         return SweepRange(key, numbers[0], numbers[1])
     if not 1 <= count <= _MOST_VALUES:
-        raise InvalidInput(f"--over {text!r}: the count is {count}; give 1 to {_MOST_VALUES} values")
+        raise InvalidInput(
+            f"--over {text!r}: the count is {count}; give 1 to {_MOST_VALUES} values"
+        )
     return SweepAxis(key, tuple(np.linspace(numbers[0], numbers[1], count).tolist()))
 
 
@@ -131,7 +146,9 @@ def check_key(key: str) -> None:
 
 
 def checked_value(key: str, value: object) -> object:
-    """Return a value that `key` may have (see `Setting.checked`), names of materials and shapes looked up."""
+    """Return a value that `key` may have (see `Setting.checked`), names of materials and shapes
+    looked up.
+    """
     found = SWEPT[key].checked(value)
     if key == MATERIAL_KEY:
         load_material(str(found))
@@ -173,7 +190,8 @@ class Grid:
         ranged = next((axis.key for axis in self.axes if not isinstance(axis, SweepAxis)), None)
         if ranged is not None:
             raise InvalidInput(
-                f"{ranged} is a range without a count: write {ranged}=start:stop:count, or ask for a sample"
+                f"{ranged} is a range without a count: write {ranged}=start:stop:count, or ask "
+                "for a sample"
             )
 
     @property
@@ -201,8 +219,9 @@ class Grid:
 class Sample:
     """A number of points spread over ranges (and listed values), the same for the same seed.
 
-    sequence : "sobol", scrambled (Owen 1998), whose points fill the box evenly at any count, best at powers of two;
-    or "uniform", independent points. A longer sample begins with the shorter one.
+    sequence : "sobol", scrambled (Owen 1998), whose points fill the box evenly at any count, best
+        at powers of two; or "uniform", independent points. A longer sample begins with the shorter
+        one.
 
     >>> sample = Sample((SweepRange("mu_a", 0.2, 0.3),), 4)
     >>> len(sample), all(0.2 <= sample.settings(k)["mu_a"] < 0.3 for k in range(4))
@@ -219,9 +238,14 @@ class Sample:
         whole_number("sample", self.count, least=1)
         whole_number("seed", self.seed, least=0)
         if self.sequence not in _SEQUENCES:
-            raise InvalidInput(f"sequence is {self.sequence!r}: it must be one of {', '.join(_SEQUENCES)}")
+            raise InvalidInput(
+                f"sequence is {self.sequence!r}: it must be one of {', '.join(_SEQUENCES)}"
+            )
         if self.sequence == "sobol" and self.count > _MOST_SOBOL:
-            raise InvalidInput(f"sample is {self.count}: a Sobol sequence has {_MOST_SOBOL} points; use uniform ones")
+            raise InvalidInput(
+                f"sample is {self.count}: a Sobol sequence has {_MOST_SOBOL} points; use uniform "
+                "ones"
+            )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -233,16 +257,28 @@ class Sample:
 
     def settings(self, number: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""
-        shares = _block(self.sequence, self.seed, len(self.ranges), number // _BLOCK)[number % _BLOCK]
-        return {one.key: one.at(float(share)) for one, share in zip(self.ranges, shares, strict=True)}
+        shares = _block(self.sequence, self.seed, len(self.ranges), number // _BLOCK)[
+            number % _BLOCK
+        ]
+        return {
+            one.key: one.at(float(share)) for one, share in zip(self.ranges, shares, strict=True)
+        }
 
     def described(self) -> dict[str, object]:
         """The sample as JSON takes it."""
         ranges = {
-            one.key: {"low": one.low, "high": one.high} if isinstance(one, SweepRange) else list(one.values)
+            one.key: {"low": one.low, "high": one.high}
+            if isinstance(one, SweepRange)
+            else list(one.values)
             for one in self.ranges
         }
-        return {"kind": "sample", "ranges": ranges, "count": self.count, "seed": self.seed, "sequence": self.sequence}
+        return {
+            "kind": "sample",
+            "ranges": ranges,
+            "count": self.count,
+            "seed": self.seed,
+            "sequence": self.sequence,
+        }
 
 
 PointSet = Grid | Sample

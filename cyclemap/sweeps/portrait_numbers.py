@@ -1,4 +1,6 @@
-"""The numbers of a point: what can be asked, the loop that its settings make, and what the portrait of it tells."""
+"""The numbers of a point: what can be asked, the loop that its settings make, and what the portrait
+of it tells.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,8 @@ _LANGUAGES = (".py", ".c")
 
 @cache
 def code_version() -> str:
-    """A digest of the mechanics, the maps and the bridge between them; any edit of theirs changes it.
+    """A digest of the mechanics, the maps and the bridge between them; any edit of theirs changes
+    it.
 
     >>> len(code_version())
     16
@@ -51,9 +54,15 @@ def code_version() -> str:
     for source in _SOURCES:
         root = PACKAGE / source
         # The sources in a folder, Python and C, or the one file.
-        paths = sorted(path for path in root.rglob("*") if path.suffix in _LANGUAGES) if root.is_dir() else [root]
+        paths = (
+            sorted(path for path in root.rglob("*") if path.suffix in _LANGUAGES)
+            if root.is_dir()
+            else [root]
+        )
         for path in paths:
-            digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+            digest.update(
+                path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0"
+            )
     return digest.hexdigest()[:16]
 
 
@@ -95,8 +104,12 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
         Quantity("rotation", "turns/cycle", "rotation number"),
         Quantity("rotation_lower", "turns/cycle", "the rotation number is at least this"),
         Quantity("rotation_upper", "turns/cycle", "the rotation number is at most this"),
-        Quantity("locked_winding", "1", "p where the rotation number is proved to be p/q; 0 elsewhere"),
-        Quantity("locked_period", "1", "q where the rotation number is proved to be p/q; 0 elsewhere"),
+        Quantity(
+            "locked_winding", "1", "p where the rotation number is proved to be p/q; 0 elsewhere"
+        ),
+        Quantity(
+            "locked_period", "1", "q where the rotation number is proved to be p/q; 0 elsewhere"
+        ),
     ),
     "fixed_points": (
         Quantity("fixed_points", "1", "number of fixed points of the map"),
@@ -104,7 +117,9 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
         Quantity("fixed_point_theta", "rad", "directions of the fixed points", _FIXED),
         Quantity("fixed_point_multiplier", "1", "multipliers of the fixed points", _FIXED),
         Quantity("fixed_point_stable", "1", "1 where the fixed point is stable", _FIXED),
-        Quantity("gathering_jump_theta", "rad", "jumps about which orbits gather", "gathering_jump"),
+        Quantity(
+            "gathering_jump_theta", "rad", "jumps about which orbits gather", "gathering_jump"
+        ),
     ),
     "turns": (
         Quantity("mean_turn", "rad", "turn of a cycle, mean over start directions"),
@@ -114,9 +129,17 @@ GROUPS: dict[str, tuple[Quantity, ...]] = {
         Quantity("max_slope", "1", "largest slope of the map"),
     ),
     "stationary": (
-        Quantity("tv_from_uniform", "1", "total variation distance of the stationary law from the uniform one"),
-        Quantity("spectral_gap", "1", "one less the second largest eigenvalue's size, not certified"),
-        Quantity("mixing_cycles", "cycles", "cycles in which the slowest mode falls by e, not certified"),
+        Quantity(
+            "tv_from_uniform",
+            "1",
+            "total variation distance of the stationary law from the uniform one",
+        ),
+        Quantity(
+            "spectral_gap", "1", "one less the second largest eigenvalue's size, not certified"
+        ),
+        Quantity(
+            "mixing_cycles", "cycles", "cycles in which the slowest mode falls by e, not certified"
+        ),
     ),
     "staircase": (
         Quantity("noisy_mean_turn", "rad", "turn of a cycle, mean over a long noisy run"),
@@ -129,7 +152,8 @@ CHEAP_GROUPS = ("map", "rotation", "fixed_points", "turns")
 
 
 def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
-    """The groups of `names` in their fixed order, with "map", which every other needs; "all" is each of them.
+    """The groups of `names` in their fixed order, with "map", which every other needs; "all" is
+    each of them.
 
     >>> chosen_groups(("turns", "rotation"))
     ('map', 'rotation', 'turns')
@@ -142,7 +166,8 @@ def chosen_groups(names: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name in GROUPS if name == "map" or name in names or "all" in names)
 
 
-# How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics are looked at.
+# How much coarser a map is tried first, and how long it is iterated; in how many parts its cubics
+# are looked at.
 _COARSER, _FIRST_ITERATES, _SHARES = 10.0, 2048, 8
 
 Values = dict[str, float | tuple[float, ...]]
@@ -152,7 +177,8 @@ Values = dict[str, float | tuple[float, ...]]
 class SweptPoint:
     """One point of a sweep.
 
-    number : from 0. settings : all that differ from MIT's on `material`, noise included. swept : the swept keys alone.
+    number : from 0. settings : all that differ from MIT's on `material`, noise included. swept :
+        the swept keys alone.
     """
 
     number: int
@@ -164,7 +190,9 @@ class SweptPoint:
 
 @dataclass(frozen=True, eq=False)
 class PointOutcome:
-    """What was found at a point, by quantity (SI), and why anything is missing; empty where nothing is."""
+    """What was found at a point, by quantity (SI), and why anything is missing; empty where nothing
+    is.
+    """
 
     values: Values
     refusal: str = ""
@@ -175,13 +203,16 @@ class PortraitNumbers:
     """What a sweep asks of every point: some groups of the portrait's numbers.
 
     groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
-    rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
+    rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration
+        earlier.
 
-    The defaults are finer than a phase diagram shows. A map known to 1e-4 rad leaves the stationary law uncertain, and
-    tells rotation numbers to 3e-5 turns a cycle at best, however long it is iterated. Where the groups need no law and
-    rotation_tolerance is not 0, a map ten times as coarse as `tolerance` will do, if none within its error has another
-    number of fixed points, and it tells the rotation number as finely as asked; `max_error` says how good a map was.
-    With rotation_tolerance 0 every number equals that of `portrait` at the same tolerance, to the last bit.
+    The defaults are finer than a phase diagram shows. A map known to 1e-4 rad leaves the stationary
+    law uncertain, and tells rotation numbers to 3e-5 turns a cycle at best, however long it is
+    iterated. Where the groups need no law and rotation_tolerance is not 0, a map ten times as
+    coarse as `tolerance` will do, if none within its error has another number of fixed points, and
+    it tells the rotation number as finely as asked; `max_error` says how good a map was. With
+    rotation_tolerance 0 every number equals that of `portrait` at the same tolerance, to the last
+    bit.
     """
 
     groups: tuple[str, ...] = CHEAP_GROUPS
@@ -205,7 +236,11 @@ class PortraitNumbers:
 
     def described(self) -> dict[str, object]:
         """The groups and tolerances: what else the numbers depend on, as JSON takes it."""
-        return {"groups": list(self.groups), "tolerance": self.tolerance, "rotation_tolerance": self.rotation_tolerance}
+        return {
+            "groups": list(self.groups),
+            "tolerance": self.tolerance,
+            "rotation_tolerance": self.rotation_tolerance,
+        }
 
     def __call__(self, point: SweptPoint) -> PointOutcome:
         """Find the numbers; what the loop or a group refuses is told in the outcome."""
@@ -213,7 +248,9 @@ class PortraitNumbers:
             settings, said = without_noise(point.settings)
             loop = loop_from_settings(settings, CollectionLoop.mit(material=point.material))
             noise = WrappedNormal(DEFAULT_SIGMA if said is None else said)
-            work = self._coarse(loop, noise) or _Work(_map_of(loop, self.tolerance), noise, self.rotation_tolerance)
+            work = self._coarse(loop, noise) or _Work(
+                _map_of(loop, self.tolerance), noise, self.rotation_tolerance
+            )
         except CycleMapError as error:
             return PointOutcome({}, str(error))
         values: Values = {}
@@ -232,9 +269,15 @@ class PortraitNumbers:
         work = _Work(_map_of(loop, _COARSER * self.tolerance), noise, self.rotation_tolerance)
         try:
             if "rotation" in self.groups and is_nondecreasing(work.map):
-                # Maps that fold have an interval anyway; whether the number is told as finely as asked, soon.
-                found = rotation_number(work.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES)
-                if found.locked is None and found.upper - found.lower > 2.0 * self.rotation_tolerance:
+                # Maps that fold have an interval anyway; whether the number is told as finely as
+                # asked, soon.
+                found = rotation_number(
+                    work.map, tolerance=self.rotation_tolerance, iterates=_FIRST_ITERATES
+                )
+                if (
+                    found.locked is None
+                    and found.upper - found.lower > 2.0 * self.rotation_tolerance
+                ):
                     return None
                 work.rotation = found
             return work if "fixed_points" not in self.groups or work.are_points_settled else None
@@ -267,11 +310,15 @@ class _Work:
 
     @property
     def are_points_settled(self) -> bool:
-        """Whether every map within this one's error crosses the diagonal as often, as far as it tells."""
+        """Whether every map within this one's error crosses the diagonal as often, as far as it
+        tells.
+        """
         pieces = self.map.pieces
         if pieces is None or self.map.breaks.size:
             return False
-        theta = pieces.knots[:-1] + np.linspace(0.0, 1.0, _SHARES, endpoint=False)[:, None] * np.diff(pieces.knots)
+        theta = pieces.knots[:-1] + np.linspace(0.0, 1.0, _SHARES, endpoint=False)[
+            :, None
+        ] * np.diff(pieces.knots)
         turn, error = self.map.turn(theta.T.ravel()), self.map.max_error
         below, above = (np.floor((turn + side * error) / (2.0 * np.pi)) for side in (-1.0, 1.0))
         clear = np.flatnonzero(below == above)
@@ -289,7 +336,9 @@ class _Work:
 
 def _rotation_values(work: _Work) -> Values:
     found = work.rotation
-    winding, period = (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
+    winding, period = (
+        (0, 0) if found.locked is None else (found.locked.numerator, found.locked.denominator)
+    )
     return {
         "rotation": float(found.value),
         "rotation_lower": found.lower,
@@ -308,13 +357,16 @@ def _fixed_point_values(work: _Work) -> Values:
         "fixed_point_theta": tuple(float(orbit.points[0]) for orbit in points),
         "fixed_point_multiplier": tuple(float(orbit.multiplier) for orbit in points),
         "fixed_point_stable": stable,
-        "gathering_jump_theta": tuple(float(jump.theta) for jump in crossings_by_jump(work.map) if jump.attracting),
+        "gathering_jump_theta": tuple(
+            float(jump.theta) for jump in crossings_by_jump(work.map) if jump.attracting
+        ),
     }
 
 
 def _stationary_values(work: _Work) -> Values:
     operator = work.operator
-    # The gap without the error bound that it has in a portrait, which takes as long as all the rest.
+    # The gap without the error bound that it has in a portrait, which takes as long as all the
+    # rest.
     second = float(np.abs(operator.eigenvalues(2)[1]))
     return {
         "tv_from_uniform": float(operator.tv_from_uniform) if operator.is_certain else np.nan,
@@ -327,13 +379,18 @@ def _staircase_values(work: _Work) -> Values:
     found = predict_staircase(work.map, work.noise, work.operator)
     return {
         "noisy_mean_turn": float(found.mean_turn),
-        "mean_residence_cycles": np.nan if found.mean_residence_cycles is None else float(found.mean_residence_cycles),
+        "mean_residence_cycles": np.nan
+        if found.mean_residence_cycles is None
+        else float(found.mean_residence_cycles),
         "step": np.nan if found.step is None else float(found.step),
     }
 
 
 _FOUND: dict[str, Callable[[_Work], Values]] = {
-    "map": lambda work: {"samples": float(work.map.samples), "max_error": float(work.map.max_error)},
+    "map": lambda work: {
+        "samples": float(work.map.samples),
+        "max_error": float(work.map.max_error),
+    },
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
     "turns": lambda work: dict(

@@ -1,4 +1,6 @@
-"""Runs a sweep: every point that its store lacks, in chunks, here, in processes of its own, or on any executor."""
+"""Runs a sweep: every point that its store lacks, in chunks, here, in processes of its own, or on
+any executor.
+"""
 
 from __future__ import annotations
 
@@ -34,29 +36,35 @@ from cyclemap.sweeps.sweep_store import SweepStatus, SweepStore
 _THREADS = ("OPENBLAS_NUM_THREADS", THREADS_VARIABLE)
 
 
-# What a worker sends back: points with their outcomes, the worker's code version, and the seconds it took.
+# What a worker sends back: points with their outcomes, the worker's code version, and the seconds
+# it took.
 FoundChunk = tuple[list[tuple[SweptPoint, PointOutcome]], str, float]
 
 
 def find_chunk(numbers: PortraitNumbers, points: tuple[SweptPoint, ...]) -> FoundChunk:
     """Find the numbers of some points, one after the other.
 
-    What a point refuses is in its outcome; any other failure is a CycleMapError that names the point.
+    What a point refuses is in its outcome; any other failure is a CycleMapError that names the
+    point.
     """
     begun = time.perf_counter()
     found = []
     for point in points:
         try:
             with warnings.catch_warnings():
-                # A sweep goes where it is sent: what is doubtful of its ends was said when it was planned.
+                # A sweep goes where it is sent: what is doubtful of its ends was said when it was
+                # planned.
                 warnings.simplefilter("ignore", DoubtfulInput)
                 found.append((point, numbers(point)))
         except Exception as error:
             given = point.settings.items()
-            told = (f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}" for key, value in given)
+            told = (
+                f"{key}={value:g}" if isinstance(value, float) else f"{key}={value}"
+                for key, value in given
+            )
             raise CycleMapError(
-                f"point {point.number} ({', '.join(told)}) failed, which no input should make it do: "
-                f"{type(error).__name__}: {error}"
+                f"point {point.number} ({', '.join(told)}) failed, which no input should make it "
+                f"do: {type(error).__name__}: {error}"
             ) from error
     return found, numbers.version, time.perf_counter() - begun
 
@@ -76,7 +84,9 @@ class InThisProcess(Executor):
 
 @contextmanager
 def own_executor(workers: int) -> Iterator[Executor]:
-    """An executor of so many processes, this one alone for 1; the processes end with the block or with this process."""
+    """An executor of so many processes, this one alone for 1; the processes end with the block or
+    with this process.
+    """
     if workers == 1:
         yield InThisProcess()
         return
@@ -123,7 +133,8 @@ def _one_thread_each() -> Iterator[None]:
 
 Progress = Callable[[SweepStatus], None]
 
-# A chunk is to take about so long: much longer than its way there and back, short enough to lose when killed.
+# A chunk is to take about so long: much longer than its way there and back, short enough to lose
+# when killed.
 _CHUNK_SECONDS = 1.0
 _LARGEST_CHUNK = 256
 # Points whose presence in the store is looked up together.
@@ -140,21 +151,24 @@ def run_sweep(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> SweepStatus:
-    """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless interrupted.
+    """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless
+    interrupted.
 
-    workers : processes; by default one a core that this one may use, 1 for none but this one. executor : run on it
-    instead, be it of threads, processes or a cluster (`distributed.Client.get_executor()`); `workers` then says how
-    many chunks it works on at once. progress : called with the status at the beginning and after every chunk.
+    workers : processes; by default one a core that this one may use,
+        1 for none but this one. executor : run on it instead, be it of threads, processes or a cluster
+        (`distributed.Client.get_executor()`); `workers` then says how many
+        chunks it works on at once. progress : called with the status at the beginning and after every chunk.
 
-    Only this process writes. Memory does not grow with the length of the sweep: at most twice as many chunks as
-    workers are on their way. What is found depends neither on the number or kind of workers nor on interruptions, as
-    long as the machines round alike (of several, all with one library of the engine and processors of one kind).
-    Two sweeps into one store at once do no harm, but do the work twice. Scripts that use processes guard their main
-    part by ``if __name__ == "__main__"``.
+    Only this process writes. Memory does not grow with the length of the sweep: at most twice as
+    many chunks as workers are on their way. What is found depends neither on the number or kind of
+    workers nor on interruptions, as long as the machines round alike (of several, all with one
+    library of the engine and processors of one kind). Two sweeps into one store at once do no harm,
+    but do the work twice. Scripts that use processes guard their main part by ``if __name__ ==
+    "__main__"``.
 
-    On KeyboardInterrupt the chunks at work are awaited and stored, and it is raised again; a second one drops them.
-    Raises StoreWriteError on a full disk, CycleMapError where a worker dies or fails; what was stored is kept in each
-    case. See `SweepStore` for stores that are refused.
+    On KeyboardInterrupt the chunks at work are awaited and stored, and it is raised again; a second
+    one drops them. Raises StoreWriteError on a full disk, CycleMapError where a worker dies or
+    fails; what was stored is kept in each case. See `SweepStore` for stores that are refused.
 
     >>> import tempfile
     >>> from cyclemap.sweeps.portrait_numbers import PortraitNumbers
@@ -164,7 +178,9 @@ def run_sweep(
     ...     run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
     SweepStatus(points=2, stored=2, refused=0)
     """
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    cores = (
+        len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    )
     many = cores if workers is None else whole_number("workers", workers, least=1)
     with SweepStore(Path(path), plan) as store:
         status = store.status()
@@ -197,7 +213,9 @@ class _Run:
             for chunk in self._chunks():
                 self.waiting.add(self.executor.submit(find_chunk, self.plan.numbers, chunk))
                 # A chunk is done already where the executor is this process.
-                while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or any(one.done() for one in self.waiting):
+                while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or any(
+                    one.done() for one in self.waiting
+                ):
                     self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
             while self.waiting:
                 self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
@@ -207,8 +225,9 @@ class _Run:
             raise
         except BrokenExecutor as error:
             raise CycleMapError(
-                f"a worker ended abruptly ({error}), perhaps for lack of memory; {self.status.stored} of "
-                f"{self.status.points} points are stored: run the same sweep again to go on"
+                f"a worker ended abruptly ({error}), perhaps for lack of memory; "
+                f"{self.status.stored} of {self.status.points} points are stored: run the same "
+                "sweep again to go on"
             ) from error
         finally:
             self._cancel()
@@ -222,17 +241,24 @@ class _Run:
             try:
                 found, version, seconds = future.result()
             except CancelledError as error:
-                raise CycleMapError(f"the executor dropped a chunk ({error}): run the same sweep again") from error
+                raise CycleMapError(
+                    f"the executor dropped a chunk ({error}): run the same sweep again"
+                ) from error
             if version != (wanted := self.plan.numbers.version):
                 raise CycleMapError(
-                    f"a worker runs another version of the code ({version}, not {wanted}): install the same one there"
+                    f"a worker runs another version of the code ({version}, not {wanted}): "
+                    "install the same one there"
                 )
             self.store.add(found)
             each = seconds / len(found)
-            self.point_seconds = each if self.point_seconds is None else 0.5 * (self.point_seconds + each)
+            self.point_seconds = (
+                each if self.point_seconds is None else 0.5 * (self.point_seconds + each)
+            )
             refused = sum(bool(outcome.refusal) for _, outcome in found)
             before = self.status
-            self.status = SweepStatus(before.points, before.stored + len(found), before.refused + refused)
+            self.status = SweepStatus(
+                before.points, before.stored + len(found), before.refused + refused
+            )
             self.progress(self.status)
 
     def _cancel(self) -> None:
@@ -257,7 +283,9 @@ class _Run:
             size = 1
             if self.point_seconds is not None:
                 fair = (len(self.plan) - number) // (2 * self.workers)
-                size = min(int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK)
+                size = min(
+                    int(_CHUNK_SECONDS / max(self.point_seconds, 1e-9)), fair, _LARGEST_CHUNK
+                )
             if len(chunk) >= size:
                 yield tuple(chunk)
                 chunk = []
@@ -266,7 +294,9 @@ class _Run:
 
 
 def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus:
-    """How far the store at `path` is; with a `plan`, an absent one is at the beginning and another's is refused."""
+    """How far the store at `path` is; with a `plan`, an absent one is at the beginning and
+    another's is refused.
+    """
     if plan is not None and not Path(path).exists():
         return SweepStatus(len(plan), 0, 0)
     with SweepStore(Path(path), plan) as store:

@@ -1,4 +1,6 @@
-"""What a picture of a sweep shows: planes over two keys, lines over one, every number of them worked out here."""
+"""What a picture of a sweep shows: planes over two keys, lines over one, every number of them
+worked out here.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -17,8 +19,10 @@ from cyclemap.sweeps.sweep_results import Sweep
 class SweptPlane:
     """A grid over two keys.
 
-    first, second : the axes of rows and columns. planes : quantities with their values (m, n), angles in degrees, nan
-    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m, n).
+    first, second : the axes of rows and columns. planes : quantities with their values (m, n),
+        angles in degrees, nan
+    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m,
+        n).
     """
 
     first: SweepAxis
@@ -32,10 +36,13 @@ class SweptPlane:
 class SweptLines:
     """Points over one key.
 
-    axis : the key with the values that are here, in order. parameter : (n,), the values, or 0, 1, ... where they are
-    no numbers. lines : quantities with their values (n,), angles in degrees. rotation : the rotation numbers at
-    `rotation_at` (k,), those points that have one; None where there is none. points : of each fixed point, three (p,)
-    arrays: where on the axis, its direction in degrees, whether it is stable; None where they were not asked for.
+    axis : the key with the values that are here, in order. parameter : (n,), the values, or 0,
+        1, ... where they are
+    no numbers. lines : quantities with their values (n,), angles in degrees. rotation : the
+        rotation numbers at `rotation_at` (k,), those points that have
+        one; None where there is none. points : of each fixed point, three (p,) arrays: where on
+        the axis, its direction in
+        degrees, whether it is stable; None where they were not asked for.
     refused : (r,), where on the axis points were refused.
     """
 
@@ -50,7 +57,9 @@ class SweptLines:
 
 @dataclass(frozen=True, eq=False)
 class SweptScatter:
-    """A sample over two keys: `first`, `second` (n,) by name and value, quantities (n,), and which were refused."""
+    """A sample over two keys: `first`, `second` (n,) by name and value, quantities (n,), and which
+    were refused.
+    """
 
     first: tuple[str, Array]
     second: tuple[str, Array]
@@ -63,10 +72,11 @@ _ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "l
 
 
 def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
-    """What can be drawn of a sweep over one key or two; `names` : which quantities, by default those that are there.
+    """What can be drawn of a sweep over one key or two; `names` : which quantities, by default
+    those that are there.
 
-    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are no numbers, a
-    quantity that was not asked for, or a sweep without points.
+    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are
+    no numbers, a quantity that was not asked for, or a sweep without points.
     """
     if not len(sweep):
         raise InvalidInput("no point of this sweep is stored: there is nothing to draw")
@@ -78,11 +88,15 @@ def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
     if len(keys) == 2:
         first, second = ((key, sweep.values(key)) for key in keys)
         return SweptScatter(first, second, _chosen(sweep, names), sweep.refused)
-    raise InvalidInput(f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw them")
+    raise InvalidInput(
+        f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw them"
+    )
 
 
 def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array], ...]:
-    """Quantities with their values as they are written; by default the rotation number and the stable points."""
+    """Quantities with their values as they are written; by default the rotation number and the
+    stable points.
+    """
     told = names or tuple(name for name in ("rotation", "stable_points") if name in sweep.columns)
     chosen = [sweep.quantity(name) for name in told or tuple(sweep.columns)[:2]]
     listed = next((one.name for one in chosen if one.many), None)
@@ -100,22 +114,30 @@ def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
         value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
         period, winding = (np.nan_to_num(found).astype(int) for found in (periods, windings))
         # Whether a map folds is told by its least slope, where that was asked for.
-        folded = sweep.on_grid("min_slope") < 0.0 if "min_slope" in sweep.columns else np.zeros(sweep.shape, dtype=bool)
+        folded = (
+            sweep.on_grid("min_slope") < 0.0
+            if "min_slope" in sweep.columns
+            else np.zeros(sweep.shape, dtype=bool)
+        )
         first, second = (axis_places(axis) for axis in sweep.axes)
         rotation = RotationPlane(first, second, value, lower, upper, period, winding, folded, 0.0)
     return SweptPlane(sweep.axes[0], sweep.axes[1], planes, rotation, refused)
 
 
 def axis_places(axis: SweepAxis) -> Array:
-    """Where the values of an axis stand: the numbers themselves, or 0, 1, 2, ... for anything else."""
-    return np.array(axis.values, dtype=float) if axis.is_number else np.arange(float(len(axis.values)))
+    """Where the values of an axis stand: the numbers themselves, or 0, 1, 2, ...
+    for anything else."""
+    return (
+        np.array(axis.values, dtype=float) if axis.is_number else np.arange(float(len(axis.values)))
+    )
 
 
 def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     """Points in the order of the axis; a sample's are put in the order of their values."""
     # Numbers by size, then words.
     values = sorted(
-        set(sweep.swept[key]), key=lambda one: (0, one, "") if isinstance(one, float) else (1, 0.0, str(one))
+        set(sweep.swept[key]),
+        key=lambda one: (0, one, "") if isinstance(one, float) else (1, 0.0, str(one)),
     )
     axis = sweep.axes[0] if sweep.axes else SweepAxis(key, tuple(values))
     (place,) = replace(sweep, axes=(axis,)).places()
@@ -124,11 +146,17 @@ def _lines(sweep: Sweep, key: str, names: tuple[str, ...]) -> SweptLines:
     lines = tuple((one, values[order]) for one, values in _chosen(sweep, names))
     refused = parameter[sweep.refused]
     rotation_at, rotation, points = np.empty(0), None, None
-    told = order[np.isfinite(sweep.columns["rotation"][order])] if "rotation" in sweep.columns else order[:0]
+    told = (
+        order[np.isfinite(sweep.columns["rotation"][order])]
+        if "rotation" in sweep.columns
+        else order[:0]
+    )
     if told.size:
         value, lower, upper, period, winding = (sweep.columns[name][told] for name in _ROTATION)
         rotation_at = parameter[told]
-        rotation = RotationNumbers(value, lower, upper, period.astype(int), winding.astype(int), 0.0)
+        rotation = RotationNumbers(
+            value, lower, upper, period.astype(int), winding.astype(int), 0.0
+        )
     if "fixed_point_theta" in sweep.lists:
         theta, stable = sweep.lists["fixed_point_theta"], sweep.lists["fixed_point_stable"]
         at = np.repeat(parameter, [values.size for values in theta])

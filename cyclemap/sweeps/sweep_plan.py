@@ -1,4 +1,6 @@
-"""The plan of a sweep: which points, of which loop, and what is asked of each; checked before anything runs."""
+"""The plan of a sweep: which points, of which loop, and what is asked of each; checked before
+anything runs.
+"""
 
 import hashlib
 import json
@@ -30,14 +32,19 @@ from cyclemap.sweeps.portrait_numbers import PortraitNumbers, SweptPoint
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep: MIT's loop on a material with settings, changed at each point, and the numbers asked of it.
+    """A sweep: MIT's loop on a material with settings, changed at each point, and the numbers asked
+    of it.
 
-    points : a `Grid` or a `Sample`. material : a name, a TOML file or a `Material`; None only where the points name
-    one. settings : of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
-    numbers : what is asked of each point. footprint_files : digests of the files of support points, by their names.
+    points : a `Grid` or a `Sample`. material : a name, a TOML file or a `Material`; None only where
+        the points name
+    one. settings : of all points, in degrees and millimetres, by the keys of `--set` and
+        `noise_deg`.
+    numbers : what is asked of each point. footprint_files : digests of the files of support points,
+        by their names.
 
-    Raises InvalidInput where a key is unknown, both set and swept, or has a value that it cannot have. Whether a
-    point's values go together is found when it runs: its refusal is then part of the result.
+    Raises InvalidInput where a key is unknown, both set and swept, or has a value that it cannot
+    have. Whether a point's values go together is found when it runs: its refusal is then part of
+    the result.
 
     >>> plan = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-12, -10, -8)})
     >>> len(plan), dict(plan.point(1).settings)
@@ -59,18 +66,34 @@ class SweepPlan:
         both = next((key for key in self.points.keys if key in self.settings), None)
         if both is not None:
             raise InvalidInput(f"{both} is both set and swept: give it once")
-        object.__setattr__(self, "settings", {key: checked_value(key, value) for key, value in self.settings.items()})
+        object.__setattr__(
+            self,
+            "settings",
+            {key: checked_value(key, value) for key, value in self.settings.items()},
+        )
         object.__setattr__(self, "materials", self._loaded_materials())
-        # What the files hold counts, not their names: points found with other support points are other points.
-        names = {str(self.settings.get(FOOTPRINT_KEY, "")), *_listed_words(self.points, FOOTPRINT_KEY)}
+        # What the files hold counts, not their names: points found with other support points are
+        # other points.
+        names = {
+            str(self.settings.get(FOOTPRINT_KEY, "")),
+            *_listed_words(self.points, FOOTPRINT_KEY),
+        }
         files = (Path(name) for name in sorted(names) if name)
-        digests = {str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16] for file in files if file.is_file()}
+        digests = {
+            str(file): hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+            for file in files
+            if file.is_file()
+        }
         object.__setattr__(self, "footprint_files", digests)
-        # Settings with which no loop can be made: not by themselves, nor at the first or the last point.
+        # Settings with which no loop can be made: not by themselves, nor at the first or the last
+        # point.
         material = next(iter(self.materials.values()))
         points = [self.point(number) for number in (0, len(self) - 1)]
         faults = []
-        for surface, settings in ((material, self.settings), *((point.material, point.settings) for point in points)):
+        for surface, settings in (
+            (material, self.settings),
+            *((point.material, point.settings) for point in points),
+        ):
             try:
                 loop_from_settings(without_noise(settings)[0], CollectionLoop.mit(material=surface))
             except InvalidInput as fault:
@@ -86,7 +109,9 @@ class SweepPlan:
         settings: Mapping[str, object] | None = None,
         numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
-        """Return the plan of every combination of the values in `over`, the last key running fastest."""
+        """Return the plan of every combination of the values in `over`, the last key running
+        fastest.
+        """
         axes = tuple(SweepAxis(key, values) for key, values in _listed(over, "values").items())
         return cls(Grid(axes), material, settings or {}, numbers or PortraitNumbers())
 
@@ -105,9 +130,16 @@ class SweepPlan:
         ends = _listed(over, "ends")
         uneven = next((key for key, given in ends.items() if len(given) != 2), None)
         if uneven is not None:
-            raise InvalidInput(f"{uneven} is drawn from {over[uneven]!r}: give its two ends, (low, high)")
+            raise InvalidInput(
+                f"{uneven} is drawn from {over[uneven]!r}: give its two ends, (low, high)"
+            )
         ranges = tuple(SweepRange(key, *given) for key, given in ends.items())
-        return cls(Sample(ranges, count, seed, sequence), material, settings or {}, numbers or PortraitNumbers())
+        return cls(
+            Sample(ranges, count, seed, sequence),
+            material,
+            settings or {},
+            numbers or PortraitNumbers(),
+        )
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -125,7 +157,12 @@ class SweepPlan:
         settings = {**self.settings, **swept}
         name = str(settings.pop(MATERIAL_KEY, ""))
         material, numbers = self.materials[name], self.numbers
-        told: list[object] = [_fingerprint(material), settings, numbers.described(), numbers.version]
+        told: list[object] = [
+            _fingerprint(material),
+            settings,
+            numbers.described(),
+            numbers.version,
+        ]
         file = str(Path(str(settings.get(FOOTPRINT_KEY, ""))))
         told += [self.footprint_files[file]] if file in self.footprint_files else []
         digest = hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
@@ -137,18 +174,24 @@ class SweepPlan:
         return {
             **files,
             "points": self.points.described(),
-            "material": {name or material.name: _fingerprint(material) for name, material in self.materials.items()},
+            "material": {
+                name or material.name: _fingerprint(material)
+                for name, material in self.materials.items()
+            },
             "settings": dict(self.settings),
             "quantities": self.numbers.described(),
             "code": self.numbers.version,
         }
 
     def _loaded_materials(self) -> dict[str, Material]:
-        """The materials by the names that points give them; "" is that of points which give none."""
+        """The materials by the names that points give them;
+        "" is that of points which give none."""
         swept = _listed_words(self.points, MATERIAL_KEY)
         if (self.material is None) == (not swept):
             wanted = "a material: a name, a TOML file, or material=A,B among the swept keys"
-            raise InvalidInput("material is both given and swept: give it once" if swept else f"give {wanted}")
+            raise InvalidInput(
+                "material is both given and swept: give it once" if swept else f"give {wanted}"
+            )
         if swept:
             return {name: load_material(name) for name in swept}
         given = self.material
@@ -158,7 +201,9 @@ class SweepPlan:
 
 def _listed(over: object, told: str) -> dict[str, tuple[Any, ...]]:
     if not isinstance(over, Mapping):
-        raise InvalidInput(f"over must tell the values of each key, as {{'mu_a': (0.2, 0.3)}}, not {over!r}")
+        raise InvalidInput(
+            f"over must tell the values of each key, as {{'mu_a': (0.2, 0.3)}}, not {over!r}"
+        )
     for key, values in over.items():
         if isinstance(values, str) or not isinstance(values, Iterable):
             raise InvalidInput(f"{key} is {values!r}: give its {told} as a list")

@@ -30,10 +30,14 @@ Wanted = float | str | tuple[float, float] | Sequence[object]
 class Sweep:
     """What a sweep has found so far.
 
-    keys : the swept keys. axes : of a grid, those that are not selected away; () for a sample. quantities : what was
-    asked. number : (n,) of the points that are here, in the plan's order. swept : by key, the n values of the points.
-    columns : by quantity, (n,) in SI units, nan where there is none. lists : by quantity, n arrays of any length.
-    refusals : n texts, empty where nothing was refused. description : what the store tells of its plan.
+    keys : the swept keys. axes : of a grid, those that are not selected away;
+        () for a sample. quantities : what was
+    asked. number : (n,) of the points that are here, in the plan's order. swept : by key, the n
+        values of the points.
+    columns : by quantity, (n,) in SI units, nan where there is none. lists : by quantity, n arrays
+        of any length.
+    refusals : n texts, empty where nothing was refused. description : what the store tells of its
+        plan.
     """
 
     keys: tuple[str, ...]
@@ -81,7 +85,9 @@ class Sweep:
         raise unknown_name("column", name, (*self.columns, *self.swept))
 
     def on_grid(self, name: str) -> Array:
-        """A quantity in the shape of the axes, nan where a point is refused, chosen away or not yet done."""
+        """A quantity in the shape of the axes, nan where a point is refused, chosen away or not yet
+        done.
+        """
         if not self.axes:
             raise InvalidInput("a sample has no grid: use values")
         found = np.full(self.shape, np.nan)
@@ -90,17 +96,22 @@ class Sweep:
 
     def places(self) -> tuple[NDArray[np.int64], ...]:
         """Where each point stands along each axis, (n,) an axis."""
-        lookups = ({json.dumps(value): place for place, value in enumerate(axis.values)} for axis in self.axes)
+        lookups = (
+            {json.dumps(value): place for place, value in enumerate(axis.values)}
+            for axis in self.axes
+        )
         return tuple(
             np.array([lookup[json.dumps(value)] for value in self.swept[axis.key]], dtype=np.int64)
             for axis, lookup in zip(self.axes, lookups, strict=True)
         )
 
     def select(self, **wanted: Wanted) -> Sweep:
-        """The points whose swept keys have a value, lie within a pair (low, high), or are in a list.
+        """The points whose swept keys have a value, lie within a pair (low, high), or are in a
+        list.
 
-        One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of two numbers) is a
-        range, ends included; a list is a choice. InvalidInput where a key is not swept or no point has the value.
+        One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of
+        two numbers) is a range, ends included; a list is a choice. InvalidInput where a key is not
+        swept or no point has the value.
         """
         found = self
         for key, value in wanted.items():
@@ -115,7 +126,9 @@ class Sweep:
                 continue
             kept = tuple(one for one in axis.values if matches(one))
             if not kept:
-                told = ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in axis.values[:12])
+                told = ", ".join(
+                    f"{v:.6g}" if isinstance(v, float) else str(v) for v in axis.values[:12]
+                )
                 more = ", ..." if len(axis.values) > 12 else ""
                 raise InvalidInput(f"{key} does not take {value}; its values are {told}{more}")
             thinner = [] if single else [replace(axis, values=kept)]
@@ -124,10 +137,14 @@ class Sweep:
         return found
 
     def where(self, chosen: ArrayLike | Callable[[Sweep], ArrayLike]) -> Sweep:
-        """The points for which `chosen` is true: n flags, or a function of the sweep that gives them."""
+        """The points for which `chosen` is true: n flags, or a function of the sweep that gives
+        them.
+        """
         flags = np.asarray(chosen(self) if callable(chosen) else chosen)
         if flags.shape != (len(self),) or flags.dtype != np.bool_:
-            raise InvalidInput(f"where needs {len(self)} true or false, not {flags.dtype} of shape {flags.shape}")
+            raise InvalidInput(
+                f"where needs {len(self)} true or false, not {flags.dtype} of shape {flags.shape}"
+            )
         kept = np.flatnonzero(flags).tolist()
         return replace(
             self,
@@ -140,7 +157,11 @@ class Sweep:
 
     def _match(self, key: str, wanted: Wanted) -> tuple[Callable[[object], bool], bool]:
         """Whether a value is wanted, and whether only one value is."""
-        if isinstance(wanted, tuple) and len(wanted) == 2 and all(isinstance(end, (int, float)) for end in wanted):
+        if (
+            isinstance(wanted, tuple)
+            and len(wanted) == 2
+            and all(isinstance(end, (int, float)) for end in wanted)
+        ):
             self.values(key)  # refuses words
             low, high = wanted
             return lambda value: bool(low <= value <= high), False
@@ -164,7 +185,10 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     with SweepStore(Path(path), plan) as store:
         description: dict[str, Any] = store.description
         rows = list(store.rows())
-    keys, quantities = tuple(description["keys"]), tuple(Quantity(**one) for one in description["columns"])
+    keys, quantities = (
+        tuple(description["keys"]),
+        tuple(Quantity(**one) for one in description["columns"]),
+    )
     axes = description["plan"]["points"].get("axes", {})
     return Sweep(
         keys=keys,
@@ -173,7 +197,9 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
         number=np.array([row["number"] for row in rows], dtype=np.int64),
         swept={key: tuple(row[key] for row in rows) for key in keys},
         columns={
-            one.name: np.array([row[one.name] for row in rows], dtype=float) for one in quantities if not one.many
+            one.name: np.array([row[one.name] for row in rows], dtype=float)
+            for one in quantities
+            if not one.many
         },
         lists={
             one.name: tuple(np.array(row[one.name] or (), dtype=float) for row in rows)
@@ -190,18 +216,32 @@ REFUSAL = "refusal"
 
 
 def write_csv(sweep: Sweep, path: str | Path) -> None:
-    """Write one line a point, in the plan's order: its number, swept keys, quantities, lists spread out, refusal.
+    """Write one line a point, in the plan's order: its number, swept keys, quantities, lists spread
+    out, refusal.
 
-    The file appears whole or not at all (OSError). The same points give the same bytes, however they were found.
+    The file appears whole or not at all (OSError). The same points give the same bytes, however
+    they were found.
     """
     import pandas
 
-    table: dict[str, Any] = {"number": sweep.number, **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys}}
-    table |= {one.written_name: one.written(sweep.columns[one.name]) for one in sweep.quantities if not one.many}
+    table: dict[str, Any] = {
+        "number": sweep.number,
+        **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys},
+    }
+    table |= {
+        one.written_name: one.written(sweep.columns[one.name])
+        for one in sweep.quantities
+        if not one.many
+    }
     for one in sweep.quantities:
         if one.many:
-            table |= {f"{one.written_name}_{k}": values for k, values in enumerate(_padded(sweep, one).T, 1)}
-    text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(index=False, lineterminator="\n")
+            table |= {
+                f"{one.written_name}_{k}": values
+                for k, values in enumerate(_padded(sweep, one).T, 1)
+            }
+    text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(
+        index=False, lineterminator="\n"
+    )
     write_whole(Path(path), text.encode())
 
 
@@ -219,10 +259,12 @@ def _padded(sweep: Sweep, quantity: Quantity) -> Array:
 
 
 def to_dataset(sweep: Sweep) -> xarray.Dataset:
-    """Return the sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is `point`.
+    """Return the sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is
+    `point`.
 
-    Each quantity is a variable with its unit and meaning as attributes; a list has one dimension more, as long as the
-    longest, padded with nan, and a variable `NAME_count` of how many there are. `refusal` is text.
+    Each quantity is a variable with its unit and meaning as attributes; a list has one dimension
+    more, as long as the longest, padded with nan, and a variable `NAME_count` of how many there
+    are. `refusal` is text.
     """
     import xarray
 
@@ -247,7 +289,9 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     refusal[at] = np.array(sweep.refusals, dtype=object)
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})
     return xarray.Dataset(
-        variables, _coordinates(sweep), {"title": "sweep", "plan": json.dumps(sweep.description["plan"])}
+        variables,
+        _coordinates(sweep),
+        {"title": "sweep", "plan": json.dumps(sweep.description["plan"])},
     )
 
 
@@ -256,7 +300,11 @@ def _coordinates(sweep: Sweep) -> dict[str, Any]:
     found: dict[str, Any] = {} if sweep.axes else {"point": (("point",), sweep.number)}
     for key, values in listed.items():
         numeric = all(isinstance(value, float) for value in values)
-        array = np.array(values, dtype=float) if numeric else np.array([_word(one) for one in values], dtype=object)
+        array = (
+            np.array(values, dtype=float)
+            if numeric
+            else np.array([_word(one) for one in values], dtype=object)
+        )
         unit = next((unit for ending, unit in _KEY_UNITS.items() if key.endswith(ending)), "1")
         found[key] = ((key if sweep.axes else "point",), array, {"units": unit})
     return found

@@ -1,9 +1,10 @@
-"""The store of a sweep: one SQLite file, a row a point, written as the sweep goes and whole after any interruption.
+"""The store of a sweep: one SQLite file, a row a point, written as the sweep goes and whole after
+any interruption.
 
-Write-ahead log with full synchronisation (SQLite's documentation, "Write-Ahead Logging"): what a committed chunk holds
-survives a killed process and a lost supply of power. Rows are in SI units, columns by the names of keys and
-quantities, lists as JSON; each row carries a digest of itself. The log needs a local disk: file systems of a network
-lack what it is built on.
+Write-ahead log with full synchronisation (SQLite's documentation, "Write-Ahead Logging"): what a
+committed chunk holds survives a killed process and a lost supply of power. Rows are in SI units,
+columns by the names of keys and quantities, lists as JSON; each row carries a digest of itself. The
+log needs a local disk: file systems of a network lack what it is built on.
 """
 
 import hashlib
@@ -55,17 +56,21 @@ class SweepStatus:
 class SweepStore(AbstractContextManager["SweepStore"]):
     """An open store; use it in a `with` block.
 
-    Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the store of another
-    plan, StoreWriteError where it cannot be written.
+    Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the
+    store of another plan, StoreWriteError where it cannot be written.
     """
 
     def __init__(self, path: Path, plan: SweepPlan | None = None) -> None:
-        """Open the store at `path`; with a `plan` it is made where there is none, and must be of that plan."""
+        """Open the store at `path`; with a `plan` it is made where there is none, and must be of
+        that plan.
+        """
         self.path = path
         if path.is_dir():
             raise DataFileError(f"{path}: is a folder; give the path of the store in it")
         if plan is None and not path.exists():
-            raise DataFileError(f"{path}: there is no such store; check the path, or run the sweep first")
+            raise DataFileError(
+                f"{path}: there is no such store; check the path, or run the sweep first"
+            )
         with self._faults_told():
             if plan is not None:
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -78,7 +83,10 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             raise
 
     def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
     ) -> None:
         self.connection.close()
 
@@ -96,17 +104,27 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             return {digest for (digest,) in self.connection.execute(asked, (first, end))}
 
     def rows(self) -> Iterator[dict[str, object]]:
-        """Every stored row by column, in the order of the plan; lists are tuples, what is missing is None."""
+        """Every stored row by column, in the order of the plan; lists are tuples, what is missing
+        is None.
+        """
         keys, scalars, lists = self._columns()
         names = ["digest", "number", *keys, *scalars, *lists, "refusal", "seal"]
         with self._faults_told():
             quoted = ", ".join(f'"{name}"' for name in names)
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
                 found = dict(zip(names, row, strict=True))
-                found.update({name: tuple(json.loads(found[name])) for name in lists if found[name] is not None})
+                found.update(
+                    {
+                        name: tuple(json.loads(found[name]))
+                        for name in lists
+                        if found[name] is not None
+                    }
+                )
                 # Swept points, as against words.
                 texts = {key: found[key] for key in keys if str(found[key]).startswith("[[")}
-                found.update({key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()})
+                found.update(
+                    {key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()}
+                )
                 yield found
 
     def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
@@ -115,9 +133,16 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
         rows = []
         for point, outcome in found:
-            row: list[object] = [point.digest, point.number, *(_kept(point.swept[key]) for key in keys)]
+            row: list[object] = [
+                point.digest,
+                point.number,
+                *(_kept(point.swept[key]) for key in keys),
+            ]
             row += [_kept(outcome.values.get(name)) for name in scalars]
-            row += [None if name not in outcome.values else json.dumps(outcome.values[name]) for name in lists]
+            row += [
+                None if name not in outcome.values else json.dumps(outcome.values[name])
+                for name in lists
+            ]
             row.append(outcome.refusal)
             rows.append((*row, _seal(row)))
         with self._faults_told(), self._transaction():
@@ -131,14 +156,17 @@ class SweepStore(AbstractContextManager["SweepStore"]):
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
         """Names of the columns of keys, of numbers, and of lists."""
         quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
-        scalars = [one["name"] for one in quantities if not one["many"]]
-        return list(self.description["keys"]), scalars, [one["name"] for one in quantities if one["many"]]  # type: ignore[call-overload]
+        keys: list[str] = self.description["keys"]  # type: ignore[assignment]
+        scalars = [quantity["name"] for quantity in quantities if not quantity["many"]]
+        lists = [quantity["name"] for quantity in quantities if quantity["many"]]
+        return list(keys), scalars, lists
 
     def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
         """Check the file, or begin a new one; return its description."""
         run = self.connection.execute
         run(f"PRAGMA busy_timeout = {int(1000 * _PATIENCE_SECONDS)}")
-        # In this order: where another process made the tables just now, it has set the number with them.
+        # In this order: where another process made the tables just now, it has set the number with
+        # them.
         tables = run("SELECT count(*) FROM sqlite_master").fetchone()[0]
         application = run("PRAGMA application_id").fetchone()[0]
         if application == 0 and tables == 0 and plan is not None:
@@ -146,7 +174,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             application = run("PRAGMA application_id").fetchone()[0]
         if application != _APPLICATION or run("PRAGMA user_version").fetchone()[0] != _FORMAT:
             raise DataFileError(
-                f"{self.path}: not a store of this version's sweeps; choose another folder or remove it"
+                f"{self.path}: not a store of this version's sweeps; choose another folder or "
+                "remove it"
             )
         run("PRAGMA synchronous = FULL")
         found = [row[0] for row in run("PRAGMA integrity_check")]
@@ -157,18 +186,26 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             for row in run(f"SELECT * FROM {table}"):
                 if _seal(row[:-1]) != row[-1]:
                     raise self._damaged(f"a row of its table {table} is not as it was written")
-        description: dict[str, object] = json.loads(run("SELECT description FROM sweep").fetchone()[0])
+        description: dict[str, object] = json.loads(
+            run("SELECT description FROM sweep").fetchone()[0]
+        )
         if plan is not None:
             self._check_same(description, _description(plan))
         self.description = description
-        if run("SELECT sql FROM sqlite_master WHERE name = 'points'").fetchone() != (self._points_table(),):
+        if run("SELECT sql FROM sqlite_master WHERE name = 'points'").fetchone() != (
+            self._points_table(),
+        ):
             raise self._damaged("its columns are not as they were made")
         return description
 
     def _points_table(self) -> str:
         """The statement that makes the table of the points."""
         keys, scalars, lists = self._columns()
-        columns = ["digest TEXT PRIMARY KEY", "number INTEGER NOT NULL UNIQUE", *(f'"{key}"' for key in keys)]
+        columns = [
+            "digest TEXT PRIMARY KEY",
+            "number INTEGER NOT NULL UNIQUE",
+            *(f'"{key}"' for key in keys),
+        ]
         columns += [f'"{name}" REAL' for name in scalars] + [f'"{name}" TEXT' for name in lists]
         columns += ["refusal TEXT NOT NULL", "seal TEXT NOT NULL"]
         return f"CREATE TABLE points ({', '.join(columns)}) WITHOUT ROWID"
@@ -187,21 +224,24 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             run(self._points_table())
             run(f"PRAGMA user_version = {_FORMAT}")
             run(f"PRAGMA application_id = {_APPLICATION}")
-        # Only one of several connections can change the journal; any one will do, and rollback is as safe.
+        # Only one of several connections can change the journal; any one will do, and rollback is
+        # as safe.
         with suppress(sqlite3.OperationalError):
             run("PRAGMA journal_mode = WAL")
 
     def _check_same(self, stored: dict[str, object], wanted: dict[str, object]) -> None:
-        other = [name for name in wanted["plan"] if stored["plan"].get(name) != wanted["plan"][name]]  # type: ignore[attr-defined, index]
+        there: dict[str, object] = stored["plan"]  # type: ignore[assignment]
+        plan: dict[str, object] = wanted["plan"]  # type: ignore[assignment]
+        other = [name for name in plan if there.get(name) != plan[name]]
         if other == ["code"]:
             raise InvalidInput(
-                f"{self.path} was computed by another version of the code, whose numbers may differ: choose another "
-                "folder or remove it"
+                f"{self.path} was computed by another version of the code, whose numbers may "
+                "differ: choose another folder or remove it"
             )
         if other:
             raise InvalidInput(
-                f"{self.path} is the store of another sweep, which differs in {', '.join(other)}: choose another "
-                "folder or remove it"
+                f"{self.path} is the store of another sweep, which differs in {', '.join(other)}: "
+                "choose another folder or remove it"
             )
 
     @contextmanager
@@ -228,18 +268,22 @@ class SweepStore(AbstractContextManager["SweepStore"]):
                 ) from error
             if code in _WRITE_FAULTS:
                 raise StoreWriteError(
-                    f"{self.path} cannot be written ({error}): the disk is full or refuses; what was stored is kept: "
-                    "make room, then run the same sweep again"
+                    f"{self.path} cannot be written ({error}): the disk is full or refuses; what "
+                    "was stored is kept: make room, then run the same sweep again"
                 ) from error
             raise self._damaged(str(error)) from error
         except UnicodeDecodeError as error:
             raise self._damaged(str(error)) from error
         except OSError as error:
-            raise StoreWriteError(f"{self.path} cannot be written ({error.strerror}): choose another folder") from error
+            raise StoreWriteError(
+                f"{self.path} cannot be written ({error.strerror}): choose another folder"
+            ) from error
 
     def _damaged(self, fault: str) -> DataFileError:
         told = " ".join(fault.split())
-        return DataFileError(f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again")
+        return DataFileError(
+            f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again"
+        )
 
 
 def _description(plan: SweepPlan) -> dict[str, object]:

@@ -1,1 +1,3 @@
-"""Pictures and sentences: they draw and phrase what other rooms computed, and compute nothing themselves."""
+"""Pictures and sentences: they draw and phrase what other rooms computed, and compute nothing
+themselves.
+"""

@@ -1,4 +1,6 @@
-"""A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes with poses."""
+"""A prediction beside data: in sentences, and on a page with map, histogram, staircase, and pushes
+with poses.
+"""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -41,7 +43,17 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
     figure = style.new_figure()
     rows = bool(found.pushes) + (found.cycle is not None)
-    grid = GridSpec(max(rows, 1), 3, figure, left=0.06, right=0.985, bottom=0.125, top=0.775, wspace=0.24, hspace=0.62)
+    grid = GridSpec(
+        max(rows, 1),
+        3,
+        figure,
+        left=0.06,
+        right=0.985,
+        bottom=0.125,
+        top=0.775,
+        wspace=0.24,
+        hspace=0.62,
+    )
     if found.cycle is not None:
         _draw_cycles([figure.add_subplot(grid[0, column]) for column in range(3)], found, curve)
     if found.pushes:
@@ -60,7 +72,9 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
 
 @style.picture_style()
 def residual_page(found: Comparison) -> Figure | None:
-    """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None without either."""
+    """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None
+    without either.
+    """
     left = (
         []
         if found.cycle is None or found.data.pairs is None
@@ -69,7 +83,10 @@ def residual_page(found: Comparison) -> Figure | None:
     if found.pushes:
         theta = np.concatenate([one.theta for one in found.pushes])
         off = np.concatenate([one.measured - one.predicted for one in found.pushes])
-        left += [(label, theta, scale * off[:, column]) for column, (_, label, scale) in enumerate(_LABELS.values())]
+        left += [
+            (label, theta, scale * off[:, column])
+            for column, (_, label, scale) in enumerate(_LABELS.values())
+        ]
     if not left:
         return None
     columns = min(len(left), 2)
@@ -104,7 +121,9 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
     assert found.cycle is not None and found.data.pairs is not None
     draw_turn(turn, curve, ())
     draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    turn.set_title("Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD)
+    turn.set_title(
+        "Cycle map, midway" if found.prediction.is_drifting else "Cycle map", pad=TITLE_PAD
+    )
     style.legend_above(turn)
     histogram.set_title("Directions", pad=TITLE_PAD)
     style.degree_axis(histogram)
@@ -115,7 +134,9 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
         draw_measured_histogram(histogram, found.orientations.measured)
         predicted = found.orientations.predicted
         heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
-        histogram.stairs(heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3)
+        histogram.stairs(
+            heights, edges, color=PREDICTED, linewidth=1.6, label="predicted", zorder=3
+        )
         histogram.set_ylim(bottom=0.0)
         style.legend_above(histogram)
     staircase.set_title("Staircase", pad=TITLE_PAD)
@@ -133,12 +154,24 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     theta = np.degrees(np.mod(largest.theta, 2 * np.pi))
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
         symbol, label, scale = _LABELS[quantity.name]
-        axes.plot(theta, scale * largest.measured[:, column], marker="o", label="measured", zorder=2, **style.DOTS)
+        axes.plot(
+            theta,
+            scale * largest.measured[:, column],
+            marker="o",
+            label="measured",
+            zorder=2,
+            **style.DOTS,
+        )
         predicted = scale * largest.predicted[:, column]
-        axes.plot(theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3)
+        axes.plot(
+            theta, predicted, ".", color=PREDICTED, markersize=4.0, label="predicted", zorder=3
+        )
         style.degree_axis(axes)
         axes.set_ylabel(label)
-        axes.set_title(f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %", pad=TITLE_PAD)
+        axes.set_title(
+            f"{symbol}: RMSE {quantity.percent:.1f} %, std {quantity.std_percent:.1f} %",
+            pad=TITLE_PAD,
+        )
         style.legend_above(axes)
 
 
@@ -149,9 +182,15 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
         symbol, label, scale = _LABELS[quantity.name]
         for one in found.pushes:
             axes.plot(
-                scale * one.predicted[:, column], scale * one.measured[:, column], marker="o", zorder=2, **style.DOTS
+                scale * one.predicted[:, column],
+                scale * one.measured[:, column],
+                marker="o",
+                zorder=2,
+                **style.DOTS,
             )
-        axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.6, label="as predicted", zorder=3)
+        axes.axline(
+            (0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.6, label="as predicted", zorder=3
+        )
         axes.set(xlabel=f"predicted {label}", ylabel=f"measured {label}")
         unit = "°" if quantity.name == "dtheta" else " mm"
         axes.set_title(f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}", pad=TITLE_PAD)
@@ -171,7 +210,9 @@ def data_sentence(found: Comparison) -> str:
     """What was compared, and what was left out."""
     pushes = sum(one.count for one in found.pushes)
     cycles = 0 if found.data.pairs is None else found.data.pairs.theta.size
-    used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [f"{cycles} cycles"] * bool(cycles)
+    used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [
+        f"{cycles} cycles"
+    ] * bool(cycles)
     out = [f"{count} ({reason})" for reason, count in found.data.left_out.items() if count]
     files = [f"{found.data.unreadable} unreadable files"] * bool(found.data.unreadable)
     left = f"; left out: {', '.join(out + files)}" if out or files else ""
@@ -184,8 +225,9 @@ def trust_sentences(found: Comparison) -> list[str]:
     correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
     if found.orientations is not None and abs(correlation) > CORRELATED:
         told.append(
-            f"What a measured cycle differs from the best smooth map by goes with the next one's (correlation "
-            f"{correlation:.2f}): the surface wears or is disturbed slowly, the simulated noise is not."
+            "What a measured cycle differs from the best smooth map by goes with the next one's "
+            f"(correlation {correlation:.2f}): the surface wears or is disturbed slowly, the "
+            "simulated noise is not."
         )
     return told
 
@@ -193,24 +235,45 @@ def trust_sentences(found: Comparison) -> list[str]:
 def summary_sentence(found: Comparison) -> str:
     """The questions by their answer, in a line or two."""
     groups = {"Agree": True, "Do not agree": False, "Open": None}
-    listed = {word: [one.question for one in found.verdicts if one.agrees is answer] for word, answer in groups.items()}
-    return " ".join(f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions)
+    listed = {
+        word: [one.question for one in found.verdicts if one.agrees is answer]
+        for word, answer in groups.items()
+    }
+    return " ".join(
+        f"{word}: {', '.join(questions)}." for word, questions in listed.items() if questions
+    )
 
 
 def explanation_sentences(name: str, found: Comparison) -> list[str]:
-    """What the turns of the measured cycles are explained by, and which of the explanations leaves least."""
+    """What the turns of the measured cycles are explained by, and which of the explanations leaves
+    least.
+    """
     said = []
     if found.pushes:
         sides = zip((name, ISOTROPIC), mean_distances(found.pushes), strict=True)
         by_place = sorted(sides, key=lambda side: side[1])
-        told = ", ".join(f"{1e3 * place:.1f} mm and {angle(turn)} by {one}" for one, (place, turn) in by_place)
-        said.append(f"Of {sum(one.count for one in found.pushes)} pushes there is left on average: {told}.")
+        told = ", ".join(
+            f"{1e3 * place:.1f} mm and {angle(turn)} by {one}" for one, (place, turn) in by_place
+        )
+        said.append(
+            f"Of {sum(one.count for one in found.pushes)} pushes there is left on average: {told}."
+        )
     if found.cycle is None:
         return said
     cycle = found.cycle
     left = {name: cycle.agreement.rms, "one turn for all orientations": cycle.turn.measured_std}
     if cycle.isotropic_rms is not None:
         left[ISOTROPIC] = cycle.isotropic_rms
-    told = ", ".join(f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1]))
-    fitted = "" if cycle.scatter is None else f"; the best smooth map, fitted to these, {angle(cycle.scatter)}"
-    return [*said, f"Of the turns of {cycle.agreement.pairs} cycles there is left as root mean square {told}{fitted}."]
+    told = ", ".join(
+        f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1])
+    )
+    fitted = (
+        ""
+        if cycle.scatter is None
+        else f"; the best smooth map, fitted to these, {angle(cycle.scatter)}"
+    )
+    return [
+        *said,
+        f"Of the turns of {cycle.agreement.pairs} cycles there is left as root mean square "
+        f"{told}{fitted}.",
+    ]

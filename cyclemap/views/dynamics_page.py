@@ -1,4 +1,6 @@
-"""Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they differ over θ0."""
+"""Dynamic beside quasi-static cycles on a landscape page: the turns of both, and how far they
+differ over θ0.
+"""
 
 import math
 from typing import Any
@@ -11,7 +13,16 @@ from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET, legend_above, new_figure, picture_style, write_page
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    PREDICTED,
+    QUIET,
+    legend_above,
+    new_figure,
+    picture_style,
+    write_page,
+)
 
 THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
@@ -37,9 +48,14 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         alone = theta.size == 1
         dash = ("--" if isotropic_law else "-") + "x" * alone
         on = 4 if alone else 2
-        turns.plot(theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on)
+        turns.plot(
+            theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on
+        )
         moved = np.degrees(comparison.dynamic.theta_next) - theta
-        look: dict[str, Any] = {"markerfacecolor": "white" if isotropic_law else PREDICTED, "markersize": 4.5}
+        look: dict[str, Any] = {
+            "markerfacecolor": "white" if isotropic_law else PREDICTED,
+            "markersize": 4.5,
+        }
         turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
     turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
     turns.xaxis.set_major_locator(MultipleLocator(60.0))
@@ -50,20 +66,23 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
     title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
     told = [difference_sentence(one) for one in (material, isotropic)]
-    foot = "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
+    foot = (
+        "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
+    )
     write_page(figure, title, told, f"{foot}; both models stand on the same support points")
     return figure
 
 
 def difference_sentence(comparison: DynamicsComparison) -> str:
-    """How far the dynamic simulation is from the quasi-static model, at most over the orientations."""
+    """How far the dynamic simulation is from the quasi-static model,
+    at most over the orientations."""
     push, drag, cycle = (math.degrees(largest(comparison.difference(name))) for name, *_ in _TURNS)
     place = 1e3 * largest(comparison.difference("push_displacement"))
     count = comparison.dynamic.theta.size
     return (
-        f"{comparison.loop.loop.material.name}: dynamic and quasi-static differ by at most {push:.3f}° in the push, "
-        f"{drag:.3f}° in the drag, {cycle:.3f}° in the cycle, {place:.3f} mm in the push's displacement "
-        f"({count} orientation{'s' * (count != 1)})."
+        f"{comparison.loop.loop.material.name}: dynamic and quasi-static differ by at most "
+        f"{push:.3f}° in the push, {drag:.3f}° in the drag, {cycle:.3f}° in the cycle, {place:.3f} "
+        f"mm in the push's displacement ({count} orientation{'s' * (count != 1)})."
     )
 
 
@@ -72,13 +91,20 @@ def largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
-def draw_turn_differences(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
+def draw_turn_differences(
+    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
+) -> None:
     """Dynamic less quasi-static turns over θ0."""
-    curves = [(look, [np.degrees(one.difference(name)) for one in (material, isotropic)]) for name, *look in _TURNS]
+    curves = [
+        (look, [np.degrees(one.difference(name)) for one in (material, isotropic)])
+        for name, *look in _TURNS
+    ]
     _draw_differences(axes, material.dynamic.theta, curves, "°", "turns")
 
 
-def draw_place_differences(axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison) -> None:
+def draw_place_differences(
+    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
+) -> None:
     """Dynamic less quasi-static displacements of the push over θ0."""
     off = [1e3 * one.difference("push_displacement") for one in (material, isotropic)]
     curves = [(look, [one[..., column] for one in off]) for column, *look in _PLACES]
@@ -88,9 +114,13 @@ def draw_place_differences(axes: Axes, material: DynamicsComparison, isotropic: 
 def _draw_differences(
     axes: Axes, theta: Array, curves: list[tuple[list[str], list[Array]]], unit: str, what: str
 ) -> None:
-    """Label, colour and marker of each quantity: on the material solid and filled, on isotropic friction open."""
+    """Label, colour and marker of each quantity: on the material solid and filled, on isotropic
+    friction open.
+    """
     for (label, colour, marker), pair in curves:
-        for values, line, face, name in zip(pair, ("-", "--"), (colour, "white"), (label, "_isotropic"), strict=True):
+        for values, line, face, name in zip(
+            pair, ("-", "--"), (colour, "white"), (label, "_isotropic"), strict=True
+        ):
             axes.plot(
                 np.degrees(theta),
                 values,

@@ -1,4 +1,6 @@
-"""The numerical experiment: in sentences, and as a page of paths in the robot's and the object's frame, and θ0."""
+"""The numerical experiment: in sentences, and as a page of paths in the robot's and the object's
+frame, and θ0.
+"""
 
 import math
 
@@ -10,7 +12,15 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, PREDICTED, legend_above, new_figure, picture_style, unwrapped_axis, write_page
+from cyclemap.views.style import (
+    FORCE,
+    PREDICTED,
+    legend_above,
+    new_figure,
+    picture_style,
+    unwrapped_axis,
+    write_page,
+)
 
 MM = 1e3
 # Points between a panel and its title: a row of a legend.
@@ -22,15 +32,24 @@ _MARKERS = "os^vDP*X"
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
     figure = new_figure()
-    grid = GridSpec(2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55)
+    grid = GridSpec(
+        2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55
+    )
     for row, (run, name) in enumerate(named_runs(experiment)):
         robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
         draw_paths(robot, run, f"{name}: robot's frame")
         draw_paths(body, run, f"{name}: object's frame", in_object=True)
         draw_course(course, run, f"{name}: θ0 over the cycles")
     title = f"Batches of cycles on {experiment.loop.material.name}"
-    told = experiment_headline(experiment), spread_sentence(experiment), isotropic_sentence(experiment)
-    foot = f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push of each batch"
+    told = (
+        experiment_headline(experiment),
+        spread_sentence(experiment),
+        isotropic_sentence(experiment),
+    )
+    foot = (
+        f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push "
+        "of each batch"
+    )
     write_page(figure, title, told, foot)
     return figure
 
@@ -41,12 +60,22 @@ def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
 
 
 def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -> None:
-    """Paths of the centre, each batch's last one thick: about the reset's target, or seen from the object."""
+    """Paths of the centre, each batch's last one thick: about the reset's target, or seen from the
+    object.
+    """
     paths, where = (run.object_path, " in the object's frame") if in_object else (run.path, "")
     for path in paths.reshape(-1, *paths.shape[2:]):
         axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
     for path in paths[:, -1]:
-        axes.plot(*(MM * path).T, "o-", markevery=[0], color=FORCE, linewidth=1.8, markersize=4.0, zorder=3)
+        axes.plot(
+            *(MM * path).T,
+            "o-",
+            markevery=[0],
+            color=FORCE,
+            linewidth=1.8,
+            markersize=4.0,
+            zorder=3,
+        )
     axes.lines[0].set_label("pushes")
     axes.lines[-1].set_label("last of a batch")
     legend_above(axes)
@@ -82,7 +111,9 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:
-    """Where the batches end on the material, and how soon; of batches that end nowhere how far they still turn."""
+    """Where the batches end on the material, and how soon; of batches that end nowhere how far they
+    still turn.
+    """
     run, cycles = experiment.anisotropic, _count(experiment.cycles, "cycle")
     count, directions = len(run.theta), run.directions()
     if not directions:
@@ -90,19 +121,29 @@ def experiment_headline(experiment: BatchExperiment) -> str:
         step = float(run.last_step.max())
         turned = f"{angle(step, 2)}{', and such steps do not soon die out' if step <= 0.1 * WITHIN else ''}."
         if count == 1:
-            return f"The batch does not come to rest in {cycles}: the last cycle still turns it by {turned}"
-        return f"Not every batch comes to rest in {cycles}: the last cycle still turns one by {turned}"
+            return (
+                f"The batch does not come to rest in {cycles}: the last cycle still turns it "
+                f"by {turned}"
+            )
+        return (
+            f"Not every batch comes to rest in {cycles}: the last cycle still turns one by {turned}"
+        )
     after = _count(int(run.settled_after().max()), "cycle")
     soon = f"within 1° of it for good after {'' if count == 1 else 'at most '}{after}"
     if len(directions) == 1:
         who = "The batch ends" if count == 1 else f"All {count} batches end"
         return f"{who} at {angle(directions[0])}, {soon}."
     places = ", ".join(angle(direction) for direction in directions)
-    return f"The {count} batches end at {len(directions)} directions ({places}), {soon.replace('of it', 'of them')}."
+    return (
+        f"The {count} batches end at {len(directions)} directions ({places}), "
+        f"{soon.replace('of it', 'of them')}."
+    )
 
 
 def isotropic_sentence(experiment: BatchExperiment) -> str:
-    """What the batches do on the isotropic twin, and that they follow one path in the object's frame."""
+    """What the batches do on the isotropic twin, and that they follow one path in the object's
+    frame.
+    """
     run = experiment.isotropic
     turns = run.theta[:, 1:] - run.theta[:, :-1]
     turned = f"turns the object by {angle(float(turns.mean()), 2)}"
@@ -122,7 +163,10 @@ def spread_sentence(experiment: BatchExperiment) -> str:
 def method_line(experiment: BatchExperiment) -> str:
     """How the experiment was run."""
     batches = len(experiment.starts)
-    total = f"{_count(batches * experiment.cycles, 'cycle')}: {_count(batches, 'batch', 'es')} of {experiment.cycles}"
+    total = (
+        f"{_count(batches * experiment.cycles, 'cycle')}: {_count(batches, 'batch', 'es')} "
+        f"of {experiment.cycles}"
+    )
     if experiment.speed is None:
         return f"quasi-static cycles; {total}"
     return f"dynamic simulation at {1e3 * experiment.speed:g} mm/s; {total}"
@@ -144,5 +188,11 @@ def _count(number: int, noun: str, plural: str = "s") -> str:
 def _path_clause(run: BatchRun) -> str:
     paths = run.theta[:, 1:].size
     if run.spread < 1e-4:
-        return f"seen in the object's frame all {paths} paths are one (none is further than {length(run.spread)} off)"
-    return f"seen in the object's frame the {paths} paths spread by up to {length(run.spread)} about their mean"
+        return (
+            f"seen in the object's frame all {paths} paths are one (none is further than "
+            f"{length(run.spread)} off)"
+        )
+    return (
+        f"seen in the object's frame the {paths} paths spread by up to {length(run.spread)} "
+        "about their mean"
+    )

@@ -1,4 +1,6 @@
-"""A fingerprint: in sentences, and on a page: how the protocol answers, the predicted map, the full one beside it."""
+"""A fingerprint: in sentences, and on a page: how the protocol answers, the predicted map, the full
+one beside it.
+"""
 
 import math
 
@@ -14,7 +16,15 @@ from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
 from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+)
 
 _ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
@@ -22,7 +32,10 @@ ANYWHERE = math.radians(90.0)
 
 @style.picture_style()
 def fingerprint_page(
-    found: Fingerprint, prediction: Prediction | None = None, checked: PredictionCheck | None = None, name: str = ""
+    found: Fingerprint,
+    prediction: Prediction | None = None,
+    checked: PredictionCheck | None = None,
+    name: str = "",
 ) -> Figure:
     """Draw a fingerprint; with a prediction its map too, and the full map where that was computed.
 
@@ -45,8 +58,14 @@ def fingerprint_page(
     draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
     draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
     if prediction is not None:
-        draw_prediction(figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map)
-    title = "Fingerprint of the protocol" if prediction is None else f"Fingerprint of the protocol, on {name}"
+        draw_prediction(
+            figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map
+        )
+    title = (
+        "Fingerprint of the protocol"
+        if prediction is None
+        else f"Fingerprint of the protocol, on {name}"
+    )
     told = [protocol_sentence(found)]
     if prediction is not None:
         told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
@@ -55,7 +74,9 @@ def fingerprint_page(
         told.append(check_sentence(checked))
     numbers = "   ".join(
         f"{symbol} {value}°"
-        for symbol, value in zip(("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃"), seven_numbers(found.cycle), strict=True)
+        for symbol, value in zip(
+            ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃"), seven_numbers(found.cycle), strict=True
+        )
     )
     foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     style.write_page(figure, title, told, foot, top=0.925, letters=170)
@@ -63,39 +84,67 @@ def fingerprint_page(
 
 
 def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
-    """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the orientation."""
+    """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the
+    orientation.
+    """
     looks = (("push", found.push, FORCE, ":"), ("drag", found.drag, MEASURED_EDGE, "--"))
     for name, response, colour, dash in looks:
-        axes.plot(*_response_curve(response, ellipse), color=colour, linestyle=dash, linewidth=1.6, label=name)
+        axes.plot(
+            *_response_curve(response, ellipse),
+            color=colour,
+            linestyle=dash,
+            linewidth=1.6,
+            label=name,
+        )
     axes.plot(*_response_curve(found.cycle, ellipse), color=PREDICTED, linewidth=2.2, label="cycle")
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     axes.set_title("Answer to 1 % of ellipticity" if ellipse else "Answer to 1 % of offset")
-    seen = "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
+    seen = (
+        "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
+    )
     style.degree_axis(axes, f"orientation {seen}")
     axes.set_ylabel("change of turn (°)")
     style.legend_above(axes)
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
-    """Draw the first-order turn with its error and its directions, the second-order turn, and the full map's."""
+    """Draw the first-order turn with its error and its directions, the second-order turn, and the
+    full map's.
+    """
     turn, error = prediction.turn(_ANGLES), prediction.turn_error(_ANGLES)
     degrees = np.degrees(_ANGLES)
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     low, high = np.degrees(turn - error), np.degrees(turn + error)
-    axes.fill_between(degrees, low, high, color=PREDICTED_FILL, linewidth=0.0, label="its error", zorder=1)
-    axes.plot(degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4)
+    axes.fill_between(
+        degrees, low, high, color=PREDICTED_FILL, linewidth=0.0, label="its error", zorder=1
+    )
+    axes.plot(
+        degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4
+    )
     second = np.degrees(prediction.second_order_turn(_ANGLES))
-    axes.plot(degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5)
+    axes.plot(
+        degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5
+    )
     for index, (theta, whole) in enumerate([] if full is None else turn_curve(full).pieces):
         label = None if index else "full map"
-        axes.plot(np.degrees(theta), np.degrees(whole), color=MEASURED, linewidth=3.0, label=label, zorder=3)
+        axes.plot(
+            np.degrees(theta),
+            np.degrees(whole),
+            color=MEASURED,
+            linewidth=3.0,
+            label=label,
+            zorder=3,
+        )
     for direction in prediction.directions:
         place, kind = float(np.degrees(direction.orbit.points[0])), style.stability(direction.orbit)
         axes.plot(place, 0.0, **style.orbit_marker(kind))
-        # A turn falls through a stable direction and rises through an unstable one: names stand where it does not run.
+        # A turn falls through a stable direction and rises through an unstable one: names stand
+        # where it does not run.
         left = place > 290.0
         above = direction.orbit.stable != left
-        style.name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16))
+        style.name_beside(
+            axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16)
+        )
     style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
@@ -112,7 +161,11 @@ def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, 
 
 def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃ in degrees, as text with three decimals."""
-    harmonics = [f"{part}_{number}" for part in ("offset", "ellipse", "bow") for number in ("amplitude", "phase")]
+    harmonics = [
+        f"{part}_{number}"
+        for part in ("offset", "ellipse", "bow")
+        for number in ("amplitude", "phase")
+    ]
     names = ("turn", *harmonics)
     return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
@@ -120,19 +173,23 @@ def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
 def protocol_sentence(found: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
     whole, parts = found.cycle, f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
-    offset, ellipse = (angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude))
+    offset, ellipse = (
+        angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude)
+    )
     return (
-        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an offset of 1 % "
-        f"changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}, a floor with a bow of 0.1 mean "
-        f"pressures at 50 mm by up to {angle(0.1 * whole.bow_amplitude, 2)}."
+        f"On an isotropic surface a cycle turns the object by {angle(whole.turn, 2)} ({parts}); an "
+        f"offset of 1 % changes that by up to {offset}, an ellipticity of 1 % by up to {ellipse}, "
+        "a floor with a bow of 0.1 mean pressures at 50 mm by up to "
+        f"{angle(0.1 * whole.bow_amplitude, 2)}."
     )
 
 
 def bow_sentence(found: Fingerprint, bow: float) -> str:
     """What stands instead of a prediction where the floor has a bow."""
     return (
-        f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by up to "
-        f"{angle(bow * found.cycle.bow_amplitude, 1)}. No direction is predicted from that; portrait computes the map."
+        f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
+        f"up to {angle(bow * found.cycle.bow_amplitude, 1)}. No direction is predicted from that; "
+        "portrait computes the map."
     )
 
 
@@ -142,8 +199,9 @@ def surface_sentence(prediction: Prediction, material: str) -> str:
     if not surface.offset and not surface.ellipticity:
         return f"{material} is the same in every direction."
     return (
-        f"{material}: offset {100 * surface.offset:.1f} % along {angle(surface.offset_direction % (2 * math.pi))}, "
-        f"ellipticity {100 * surface.ellipticity:.1f} % along {angle(surface.ellipse_direction)}."
+        f"{material}: offset {100 * surface.offset:.1f} % along "
+        f"{angle(surface.offset_direction % (2 * math.pi))}, ellipticity "
+        f"{100 * surface.ellipticity:.1f} % along {angle(surface.ellipse_direction)}."
     )
 
 
@@ -153,28 +211,46 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
     if stable:
         places = []
         for one in stable:
-            second = "" if one.second_order is None else f"; to second order {angle(one.second_order.points[0])}"
+            second = (
+                ""
+                if one.second_order is None
+                else f"; to second order {angle(one.second_order.points[0])}"
+            )
             width = "± more than 90°" if one.error > ANYWHERE else f"± {angle(one.error)}"
-            places.append(f"{angle(one.theta)} {width} (multiplier {_signed(one.orbit.multiplier)}{second})")
-        return f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
+            places.append(
+                f"{angle(one.theta)} {width} (multiplier {_signed(one.orbit.multiplier)}{second})"
+            )
+        return (
+            f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
+        )
     pace = ""
     if prediction.mean_turn is not None:
         pace = f": the map turns {angle(prediction.mean_turn, 2)} a cycle on average"
         slow = angle(float(prediction.turn(prediction.slowest)), 2)
-        pace += f", slowest near {angle(prediction.slowest, 0)} ({slow})" if prediction.ratio else ""
+        pace += (
+            f", slowest near {angle(prediction.slowest, 0)} ({slow})" if prediction.ratio else ""
+        )
     refined = [angle(orbit.points[0]) for orbit in prediction.second_order_points if orbit.stable]
     second = f"; to second order it locks into {', '.join(refined)}" if refined else ""
-    return f"To first order {material} has no stable direction{pace}{_doubt(prediction, DRIFTS)}{second}."
+    return (
+        f"To first order {material} has no stable "
+        f"direction{pace}{_doubt(prediction, DRIFTS)}{second}."
+    )
 
 
 def lock_in_sentence(prediction: Prediction) -> str:
-    """How near the surface is to the edge of lock-in; empty where no anisotropy of this kind locks in."""
+    """How near the surface is to the edge of lock-in; empty where no anisotropy of this kind locks
+    in.
+    """
     lock_in = prediction.lock_in
     if not math.isfinite(lock_in.scale):
         return ""
     low, high = prediction.lock_in_range
     between = f"{low:.2f} to {high:.2f}" if math.isfinite(high) else f"{low:.2f} or more"
-    return f"Lock-in begins at {lock_in.scale:.2f} times this anisotropy ({between}), near {angle(lock_in.theta, 0)}."
+    return (
+        f"Lock-in begins at {lock_in.scale:.2f} times this anisotropy ({between}), near "
+        f"{angle(lock_in.theta, 0)}."
+    )
 
 
 def trust_sentence(prediction: Prediction) -> str:
@@ -193,11 +269,15 @@ def check_sentence(checked: PredictionCheck) -> str:
     """What the full map says of it."""
     if not checked.stable_points:
         return "The full map has no stable direction."
-    places = [f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})" for orbit in checked.stable_points]
+    places = [
+        f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})"
+        for orbit in checked.stable_points
+    ]
     misses = [
         "It has no such direction as predicted."
         if one.full is None
-        else f"The prediction is {angle(one.miss)} off, {'within' if one.within_error else 'beyond'} its error."
+        else f"The prediction is {angle(one.miss)} off, "
+        f"{'within' if one.within_error else 'beyond'} its error."
         for one in checked.directions
         if one.predicted.stable
     ]
@@ -209,4 +289,8 @@ def _signed(value: float) -> str:
 
 
 def _doubt(prediction: Prediction, verdict: str) -> str:
-    return "" if prediction.verdict == verdict else ", but the error leaves open whether it locks at all"
+    return (
+        ""
+        if prediction.verdict == verdict
+        else ", but the error leaves open whether it locks at all"
+    )

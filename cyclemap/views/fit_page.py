@@ -1,4 +1,6 @@
-"""What was fitted to one set of pushes: in sentences, and on a page of laws, histograms, map, staircase and turns."""
+"""What was fitted to one set of pushes: in sentences, and on a page of laws, histograms, map,
+staircase and turns.
+"""
 
 import math
 from collections.abc import Callable
@@ -35,14 +37,19 @@ FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
 TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
 SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
-LABELS = {"dtheta": "turn of the push, Δθ (°)", "dx": "displacement, Δx (mm)", "dy": "displacement, Δy (mm)"}
+LABELS = {
+    "dtheta": "turn of the push, Δθ (°)",
+    "dx": "displacement, Δx (mm)",
+    "dy": "displacement, Δy (mm)",
+}
 CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
 LATE_FILL = "#cfcfcf"
 
 
 @style.picture_style()
 def fit_page(fit: SetFit) -> Figure:
-    """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of them as there is.
+    """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of
+    them as there is.
 
     Raises InvalidInput where nothing was fitted.
     """
@@ -60,18 +67,31 @@ def fit_page(fit: SetFit) -> Figure:
                 cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
     rows = [row for row in (pushes, cycles) if row]
     if not rows:
-        raise InvalidInput(f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}")
+        raise InvalidInput(
+            f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
+        )
     figure = style.new_figure(16.0, 9.6)
-    foot = "laws are Fourier series of θ0, their order by cross-validation over blocks of successive pushes"
-    top = style.write_tall_page(figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given")
+    foot = (
+        "laws are Fourier series of θ0, their order by cross-validation over blocks of "
+        "successive pushes"
+    )
+    top = style.write_tall_page(
+        figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given"
+    )
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
     height = (top - FOOT) / len(rows)
     for place, row in enumerate(rows):
-        # Draw panels side by side in this part of the page, with room for titles above and labels below them.
+        # Draw panels side by side in this part of the page, with room for titles above and labels
+        # below them.
         upper = top - place * height
-        ends = {"top": upper - TITLES, "bottom": upper - height + BELOW, "left": 0.045, "right": 0.985}
+        ends = {
+            "top": upper - TITLES,
+            "bottom": upper - height + BELOW,
+            "left": 0.045,
+            "right": 0.985,
+        }
         grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
         for column, (title, draw) in enumerate(row):
             axes = figure.add_subplot(grid[0, column])
@@ -104,10 +124,16 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
     for state, colour, line, dash in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
-        labels = (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
-        edges += _draw_band(axes, law, found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels)
+        labels = (
+            (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
+        )
+        edges += _draw_band(
+            axes, law, found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels
+        )
         for orbit in state.fixed_points:
-            axes.plot(np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit)))
+            axes.plot(
+                np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit))
+            )
     _keep_to(axes, turns, edges)
     style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
@@ -117,14 +143,36 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
+    look: dict[str, Any] = {
+        "facecolor": MEASURED,
+        "edgecolor": MEASURED_EDGE,
+        "linewidth": 0.6,
+        "alpha": 0.65,
+    }
     axes.stairs(histogram.measured, edges, fill=True, label="measured", zorder=2, **look)
-    axes.stairs(histogram.predicted, edges, color=PREDICTED, linewidth=1.8, label="law with scatter", zorder=4)
-    # A law alone piles up where it is flat: columns that run out of the panel are told by their height.
-    top, alone = float(max(np.max(histogram.measured), np.max(histogram.predicted))), float(np.max(histogram.law_alone))
+    axes.stairs(
+        histogram.predicted,
+        edges,
+        color=PREDICTED,
+        linewidth=1.8,
+        label="law with scatter",
+        zorder=4,
+    )
+    # A law alone piles up where it is flat: columns that run out of the panel are told by their
+    # height.
+    top, alone = (
+        float(max(np.max(histogram.measured), np.max(histogram.predicted))),
+        float(np.max(histogram.law_alone)),
+    )
     told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
-    axes.stairs(histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3)
-    axes.set(xlabel="turn of the push, Δθ (°)", ylabel="pushes", ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)))
+    axes.stairs(
+        histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3
+    )
+    axes.set(
+        xlabel="turn of the push, Δθ (°)",
+        ylabel="pushes",
+        ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)),
+    )
     style.legend_above(axes, columns=2)
 
 
@@ -143,7 +191,13 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
     """The measured path, one of the fitted map, and where 95 % of its paths are."""
     lower, upper = np.degrees(forecast.lower), np.degrees(forecast.upper)
     axes.fill_between(
-        np.arange(lower.size), lower, upper, color=PREDICTED_FILL, linewidth=0, label="95 % of paths", zorder=1
+        np.arange(lower.size),
+        lower,
+        upper,
+        color=PREDICTED_FILL,
+        linewidth=0,
+        label="95 % of paths",
+        zorder=1,
     )
     draw_staircase(axes, forecast.run, forecast.measured)
     style.legend_above(axes, columns=2)
@@ -152,12 +206,32 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
     """Pushes that each full turn took, and the range that the fitted map gives it."""
     # A range without an end, or a turn that most paths never finish, runs out of the panel.
-    finite = [pushes[np.isfinite(pushes)] for pushes in (pace.measured, pace.lower, pace.predicted, pace.upper)]
+    finite = [
+        pushes[np.isfinite(pushes)]
+        for pushes in (pace.measured, pace.lower, pace.predicted, pace.upper)
+    ]
     top = 1.4 * float(np.max(np.concatenate(finite)))
-    low, middle, high = (np.minimum(pushes, 2.0 * top) for pushes in (pace.lower, pace.predicted, pace.upper))
+    low, middle, high = (
+        np.minimum(pushes, 2.0 * top) for pushes in (pace.lower, pace.predicted, pace.upper)
+    )
     look: dict[str, Any] = {"fmt": "_", "color": PREDICTED, "elinewidth": 1.6, "markersize": 8}
-    axes.errorbar(pace.start, middle, yerr=[middle - low, high - middle], label="fitted map, 95 %", zorder=3, **look)
-    axes.plot(pace.start, pace.measured, "s", color=MEASURED, markeredgecolor=MEASURED_EDGE, label="measured", zorder=4)
+    axes.errorbar(
+        pace.start,
+        middle,
+        yerr=[middle - low, high - middle],
+        label="fitted map, 95 %",
+        zorder=3,
+        **look,
+    )
+    axes.plot(
+        pace.start,
+        pace.measured,
+        "s",
+        color=MEASURED,
+        markeredgecolor=MEASURED_EDGE,
+        label="measured",
+        zorder=4,
+    )
     axes.set_yscale("log")
     axes.set_ylim(top=top)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -183,23 +257,39 @@ def _draw_band(
     dash: str,
     labels: tuple[str | None, str],
 ) -> list[Array]:
-    """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the wider band's ends."""
+    """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the
+    wider band's ends.
+    """
     around, centre = np.degrees(CIRCLE), scale * law(CIRCLE)
     mean, one = (scale * half for half in law.half_bands(CIRCLE))
     axes.fill_between(
-        around, centre - one, centre + one, color=fill, alpha=0.75, linewidth=0, label=labels[0], zorder=1
+        around,
+        centre - one,
+        centre + one,
+        color=fill,
+        alpha=0.75,
+        linewidth=0,
+        label=labels[0],
+        zorder=1,
     )
-    axes.fill_between(around, centre - mean, centre + mean, color=line, alpha=0.35, linewidth=0, zorder=3)
+    axes.fill_between(
+        around, centre - mean, centre + mean, color=line, alpha=0.35, linewidth=0, zorder=3
+    )
     seen = np.where(is_covered(theta, CIRCLE), centre, np.nan)
     axes.plot(around, seen, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
     return [centre - one, centre + one]
 
 
 def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:
-    """Show all but one in 200 dots, and bands as far as they leave these no less than a third of the panel."""
+    """Show all but one in 200 dots, and bands as far as they leave these no less than a third of
+    the panel.
+    """
     low, high = np.quantile(values, [0.005, 0.995]).tolist()
     reach, ends = high - low or 1.0, np.concatenate(bands)
-    low, high = max(low - reach, min(low, float(np.nanmin(ends)))), min(high + reach, max(high, np.nanmax(ends)))
+    low, high = (
+        max(low - reach, min(low, float(np.nanmin(ends)))),
+        min(high + reach, max(high, np.nanmax(ends))),
+    )
     axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
 
 
@@ -217,9 +307,10 @@ def set_sentences(fit: SetFit) -> list[str]:
     if (found := fit.histogram) is not None:
         chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
         said.append(
-            f"The histogram of Δθ that the law predicts with its scatter has {_share(found.total_variation)} of the "
-            f"pushes in other bins than measured ({chance}), {angle(found.distance, 2)} away on average; without "
-            f"scatter {_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
+            "The histogram of Δθ that the law predicts with its scatter has "
+            f"{_share(found.total_variation)} of the pushes in other bins than measured "
+            f"({chance}), {angle(found.distance, 2)} away on average; without scatter "
+            f"{_share(found.law_alone_total_variation)}, {angle(found.law_alone_distance, 2)}."
         )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]
@@ -234,7 +325,10 @@ def count_sentence(fit: SetFit) -> str:
     left = {} if pushes.pairs is None else pushes.pairs.dropped
     reasons = ", ".join(f"{count} left out: {reason}" for reason, count in left.items())
     dropped = f" ({reasons})" if reasons else ""
-    told, arcs = f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.", covered_arcs(pushes.theta)
+    told, arcs = (
+        f"{pushes.name}: {pushes.count} pushes{pooled}{known}{dropped}.",
+        covered_arcs(pushes.theta),
+    )
     if arcs == ((0.0, 2 * np.pi),):
         return told
     size = angle(sum(high - low for low, high in arcs), 0)
@@ -268,25 +362,39 @@ def map_sentences(found: MeasuredCycleMap) -> list[str]:
     if forecast is None and (found.pairs.path is None or found.pairs.cycle is None):
         return [*said, "The order of the pushes is unknown: no wear, no staircase."]
     if forecast is None:
-        return [*said, "Its paths leave the orientations that were measured: no staircase is foretold."]
+        return [
+            *said,
+            "Its paths leave the orientations that were measured: no staircase is foretold.",
+        ]
     spread = f"{np.mean(forecast.turns):.2f} ± {np.std(forecast.turns):.2f}"
     jumps = forecast.left_out_turns
     left_out = f" ({jumps:.2f} of them in cycles left out of the fit)" if abs(jumps) >= 0.01 else ""
     since = f"From push {forecast.first_cycle:.0f} on (the last three quarters)"
-    said.append(f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are predicted.")
+    said.append(
+        f"{since} {forecast.measured_turns:.2f} turns were measured{left_out}, {spread} are "
+        "predicted."
+    )
     pace, steps = forecast.pace, []
     for name, end in (("first", 0), ("last", -1))[: min(pace.measured.size, 2)]:
         middle, *ends = (
             number(value[end]) if math.isfinite(value[end]) else "longer than followed"
             for value in (pace.predicted, pace.lower, pace.upper)
         )
-        told = f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} ({' to '.join(ends)})"
+        told = (
+            f"the {name} full turn took {pace.measured[end]:.0f} pushes, predicted {middle} "
+            f"({' to '.join(ends)})"
+        )
         steps.append(told)
     share = f"{_share(pace.inside)} of the {pace.measured.size} turns lie in their 95 % ranges"
-    said.append(f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured.")
+    said.append(
+        f"Of the steps, {'; '.join(steps)}; {share}." if steps else "No full turn was measured."
+    )
     measured, predicted = _peak(forecast.measured_histogram), _peak(forecast.histogram)
     chance = angle(float(np.quantile(forecast.run_distances, 0.95)))
-    apart = f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than {chance})"
+    apart = (
+        f"{angle(forecast.wasserstein)} apart (of the map's own paths 1 in 20 is more than "
+        f"{chance})"
+    )
     most = f"θ0 was recorded most often at {measured}, predicted {predicted}"
     return [*said, f"{most}; the histograms are {apart}."]
 
@@ -295,16 +403,31 @@ def order_sentence(found: MeasuredCycleMap) -> str:
     """The order, wear and scatter of the cycle map."""
     worn, few = found.fitted.wear, f"{FEWEST_FOR_WEAR} cycles or more would tell"
     law = found.fitted.law if worn is None else worn.whole
-    wear = "" if worn is None else f", wearing with degree {worn.degree}" if found.wears else ", no wear seen"
+    wear = (
+        ""
+        if worn is None
+        else f", wearing with degree {worn.degree}"
+        if found.wears
+        else ", no wear seen"
+    )
     if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
         wear = f", wear unknown ({few})"
-    quiet, loud = (f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest))
-    scatter = f"scatter {angle(law.sigma, 2)}" + ("" if law.log_variance.size == 1 else f", from {quiet} to {loud}")
-    alike = f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and ranges are too narrow"
+    quiet, loud = (
+        f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest)
+    )
+    scatter = f"scatter {angle(law.sigma, 2)}" + (
+        "" if law.log_variance.size == 1 else f", from {quiet} to {loud}"
+    )
+    alike = (
+        f"; neighbouring residuals correlate ({law.lag_correlation:.2f}), so bands and "
+        "ranges are too narrow"
+    )
     tail = alike if law.lag_correlation > ALIKE else ""
     # Whether cross-validation took the largest order it was offered.
     tried = found.fitted.wear or found.fitted.law
-    most = tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
+    most = (
+        tried.rmse_by_order is not None and 1 < tried.rmse_by_order.shape[-1] == tried.harmonics + 1
+    )
     order = f"{law.harmonics} harmonics{' (the most tried)' if most else ''}"
     return f"Cycle map of {found.pairs.theta.size} pairs: {order}{wear}; {scatter}{tail}."
 
@@ -328,14 +451,21 @@ def _places(state: MapState) -> str:
     kinds = [f"{orbit.kind} {angle(orbit.points[0])}" for orbit in state.fixed_points]
     has = [f"fixed points: {listed(kinds)}"] if kinds else []
     slow = [
-        f"{angle(p.theta)} ({number(p.cycles or math.nan)} pushes; least turn {_interval(p)})" for p in state.passages
+        f"{angle(p.theta)} ({number(p.cycles or math.nan)} pushes; least turn {_interval(p)})"
+        for p in state.passages
     ]
-    has += [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {listed(slow)}"] if slow else []
-    open_ = [f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided]
+    has += (
+        [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {listed(slow)}"] if slow else []
+    )
+    open_ = [
+        f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided
+    ]
     told = [f"it has {listed(has)}"] if has else []
     told += [f"it cannot be told whether θ0 rests or passes at {listed(open_)}"] if open_ else []
     slowest = f"{angle(state.slowest.theta)}, a cycle turns by {_interval(state.slowest)}"
-    return "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
+    return (
+        "; ".join(told) or f"it has no slow zone among the measured θ0: at the slowest, {slowest}"
+    )
 
 
 def _interval(place: TurnPlace) -> str:

@@ -1,4 +1,6 @@
-"""An identified surface: in sentences, and on a page with its ellipse, how plates press, data beside predictions."""
+"""An identified surface: in sentences, and on a page with its ellipse, how plates press, data
+beside predictions.
+"""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -31,19 +33,25 @@ from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
-# More intervals than fit above each other: those of plates and data sets are then in the tables alone.
+# More intervals than fit above each other: those of plates and data sets are then in the tables
+# alone.
 MOST_INTERVALS = 13
 # Errors that differ by less than this are as large.
 WORSE = 1.01
-# Friction whose axes, and whose centre over the mean, differ by less from one and nought is isotropic.
+# Friction whose axes, and whose centre over the mean, differ by less from one and nought is
+# isotropic.
 ROUND = 1.001
 Panel = tuple[str, Callable[[Axes], None]]
 _DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
 
 @style.picture_style()
-def identify_page(title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]) -> Figure:
-    """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the page takes."""
+def identify_page(
+    title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]
+) -> Figure:
+    """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
+    page takes.
+    """
     panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
         panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
@@ -57,7 +65,9 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
     panels += [(named(fit, "map"), partial(draw_cycles, fit=fit)) for fit in curves.cycles]
     panels += [(named(fit, "turns"), partial(draw_turns, fit=fit)) for fit in curves.strokes]
     places = [(fit, fit.errors) for fit in curves.strokes if fit.errors is not None]
-    panels += [(named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places]
+    panels += [
+        (named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places
+    ]
     figure = style.new_figure(16.0, 9.6)
     undrawn = len(panels) - MOST_PANELS
     more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
@@ -78,8 +88,15 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
         line = figure.add_subplot(lines[number, 0])
         draw_interval(line, one)
         place = line.get_position()
-        line.set_position((place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height))
-    cells = [(row, column) for row in range(rows) for column in range(columns) if (row, column) != (0, columns - 1)]
+        line.set_position(
+            (place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height)
+        )
+    cells = [
+        (row, column)
+        for row in range(rows)
+        for column in range(columns)
+        if (row, column) != (0, columns - 1)
+    ]
     for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
         axes = figure.add_subplot(grid[cell])
         draw(axes)
@@ -88,16 +105,22 @@ def identify_page(title: str, found: Identification, curves: IdentifiedCurves, w
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
-    """The friction ellipse over directions of sliding, what it may be, and the forces that scans measured."""
+    """The friction ellipse over directions of sliding, what it may be, and the forces that scans
+    measured.
+    """
     axes.add_collection(
-        LineCollection(list(curves.samples), colors=PREDICTED_FILL, linewidths=1.2, alpha=0.5, zorder=1)
+        LineCollection(
+            list(curves.samples), colors=PREDICTED_FILL, linewidths=1.2, alpha=0.5, zorder=1
+        )
     )
     axes.plot([], [], color=PREDICTED_FILL, linewidth=6, label="what it may be")
     if curves.forces is not None:
         axes.plot(*curves.forces.T, marker="o", label="measured", zorder=2, **_DOTS)
     axes.plot(*curves.ellipse.T, color=PREDICTED, linewidth=1.8, label="identified", zorder=4)
     if curves.worn is not None:
-        axes.plot(*curves.worn.T, color=INK, linewidth=1.4, linestyle="--", label="at the end", zorder=4)
+        axes.plot(
+            *curves.worn.T, color=INK, linewidth=1.4, linestyle="--", label="at the end", zorder=4
+        )
     axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
@@ -106,11 +129,18 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
-    """Shapes of plates or of the floor by session: how much each bends along and across its axis, a line each."""
+    """Shapes of plates or of the floor by session: how much each bends along and across its axis, a
+    line each.
+    """
     names = list(shapes)[::-1]
     for height, name in enumerate(names):
         shape = shapes[name]
-        axes.plot([shape.dome - shape.bow, shape.dome + shape.bow], [height, height], color=PREDICTED, linewidth=3.0)
+        axes.plot(
+            [shape.dome - shape.bow, shape.dome + shape.bow],
+            [height, height],
+            color=PREDICTED,
+            linewidth=3.0,
+        )
         axes.plot(shape.dome, height, "o", color=INK, markersize=4)
     axes.axvline(0.0, color=QUIET, linewidth=0.9)
     axes.set_yticks(range(len(names)), names, fontsize=7)
@@ -127,13 +157,18 @@ def draw_turns(axes: Axes, fit: StrokeFit) -> None:
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
-    """Where pushes ended, predicted less measured, with the circle that half of them keep within."""
+    """Where pushes ended, predicted less measured,
+    with the circle that half of them keep within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
     around = np.linspace(0.0, 2 * np.pi, 121)
     axes.plot(x, y, marker="o", label="pushes", zorder=2, **_DOTS)
     axes.plot(
-        half * np.cos(around), half * np.sin(around), color=PREDICTED, label=f"half within {half:.2g} mm", zorder=3
+        half * np.cos(around),
+        half * np.sin(around),
+        color=PREDICTED,
+        label=f"half within {half:.2g} mm",
+        zorder=3,
     )
     axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
     axes.set_aspect("equal", adjustable="datalim")
@@ -147,10 +182,25 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     theta = np.degrees(np.mod(fit.theta, 2 * np.pi))
     axes.plot(theta, np.degrees(fit.turn), marker="o", label="measured", zorder=2, **_DOTS)
     name = "identified" if fit.late is None else "at the start"
-    axes.plot(np.degrees(fit.grid), np.degrees(fit.fitted), color=PREDICTED, linewidth=1.8, label=name, zorder=4)
+    axes.plot(
+        np.degrees(fit.grid),
+        np.degrees(fit.fitted),
+        color=PREDICTED,
+        linewidth=1.8,
+        label=name,
+        zorder=4,
+    )
     if fit.late is not None:
         late = np.degrees(fit.late)
-        axes.plot(np.degrees(fit.grid), late, color=INK, linestyle="--", linewidth=1.4, label="at the end", zorder=4)
+        axes.plot(
+            np.degrees(fit.grid),
+            late,
+            color=INK,
+            linestyle="--",
+            linewidth=1.4,
+            label="at the end",
+            zorder=4,
+        )
     style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
     style.legend_above(axes)
@@ -165,7 +215,8 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     axes.plot(value, 0.0, "o", color=color, markersize=5)
     for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
         axes.plot(end, 0.0, "|" if not opened else "x", color=color, markersize=8)
-    # An interval narrower than the digits of its ticks would be labelled with an offset that nobody can read.
+    # An interval narrower than the digits of its ticks would be labelled with an offset that nobody
+    # can read.
     room = max(0.35 * (upper - lower), 1e-3 * max(abs(lower), abs(upper), 1e-3))
     axes.set_xlim(lower - room, upper + room)
     axes.ticklabel_format(axis="x", useOffset=False)
@@ -180,7 +231,8 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
 
 
 def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> str:
-    """Friction ellipse and floor as far as they are known: intervals, for no value is surer than its own.
+    """Friction ellipse and floor as far as they are known: intervals, for no value is surer than
+    its own.
 
     held : the friction where the data were not asked about its shape.
     """
@@ -190,26 +242,38 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
         return low if low == high else f"{low} to {high}"
 
     def size(one: str, factor: float, decimals: int) -> str:
-        return interval(*(f"{factor * end:.{decimals}f}" for end in (known[one].lower, known[one].upper)))
+        return interval(
+            *(f"{factor * end:.{decimals}f}" for end in (known[one].lower, known[one].upper))
+        )
 
     def way(one: str, words: str) -> str:
         if one not in known:
             return ""
         if not known[one].known:
             return ", in any direction"
-        ends, whole = (known[one].lower, known[one].upper), math.floor((known[one].lower + math.pi) / TWO_PI)
+        ends, whole = (
+            (known[one].lower, known[one].upper),
+            math.floor((known[one].lower + math.pi) / TWO_PI),
+        )
         return words.format(interval(*(angle(end - TWO_PI * whole, 0) for end in ends)))
 
     told = []
     if "axis_ratio" in known:
-        told.append(f"axes {size('axis_ratio', 1.0, 2)} : 1{way('axis_direction', ' (longer along {})')}")
+        told.append(
+            f"axes {size('axis_ratio', 1.0, 2)} : 1{way('axis_direction', ' (longer along {})')}"
+        )
     if "offset_size" in known:
-        told.append(f"centre {size('offset_size', 100.0, 1)} % off{way('offset_direction', ' towards {}')}")
+        told.append(
+            f"centre {size('offset_size', 100.0, 1)} % off{way('offset_direction', ' towards {}')}"
+        )
     if "mean_friction" in known:
         told.append(f"mean friction {size('mean_friction', 1.0, 3)}")
     words = [f"friction ellipse with {', '.join(told)}"] if told else []
     if "axis_ratio" not in known and "offset_size" not in known:
-        ratio, off = held.mu_a / held.mu_b, 100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b)
+        ratio, off = (
+            held.mu_a / held.mu_b,
+            100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b),
+        )
         is_round = ratio < ROUND and off < 100.0 * (ROUND - 1.0)
         words.append(
             "friction taken as isotropic"
@@ -217,7 +281,9 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
             else f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
         )
     if "floor_bow" in known:
-        words.append(f"floor bowed by {size('floor_bow', 1.0, 1)} kPa{way('floor_axis', ' (up along {})')}")
+        words.append(
+            f"floor bowed by {size('floor_bow', 1.0, 1)} kPa{way('floor_axis', ' (up along {})')}"
+        )
     return f"{name}: {'; '.join(words)}"
 
 
@@ -227,17 +293,28 @@ def note_sentences(found: Identification) -> list[str]:
 
 
 def worse_than_isotropic(found: Identification) -> list[str]:
-    """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left out where it was."""
+    """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left
+    out where it was.
+    """
     worse = []
     for one in found.errors:
         mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
         if mean > WORSE * one.isotropic_mean:
             kind, unit, factor = readable_kind(one.kind)
-            worse.append(f"{one.block}, {kind} ({factor * mean:.3g} against {factor * one.isotropic_mean:.3g}{unit})")
+            worse.append(
+                f"{one.block}, {kind} ({factor * mean:.3g} against "
+                f"{factor * one.isotropic_mean:.3g}{unit})"
+            )
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 
 
 def page_sentences(found: Identification) -> list[str]:
-    """What is written on the page: how far predictions lie from the data, and what they predict worse."""
+    """What is written on the page: how far predictions lie from the data, and what they predict
+    worse.
+    """
     errors = f"Predictions lie from the data by {misfit_words(found)}."
-    return [f"Ranges are intervals of {100.0 * found.level:g} %.", errors, *worse_than_isotropic(found)]
+    return [
+        f"Ranges are intervals of {100.0 * found.level:g} %.",
+        errors,
+        *worse_than_isotropic(found),
+    ]

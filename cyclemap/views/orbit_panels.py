@@ -1,4 +1,6 @@
-"""A map's graph with its orbits, their basins, orbits over a parameter, exponents, and the density under noise."""
+"""A map's graph with its orbits, their basins, orbits over a parameter, exponents, and the density
+under noise.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -26,8 +28,20 @@ HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
 TOLD_SHARE = 1e-6
 Curve = tuple[Array, Array]
-STABLE: dict[str, Any] = {"color": PREDICTED, "linewidth": 2.0, "linestyle": "-", "zorder": 3, "label": "stable"}
-LOST: dict[str, Any] = {"color": QUIET, "linewidth": 1.3, "linestyle": "--", "zorder": 2, "label": "unstable"}
+STABLE: dict[str, Any] = {
+    "color": PREDICTED,
+    "linewidth": 2.0,
+    "linestyle": "-",
+    "zorder": 3,
+    "label": "stable",
+}
+LOST: dict[str, Any] = {
+    "color": QUIET,
+    "linewidth": 1.3,
+    "linestyle": "--",
+    "zorder": 2,
+    "label": "unstable",
+}
 # Shapes differ, so that the colours need not be told apart.
 MARKERS: dict[str, dict[str, Any]] = {
     "saddle-node": {"marker": "o", "markerfacecolor": UNSTABLE},
@@ -38,7 +52,9 @@ MARKERS: dict[str, dict[str, Any]] = {
 
 
 def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) -> None:
-    """The graph of the map on one circle, cut at its jumps, the diagonal, and `orbits` on the graph."""
+    """The graph of the map on one circle, cut at its jumps, the diagonal, and `orbits` on the
+    graph.
+    """
     axes.plot([0.0, 360.0], [0.0, 360.0], color=QUIET, linewidth=0.9, linestyle="--", zorder=2)
     for theta, turn in turn_curve(circle_map).pieces:
         for theta_deg, image_deg in cut_at_turns(np.degrees(theta), theta + turn):
@@ -53,9 +69,13 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
 
 
 def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
-    """Pieces (x, angle mod 360 in degrees) of the polyline through (`x`, `angle` in rad), cut at whole turns."""
+    """Pieces (x, angle mod 360 in degrees) of the polyline through (`x`, `angle` in rad), cut at
+    whole turns.
+    """
     position, places = np.arange(angle.size, dtype=float), [np.arange(angle.size, dtype=float)]
-    for level in np.arange(np.floor(angle.min() / TWO_PI) + 1, np.ceil(angle.max() / TWO_PI)) * TWO_PI:
+    for level in (
+        np.arange(np.floor(angle.min() / TWO_PI) + 1, np.ceil(angle.max() / TWO_PI)) * TWO_PI
+    ):
         before = np.flatnonzero(np.diff(angle > level))
         places.append(before + (level - angle[before]) / (angle[before + 1] - angle[before]))
     along = np.unique(np.concatenate(places))
@@ -69,14 +89,25 @@ def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
 
 
 def draw_density(axes: Axes, operator: TransferOperator) -> None:
-    """The stationary density of a noisy map, its error bound in the legend, and the uniform density beside it."""
+    """The stationary density of a noisy map, its error bound in the legend, and the uniform density
+    beside it.
+    """
     theta_deg = np.linspace(0.0, 360.0, 1441)
     density = np.radians(operator.density(np.radians(theta_deg)))
     bound = (
-        f"± {style.small(np.radians(operator.error_bound))}" if operator.is_certain else "shares of its parts unknown"
+        f"± {style.small(np.radians(operator.error_bound))}"
+        if operator.is_certain
+        else "shares of its parts unknown"
     )
     axes.fill_between(theta_deg, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
-    axes.plot(theta_deg, density, color=PREDICTED, linewidth=1.8, label=f"stationary density, {bound}", zorder=3)
+    axes.plot(
+        theta_deg,
+        density,
+        color=PREDICTED,
+        linewidth=1.8,
+        label=f"stationary density, {bound}",
+        zorder=3,
+    )
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
     style.degree_axis(axes, THETA)
     axes.set_ylabel("probability per degree")
@@ -85,7 +116,9 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
 
 
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
-    """A band for every basin, its immediate part hatched, its stable points as dots; the share of none is told."""
+    """A band for every basin, its immediate part hatched, its stable points as dots; the share of
+    none is told.
+    """
     style.degree_axis(axes, THETA)
     axes.set_yticks([])
     axes.set_ylim(max(len(basins), 1) - 0.6, -0.5)
@@ -93,15 +126,35 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
         style.say(axes, "no stable orbit")
         return
     labels: tuple[str | None, ...] = ("basin", "immediate basin", "stable orbit")
-    hatched: dict[str, Any] = {"facecolor": "none", "edgecolor": PREDICTED, "hatch": "////", "linewidth": 0}
+    hatched: dict[str, Any] = {
+        "facecolor": "none",
+        "edgecolor": PREDICTED,
+        "hatch": "////",
+        "linewidth": 0,
+    }
     for row, basin in enumerate(basins):
         height, orbit = (row - HALF_ROW, 2 * HALF_ROW), basin.orbit
-        axes.broken_barh(_bars(basin.arcs), height, facecolor=PREDICTED_FILL, linewidth=0, label=labels[0], zorder=2)
+        axes.broken_barh(
+            _bars(basin.arcs),
+            height,
+            facecolor=PREDICTED_FILL,
+            linewidth=0,
+            label=labels[0],
+            zorder=2,
+        )
         axes.broken_barh(_bars(basin.immediate), height, label=labels[1], zorder=3, **hatched)
-        name = f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of the circle"
+        name = (
+            f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of "
+            "the circle"
+        )
         axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
         points_deg = np.degrees(orbit.points)
-        axes.plot(points_deg, np.full(points_deg.size, row), label=labels[2], **style.orbit_marker("stable"))
+        axes.plot(
+            points_deg,
+            np.full(points_deg.size, row),
+            label=labels[2],
+            **style.orbit_marker("stable"),
+        )
         labels = (None, None, None)
     undecided = basins[0].undecided
     share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
@@ -122,7 +175,9 @@ def _bars(arcs: Array) -> list[tuple[float, float]]:
 
 
 def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:
-    """(stable, (parameter, angle mod 360 in degrees)) for every run of one stability of every point of the orbits."""
+    """(stable, (parameter, angle mod 360 in degrees)) for every run of one stability of every point
+    of the orbits.
+    """
     # An orbit between two neighbouring ones is as stable as the one that is no bifurcation.
     special = np.array([float(found.parameter) for found in branch.special])
     distance = np.abs(branch.parameter[:, None] - special).min(axis=1, initial=np.inf)
@@ -143,7 +198,9 @@ def draw_orbit_branches(
     bifurcations: Sequence[Bifurcation] = (),
     parameter_label: str = "parameter",
 ) -> None:
-    """Angles of the orbits over the parameter: solid where stable, dashed where not; bifurcations by their shapes."""
+    """Angles of the orbits over the parameter: solid where stable, dashed where not; bifurcations
+    by their shapes.
+    """
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
     style.whole_turn_ticks(axes)
     if not branches:
@@ -151,30 +208,46 @@ def draw_orbit_branches(
     for branch in branches:
         for stable, (parameter, theta_deg) in branch_curves(branch):
             axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
-    look: dict[str, Any] = {"linestyle": "none", "markersize": 7, "markeredgecolor": INK, "markeredgewidth": 1.2}
+    look: dict[str, Any] = {
+        "linestyle": "none",
+        "markersize": 7,
+        "markeredgecolor": INK,
+        "markeredgewidth": 1.2,
+    }
     for found in bifurcations:
         parameter, marker = np.full(found.points.size, float(found.parameter)), MARKERS[found.kind]
         axes.plot(parameter, np.degrees(found.points), label=found.kind, zorder=5, **look, **marker)
     axes.margins(x=0.02)
     named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
     style.legend_above(
-        axes, columns=6, handles=[named[name] for name in ("stable", "unstable", *MARKERS) if name in named]
+        axes,
+        columns=6,
+        handles=[named[name] for name in ("stable", "unstable", *MARKERS) if name in named],
     )
 
 
-def draw_orbit_diagram(axes: Axes, diagram: OrbitDiagram, parameter_label: str = "parameter") -> None:
+def draw_orbit_diagram(
+    axes: Axes, diagram: OrbitDiagram, parameter_label: str = "parameter"
+) -> None:
     """Every angle that the orbits visit, a dot each, over the parameter."""
     parameter = np.repeat(diagram.parameter, diagram.theta.shape[1])
-    axes.plot(parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True)
+    axes.plot(
+        parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True
+    )
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
     style.whole_turn_ticks(axes)
     axes.margins(x=0.0)
 
 
 def draw_lyapunov_exponents(
-    axes: Axes, exponents: LyapunovExponents, first_label: str = "parameter", second_label: str = "second parameter"
+    axes: Axes,
+    exponents: LyapunovExponents,
+    first_label: str = "parameter",
+    second_label: str = "second parameter",
 ) -> None:
-    """A curve over the one parameter that varies, or colour over two: red where orbits diverge, blue where not."""
+    """A curve over the one parameter that varies, or colour over two: red where orbits diverge,
+    blue where not.
+    """
     varying = [values.ravel() for values in exponents.parameters if values.size > 1]
     label = "Lyapunov exponent (1/cycle)"
     if exponents.value.ndim == 1:
@@ -185,8 +258,12 @@ def draw_lyapunov_exponents(
         return
     finite = exponents.value[np.isfinite(exponents.value)]
     # The few deep minima, at superstable orbits, would leave no colour to the rest.
-    reach = max(float(np.max(finite, initial=0.0)), float(np.quantile(np.append(np.abs(finite), 1e-3), 0.9)))
-    mesh = axes.pcolormesh(*varying, exponents.value.T, cmap="RdBu_r", vmin=-reach, vmax=reach, rasterized=True)
+    reach = max(
+        float(np.max(finite, initial=0.0)), float(np.quantile(np.append(np.abs(finite), 1e-3), 0.9))
+    )
+    mesh = axes.pcolormesh(
+        *varying, exponents.value.T, cmap="RdBu_r", vmin=-reach, vmax=reach, rasterized=True
+    )
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.grid(visible=False)
     axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, extend="min")  # type: ignore[union-attr]

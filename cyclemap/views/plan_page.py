@@ -32,13 +32,16 @@ _COLUMNS = 4
 # Inches of a panel, of the labels at its left, of the words above, and of the foot.
 _WIDTH, _LEFT, _ABOVE, _BELOW = 3.3, 0.6, 1.35, 0.4
 _FOOT = (
-    "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where it is likely to "
-    "end. Arrow: the rod's centre, from first touch. Millimetres from the near left corner of the room."
+    "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where "
+    "it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from the near "
+    "left corner of the room."
 )
 
 
 def known_words(known: Mapping[str, float]) -> str:
-    """What is known after some pushes: of directions and whether there are any, of the map, or of pushes."""
+    """What is known after some pushes: of directions and whether there are any, of the map, or of
+    pushes.
+    """
     if "wrong" in known:
         where = f", where to ±{angle(2.0 * known['direction'], 0)}" if "direction" in known else ""
         return f"whether it locks in with {1.0 - known['wrong']:.0%} certainty{where}"
@@ -48,25 +51,38 @@ def known_words(known: Mapping[str, float]) -> str:
 
 
 def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
-    """How many pushes of what, what they will tell, what any one's loss costs, and what the numbers rest on."""
+    """How many pushes of what, what they will tell, what any one's loss costs, and what the numbers
+    rest on.
+    """
     number, name, floor = len(plan.pushes), plan.loop.slider.name, plan.loop.material.name
     after = {one.pushes: one for one in plan.knowledge}
     chosen = after[number]
-    asked = {"direction": "where the loop locks in, if it does", "map": "the cycle map", "pushes": "where pushes end"}
+    asked = {
+        "direction": "where the loop locks in, if it does",
+        "map": "the cycle map",
+        "pushes": "where pushes end",
+    }
     read = f"{MM * plan.read[0]:.2g} mm and {math.degrees(plan.read[1]):.2g}°"
-    locks = "" if plan.chance is None else f"Of floors as {floor} has them {plan.chance:.0%} lock it in. "
+    locks = (
+        ""
+        if plan.chance is None
+        else f"Of floors as {floor} has them {plan.chance:.0%} lock it in. "
+    )
     return (
         f"{number} pushes of {name} that tell most of {asked[plan.target]}.",
-        f"{locks}Known now: {known_words(after[0].planned)}. After these {number}: {known_words(chosen.planned)}; "
-        f"after {number} random ones: {known_words(chosen.random)}; with one of them lost, at worst: "
-        f"{known_words(plan.without)}.",
-        f"Expected, to first order, over {plan.samples} floors as {floor} has them, with readings good to {read} and "
-        "what models miss on real floors; two standard deviations, averaged where there is a direction.",
+        f"{locks}Known now: {known_words(after[0].planned)}. After these {number}: "
+        f"{known_words(chosen.planned)}; after {number} random ones: {known_words(chosen.random)}; "
+        f"with one of them lost, at worst: {known_words(plan.without)}.",
+        f"Expected, to first order, over {plan.samples} floors as {floor} has them, with readings "
+        f"good to {read} and what models miss on real floors; two standard deviations, averaged "
+        "where there is a direction.",
     )
 
 
 def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]:
-    """Whether what was measured is enough, how well directions are known, and what was read and left out."""
+    """Whether what was measured is enough, how well directions are known, and what was read and
+    left out.
+    """
     chance = measured.directions.chance
     if not measured.is_enough(within):
         told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
@@ -80,7 +96,9 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
 
 @picture_style()
 def plan_page(plan: PushPlan) -> Figure:
-    """Draw each push in the room, to scale, with its number, how it is set up, and where it is likely to end."""
+    """Draw each push in the room, to scale, with its number, how it is set up, and where it is
+    likely to end.
+    """
     rows = -(-len(plan.pushes) // _COLUMNS)
     tall = _WIDTH * plan.room[1] / plan.room[0] + 0.75
     height = _ABOVE + _BELOW + rows * tall
@@ -106,25 +124,41 @@ def _draw_push(axes: Axes, plan: PushPlan, number: int) -> None:
     turn = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
     ended = MM * (outline @ turn.T + (x, y))
     axes.add_patch(Polygon(lying, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.4))
-    axes.add_patch(Polygon(ended, fill=False, edgecolor=QUIET, linewidth=1.0, linestyle=(0, (4, 3))))
+    axes.add_patch(
+        Polygon(ended, fill=False, edgecolor=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
+    )
     first, last = (MM * np.array(place) for place in planned.rod(slider, plan.loop.pusher.radius))
     arrow(axes, first, last, FORCE)
     axes.plot(*first, "o", color=FORCE, markersize=4)
-    axes.plot(*(MM * np.array(start.to_world(*slider.hitch))), "o", mfc="none", mec=INK, markersize=6)
+    axes.plot(
+        *(MM * np.array(start.to_world(*slider.hitch))), "o", mfc="none", mec=INK, markersize=6
+    )
     for name, mark in zip("ab", marks_of(slider), strict=True):
         inner = 0.78 * np.array(mark) + 0.22 * np.array(slider.outline.centroid)
         axes.plot(*(MM * np.array(start.to_world(*mark))), ".", color=MEASURED_EDGE, markersize=6)
         place = MM * np.array(start.to_world(*inner.tolist()))
-        axes.text(float(place[0]), float(place[1]), name, ha="center", va="center", color=MEASURED_EDGE, fontsize=8)
+        axes.text(
+            float(place[0]),
+            float(place[1]),
+            name,
+            ha="center",
+            va="center",
+            color=MEASURED_EDGE,
+            fontsize=8,
+        )
     axes.set_xlim(0.0, MM * plan.room[0])
     axes.set_ylim(0.0, MM * plan.room[1])
     axes.set_aspect("equal")
     axes.tick_params(labelsize=6)
     slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""
     axes.set_title(
-        f"{number + 1}: side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm", fontsize=8.5
+        f"{number + 1}: side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} "
+        "mm",
+        fontsize=8.5,
     )
     axes.set_ylabel("y (mm)", fontsize=7)
     axes.set_xlabel(
-        f"x (mm); set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm, θ {math.degrees(start.theta):.0f}°", fontsize=8
+        f"x (mm); set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm, θ "
+        f"{math.degrees(start.theta):.0f}°",
+        fontsize=8,
     )

@@ -1,4 +1,6 @@
-"""The portrait of a loop on one page, and its panels: turn, cobweb, histogram of directions, staircase."""
+"""The portrait of a loop on one page, and its panels: turn, cobweb, histogram of directions,
+staircase.
+"""
 
 from __future__ import annotations
 
@@ -23,16 +25,24 @@ if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram, MeasuredOverlay, Theta0Pairs, TurnBins
 
 
-# The top of its panel, where titles stand anyway; said, it spares Matplotlib the measuring of every tick label.
+# The top of its panel, where titles stand anyway; said, it spares Matplotlib the measuring of every
+# tick label.
 _TITLE_PLACE = 1.0
 # A legend of four entries stands beside the longest title.
-_NARROW: dict[str, Any] = {"handlelength": 1.2, "handletextpad": 0.4, "columnspacing": 0.8, "fontsize": 7.5}
+_NARROW: dict[str, Any] = {
+    "handlelength": 1.2,
+    "handletextpad": 0.4,
+    "columnspacing": 0.8,
+    "fontsize": 7.5,
+}
 # So many letters of a headline fill the page at full size.
 _HEADLINE_LETTERS = 84
 
 
 @style.picture_style()
-def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None) -> Figure:
+def portrait_page(
+    portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
+) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
     figure = style.new_figure()
     grid = GridSpec(
@@ -59,7 +69,9 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
     density.set_ylim(bottom=0.0)
     for axes in (turn, density):
         # On the title's line, where it can cover nothing.
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW)
+        axes.legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4, borderaxespad=0.2, **_NARROW
+        )
     draw_cobweb(cobweb, curves.cobweb, portrait.fixed_points)
     place = "the jump" if portrait.gathering_jumps else "the slowest direction"
     place = "the stable direction" if portrait.stable_points else place
@@ -82,10 +94,15 @@ def portrait_page(portrait: Portrait, curves: PortraitCurves, measured: Measured
     return figure
 
 
-def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None) -> None:
+def _write_words(
+    figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
+) -> None:
     material, said = portrait.loop.material, sentences.headline(portrait)
     tellers = (sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
-    told = [*(tell(portrait) for tell in tellers), sentences.uncertainty_sentence(material.name, portrait.uncertainty)]
+    told = [
+        *(tell(portrait) for tell in tellers),
+        sentences.uncertainty_sentence(material.name, portrait.uncertainty),
+    ]
     style.write_page(figure, said, told, size=18.0 * min(1.0, _HEADLINE_LETTERS / len(said)))
     inferred = f"{material.name} was inferred, not measured  ·  " if material.inferred else ""
     how = f"{sentences.push_line(portrait)}  ·  {sentences.accuracy_line(portrait)}"
@@ -93,7 +110,16 @@ def _write_words(figure: Figure, portrait: Portrait, curves: PortraitCurves, mea
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
     figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
-    figure.text(0.985, 0.06, cycle_key(curves.scene), fontsize=8, color=QUIET, va="top", ha="right", linespacing=1.35)
+    figure.text(
+        0.985,
+        0.06,
+        cycle_key(curves.scene),
+        fontsize=8,
+        color=QUIET,
+        va="top",
+        ha="right",
+        linespacing=1.35,
+    )
 
 
 PER_DEGREE = np.pi / 180
@@ -101,20 +127,36 @@ LEAST_SPAN_DEG = 120.0
 
 
 def draw_turn(
-    axes: Axes, curve: TurnCurve, fixed_points: tuple[Orbit, ...], known: tuple[DirectionInterval, ...] = ()
+    axes: Axes,
+    curve: TurnCurve,
+    fixed_points: tuple[Orbit, ...],
+    known: tuple[DirectionInterval, ...] = (),
 ) -> None:
-    """The turn of one cycle over θ0, with the fixed points on its zero line and bands of where they may lie."""
+    """The turn of one cycle over θ0, with the fixed points on its zero line and bands of where they
+    may lie.
+    """
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     for number, one in enumerate(known):
         label = "may lie here" if number == 0 else None
         for back in (0.0, 360.0) if one.upper > 2 * np.pi else (0.0,):
             ends = np.clip(np.degrees([one.lower, one.upper]) - back, 0.0, 360.0)
             axes.axvspan(
-                *ends.tolist(), color=PREDICTED_FILL, linewidth=0.0, label=label if back == 0.0 else None, zorder=0
+                *ends.tolist(),
+                color=PREDICTED_FILL,
+                linewidth=0.0,
+                label=label if back == 0.0 else None,
+                zorder=0,
             )
     for index, (theta, turn) in enumerate(curve.pieces):
         label = "predicted" if index == 0 else None
-        axes.plot(np.degrees(theta), np.degrees(turn), color=PREDICTED, linewidth=2.0, label=label, zorder=3)
+        axes.plot(
+            np.degrees(theta),
+            np.degrees(turn),
+            color=PREDICTED,
+            linewidth=2.0,
+            label=label,
+            zorder=3,
+        )
     for jump in curve.jumps:
         place, ends = np.degrees(jump.theta), np.degrees([jump.before, jump.after])
         axes.plot([place, place], ends, color=PREDICTED, linewidth=1.0, linestyle=":", zorder=3)
@@ -132,9 +174,30 @@ def draw_turn(
 def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured pairs as light dots, and their medians by bin; the scale keeps to the medians."""
     theta = np.degrees(np.mod(pairs.theta, 2 * np.pi))
-    axes.plot(theta, np.degrees(pairs.turn), ".", color=MEASURED, markersize=3, alpha=0.35, label="measured", zorder=1)
-    look: dict[str, Any] = {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.7, "markersize": 4.0, "zorder": 2}
-    axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "s", color=MEASURED, label="5° medians", **look)
+    axes.plot(
+        theta,
+        np.degrees(pairs.turn),
+        ".",
+        color=MEASURED,
+        markersize=3,
+        alpha=0.35,
+        label="measured",
+        zorder=1,
+    )
+    look: dict[str, Any] = {
+        "markeredgecolor": MEASURED_EDGE,
+        "markeredgewidth": 0.7,
+        "markersize": 4.0,
+        "zorder": 2,
+    }
+    axes.plot(
+        np.degrees(bins.centre),
+        np.degrees(bins.median),
+        "s",
+        color=MEASURED,
+        label="5° medians",
+        **look,
+    )
 
 
 def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> None:
@@ -150,7 +213,9 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
         for lift in float(np.degrees(orbit.points[0])) + 360.0 * np.arange(-2, 3):
             if window[0] <= lift <= window[1]:
                 axes.plot(lift, lift, **_marker(orbit))
-    axes.set(xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)")
+    axes.set(
+        xlim=window, ylim=window, aspect="equal", anchor="W", xlabel="θ0 (°)", ylabel="next θ0 (°)"
+    )
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
 
@@ -171,13 +236,20 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
 
 def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
     """How often each direction was recorded."""
-    look: dict[str, Any] = {"facecolor": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6, "alpha": 0.65}
+    look: dict[str, Any] = {
+        "facecolor": MEASURED,
+        "edgecolor": MEASURED_EDGE,
+        "linewidth": 0.6,
+        "alpha": 0.65,
+    }
     heights, edges = PER_DEGREE * histogram.density, np.degrees(histogram.edges)
     axes.stairs(heights, edges, fill=True, label="measured", zorder=2, **look)
 
 
 def draw_staircase(axes: Axes, predicted: Array, measured: Array | None) -> None:
-    """θ0 over the cycles, unwrapped: one predicted noisy run, and the measured one where there is one."""
+    """θ0 over the cycles, unwrapped: one predicted noisy run, and the measured one where there is
+    one.
+    """
     if measured is not None:
         axes.plot(np.degrees(measured), color=MEASURED, linewidth=2.2, label="measured", zorder=2)
     axes.plot(np.degrees(predicted), color=PREDICTED, linewidth=1.2, label="predicted", zorder=3)

@@ -1,4 +1,6 @@
-"""Rotation numbers over one parameter and over two: the devil's staircase, the plane, its tongues and bifurcations."""
+"""Rotation numbers over one parameter and over two: the devil's staircase, the plane, its tongues
+and bifurcations.
+"""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -48,18 +50,31 @@ POINTS: dict[str, dict[str, Any]] = {
 
 
 def draw_rotation_plane(
-    axes: Axes, plane: RotationPlane, first_label: str = "first parameter", second_label: str = "second parameter"
+    axes: Axes,
+    plane: RotationPlane,
+    first_label: str = "first parameter",
+    second_label: str = "second parameter",
 ) -> None:
-    """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded maps hatched."""
+    """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded
+    maps hatched.
+    """
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
     mesh = axes.pcolormesh(first, second, plane.value.T, cmap="cividis", rasterized=True)
     label = "folded: an interval of rotation numbers, one orbit's shown"
     for column in np.flatnonzero(plane.folded.any(axis=0)).tolist():
-        runs = [(first[start], first[end] - first[start]) for start, end in _runs(plane.folded[:, column])]
+        runs = [
+            (first[start], first[end] - first[start])
+            for start, end in _runs(plane.folded[:, column])
+        ]
         height = (second[column], second[column + 1] - second[column])
         # White dots show on dark colours, dark lines on light ones.
         for color, hatch in ((INK, "//"), ("white", "..")):
-            look: dict[str, Any] = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
+            look: dict[str, Any] = {
+                "facecolor": "none",
+                "edgecolor": color,
+                "hatch": hatch,
+                "linewidth": 0.0,
+            }
             axes.broken_barh(runs, height, label=label, zorder=3, **look)
             label = ""
     _mark_tongues(axes, plane, first, second)
@@ -80,16 +95,24 @@ def cell_edges(values: Array) -> Array:
 
 
 def _mark_tongues(axes: Axes, plane: RotationPlane, first: Array, second: Array) -> None:
-    """Edges of cells locked at p/q of a short period, beside others; p/q in the widest row that has room for it."""
+    """Edges of cells locked at p/q of a short period, beside others; p/q in the widest row that has
+    room for it.
+    """
     shown = (plane.period > 0) & (plane.period <= LONGEST_PERIOD)
     ratio = np.where(shown, plane.winding / np.maximum(plane.period, 1), np.inf)
     across, upward = ratio[:-1] != ratio[1:], ratio[:, :-1] != ratio[:, 1:]
-    lines = [[(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)]
-    lines += [[(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)]
+    lines = [
+        [(first[i + 1], second[j]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(across)
+    ]
+    lines += [
+        [(first[i], second[j + 1]), (first[i + 1], second[j + 1])] for i, j in np.argwhere(upward)
+    ]
     edges = LineCollection(lines, colors=INK, linewidths=0.8, capstyle="projecting", zorder=4)
     edges.set_path_effects([Stroke(linewidth=2.0, foreground="white"), Normal()])
     axes.add_collection(edges, autolim=False)
-    for winding, period in sorted(set(zip(plane.winding[shown].tolist(), plane.period[shown].tolist(), strict=True))):
+    for winding, period in sorted(
+        set(zip(plane.winding[shown].tolist(), plane.period[shown].tolist(), strict=True))
+    ):
         inside = (plane.winding == winding) & (plane.period == period)
         wide = np.flatnonzero(inside.sum(axis=0) > 0.8 * inside.sum(axis=0).max())
         row = int(wide[wide.size // 2])
@@ -110,17 +133,32 @@ def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True))
 
 
-def draw_rotation_numbers(axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter") -> None:
-    """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by name."""
+def draw_rotation_numbers(
+    axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter"
+) -> None:
+    """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by
+    name.
+    """
     widest = float(np.max(numbers.upper - numbers.lower))
     band = f"enclosure, at most {small(widest)} wide"
-    axes.fill_between(parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2)
-    axes.plot(parameter, numbers.value, color=PREDICTED, linewidth=1.0, label="middle of the enclosure", zorder=3)
+    axes.fill_between(
+        parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2
+    )
+    axes.plot(
+        parameter,
+        numbers.value,
+        color=PREDICTED,
+        linewidth=1.0,
+        label="middle of the enclosure",
+        zorder=3,
+    )
     axes.set(xlabel=label, ylabel=ROTATION)
     axes.margins(x=0.0, y=0.08)
     span, told = float(np.ptp(parameter)), "locked at p/q"
     rises = numbers.value[-1] >= numbers.value[0]
-    same = (numbers.period[1:] == numbers.period[:-1]) & (numbers.winding[1:] == numbers.winding[:-1])
+    same = (numbers.period[1:] == numbers.period[:-1]) & (
+        numbers.winding[1:] == numbers.winding[:-1]
+    )
     for first, last in _runs(same & (numbers.period[1:] > 0)):
         low, high = float(parameter[first]), float(parameter[last])
         value = float(numbers.value[first])
@@ -138,17 +176,27 @@ def draw_tongues(
     first_label: str = "first parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """The tongues, filled between their edges, named above; edges dashed where maps fold and tongues overlap."""
+    """The tongues, filled between their edges, named above; edges dashed where maps fold and
+    tongues overlap.
+    """
     second = boundaries.second
     labels = {False: "edge of a tongue", True: "edge where the map folds"}
-    for left, right, folded in zip(boundaries.left, boundaries.right, boundaries.folded, strict=True):
+    for left, right, folded in zip(
+        boundaries.left, boundaries.right, boundaries.folded, strict=True
+    ):
         axes.fill_betweenx(second, left, right, color=PREDICTED, alpha=0.22, linewidth=0, zorder=2)
         changes = (np.flatnonzero(np.diff(folded)) + 1).tolist()
         for edge in (left, right):
             for first, last in pairwise([0, *changes, edge.size]):
                 bent, part = bool(folded[first]), slice(max(first - 1, 0), last)
-                look: dict[str, Any] = {"linewidth": 1.3, "linestyle": "--" if bent else "-", "zorder": 3}
-                axes.plot(edge[part], second[part], color=PREDICTED, label=labels.pop(bent, None), **look)
+                look: dict[str, Any] = {
+                    "linewidth": 1.3,
+                    "linestyle": "--" if bent else "-",
+                    "zorder": 3,
+                }
+                axes.plot(
+                    edge[part], second[part], color=PREDICTED, label=labels.pop(bent, None), **look
+                )
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.margins(x=0.02, y=0.0)
     # p/q above the upper end of every tongue, in two rows where they stand close.
@@ -172,7 +220,8 @@ def draw_bifurcation_curves(
     first_label: str = "first parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """A plane of two parameters: curves by their kind, points of codimension two by their shapes, tongues filled.
+    """A plane of two parameters: curves by their kind, points of codimension two by their shapes,
+    tongues filled.
 
     Period doublings are dashed where they are subcritical: the orbit that they bear is unstable.
     """
@@ -184,14 +233,30 @@ def draw_bifurcation_curves(
         changes = (np.flatnonzero(np.diff(bad)) + 1).tolist()
         for start, end in pairwise([0, *changes, bad.size]):
             shown = {**look, "linestyle": "--"} if bad[start] else look
-            part, label = slice(start, end + 1), f"subcritical {curve.kind}" if bad[start] else curve.kind
+            part, label = (
+                slice(start, end + 1),
+                f"subcritical {curve.kind}" if bad[start] else curve.kind,
+            )
             axes.plot(curve.first[part], curve.second[part], label=label, zorder=4, **shown)
         for point in curve.special:
-            mark = {"linestyle": "none", "markersize": 8, "markeredgecolor": INK, **POINTS[point.kind]}
-            axes.plot([float(point.first)], [float(point.second)], label=point.kind, zorder=5, **mark)
+            mark = {
+                "linestyle": "none",
+                "markersize": 8,
+                "markeredgecolor": INK,
+                **POINTS[point.kind],
+            }
+            axes.plot(
+                [float(point.first)], [float(point.second)], label=point.kind, zorder=5, **mark
+            )
     shown_to = np.array([axes.get_xlim(), axes.get_ylim()])
-    for index, values in enumerate(zip(*((curve.first, curve.second) for curve in curves), strict=True)):
-        every = np.concatenate([shown_to[index], *values]) if boundaries is not None else np.concatenate(values)
+    for index, values in enumerate(
+        zip(*((curve.first, curve.second) for curve in curves), strict=True)
+    ):
+        every = (
+            np.concatenate([shown_to[index], *values])
+            if boundaries is not None
+            else np.concatenate(values)
+        )
         shown_to[index] = every.min(), every.max()
     shown_to += 0.02 * np.ptp(shown_to, axis=1, keepdims=True) * np.array([-1.0, 1.0])
     axes.set(xlabel=first_label, ylabel=second_label, xlim=shown_to[0], ylim=shown_to[1])

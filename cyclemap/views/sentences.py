@@ -12,7 +12,11 @@ import numpy as np
 
 from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
 from cyclemap.collection.portrait import Portrait
-from cyclemap.collection.uncertain_directions import FIRST_ORDER, DirectionInterval, DirectionUncertainty
+from cyclemap.collection.uncertain_directions import (
+    FIRST_ORDER,
+    DirectionInterval,
+    DirectionUncertainty,
+)
 from cyclemap.maps import RestMultiplier, StaircaseSummary
 from cyclemap.mechanics import Material, PressedFootprint, SurfaceShape
 from cyclemap.mechanics.first_touch import first_contact
@@ -37,7 +41,9 @@ _TOLD_SHARE = 0.005
 
 
 def headline(portrait: Portrait) -> str:
-    """The answer in a line: where this material locks in, or rests until noise or wear carries it on."""
+    """The answer in a line: where this material locks in, or rests until noise or wear carries it
+    on.
+    """
     # Locked is what neither noise nor wear carries off within the run.
     run, wears, known = portrait.staircase.cycles, portrait.worn is not None, portrait.uncertainty
     locked, rests = [], []
@@ -45,14 +51,22 @@ def headline(portrait: Portrait) -> str:
         # Never sharper than its interval: with 95 % of the posterior where the material has one.
         theta, stay = orbit.points[0], portrait.stay(orbit)
         interval = known.of(theta) if known is not None and known.is_posterior else None
-        place = orientation_and_push(theta, portrait.loop, 1 if interval is None else _decimals(interval))
+        place = orientation_and_push(
+            theta, portrait.loop, 1 if interval is None else _decimals(interval)
+        )
         place += "" if interval is None else f" (95 %: {_ends(interval)})"
         if stay is not None and stay >= run and not wears:
             locked.append(place)
         else:
-            rests.append(place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time")
+            rests.append(
+                place if stay is None or stay >= run else f"{place}, for {cycles(stay)} at a time"
+            )
     jumps = [angle(theta) for theta in portrait.gathering_jumps]
-    words = [f"{how} {listed(places)}" for how, places in (("locks into", locked), ("rests at", rests)) if places]
+    words = [
+        f"{how} {listed(places)}"
+        for how, places in (("locks into", locked), ("rests at", rests))
+        if places
+    ]
     words = words or [f"gathers about {listed(jumps)}" if jumps else "locks into no direction"]
     told = f"{portrait.loop.material.name} {' and '.join(words)}"
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
@@ -80,11 +94,20 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
     if known is None:
         return ""
     if not known.is_posterior:
-        ends = [(angle(one.lower, 0), angle(one.upper % (2 * math.pi), 0)) for one in known.directions]
+        ends = [
+            (angle(one.lower, 0), angle(one.upper % (2 * math.pi), 0)) for one in known.directions
+        ]
         told = [" to ".join(dict.fromkeys(pair)) for pair in ends]
         where = f", the stable direction at {listed(told)}" if told else ""
-        many = ("neither surface locks in", "one of the two surfaces locks in", "both surfaces lock in")[known.locks]
-        return f"The numbers of {name} come without an error: with the axes' ratio 10 % less or more {many}{where}."
+        many = (
+            "neither surface locks in",
+            "one of the two surfaces locks in",
+            "both surfaces lock in",
+        )[known.locks]
+        return (
+            f"The numbers of {name} come without an error: with the axes' ratio 10 % less or "
+            f"more {many}{where}."
+        )
     how = "to first order" if known.method == FIRST_ORDER else "each run in full"
     told = [f"{_ends(one)} (in {one.share:.0%} of samples)" for one in known.directions]
     where = f", 95 % of them at {listed(told)}" if told else ""
@@ -102,19 +125,28 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
     likely = []
     for theta, share, within in forecast.directions:
         if share >= 0.01:
-            place = "any direction" if within > 0.5 * math.pi else f"{angle(theta, 0)} ± {angle(within, 0)}"
+            place = (
+                "any direction"
+                if within > 0.5 * math.pi
+                else f"{angle(theta, 0)} ± {angle(within, 0)}"
+            )
             likely.append(f"{place} ({share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
     middle, low, high = forecast.orientations
     locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
-    seen = f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
+    seen = (
+        f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
+    )
     lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
     return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
 
 
 def _ends(one: DirectionInterval) -> str:
     decimals, low, high = _decimals(one), one.lower, one.upper
-    ends = angle(low, decimals), angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals)
+    ends = (
+        angle(low, decimals),
+        angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals),
+    )
     return " to ".join(dict.fromkeys(ends))
 
 
@@ -124,7 +156,8 @@ def _decimals(one: DirectionInterval) -> int:
 
 
 def interval_decimals(width: float) -> int:
-    """How many decimals tell the ends of an interval of a width apart, in its own unit, by four of the last at least.
+    """How many decimals tell the ends of an interval of a width apart, in its own unit, by four of
+    the last at least.
 
     >>> [interval_decimals(width) for width in (10.0, 1.0, 0.1, 0.0)]
     [0, 1, 2, 3]
@@ -133,26 +166,39 @@ def interval_decimals(width: float) -> int:
 
 
 def multiplier_sentence(found: RestMultiplier | None) -> str:
-    """What the last cycles keep of an error, and whether the direction may be on its way out; empty without a rest."""
+    """What the last cycles keep of an error, and whether the direction may be on its way out; empty
+    without a rest.
+    """
     if found is None:
         return ""
-    told = f"{found.value:.2f} of an error ({found.lower:.2f} to {found.upper:.2f})".replace("-", "−")
-    lost = " At 1 the direction is lost: watch whether that share grows." if found.upper >= 1.0 else ""
-    return f"Over the last {found.cycles} cycles, at rest near {angle(found.theta, 0)}, each keeps {told}.{lost}"
+    told = f"{found.value:.2f} of an error ({found.lower:.2f} to {found.upper:.2f})".replace(
+        "-", "−"
+    )
+    lost = (
+        " At 1 the direction is lost: watch whether that share grows." if found.upper >= 1.0 else ""
+    )
+    return (
+        f"Over the last {found.cycles} cycles, at rest near {angle(found.theta, 0)}, each "
+        f"keeps {told}.{lost}"
+    )
 
 
 MARGIN_COLUMNS = ("setting", "here", "change below", "change above", "of the usual range")
 
 
 def margin_rows(margins: Sequence[DirectionMargin]) -> list[tuple[str, ...]]:
-    """For every setting with a change: where it is, the changes on both sides, and the nearer one's distance."""
+    """For every setting with a change: where it is, the changes on both sides, and the nearer one's
+    distance.
+    """
     rows = []
     for one in margins:
         if one.nearest is None:
             continue
         unit = float(SETTINGS[one.key].unit.in_si)
         sides = [
-            "-" if change is None else f"{change.value / unit:.4g} ({one.directions} → {change.directions})"
+            "-"
+            if change is None
+            else f"{change.value / unit:.4g} ({one.directions} → {change.directions})"
             for change in (one.below, one.above)
         ]
         rows.append((one.key, f"{one.value / unit:.4g}", *sides, f"{one.share:.2%}"))
@@ -162,7 +208,11 @@ def margin_rows(margins: Sequence[DirectionMargin]) -> list[tuple[str, ...]]:
 def margin_sentence(margins: Sequence[DirectionMargin]) -> str:
     """The nearest change of the stable directions, and the settings that have none."""
     still = [one.key for one in margins if one.nearest is None]
-    rest = f" Within their usual ranges {listed(still)} change{'s' * (len(still) == 1)} no direction." if still else ""
+    rest = (
+        f" Within their usual ranges {listed(still)} change{'s' * (len(still) == 1)} no direction."
+        if still
+        else ""
+    )
     if len(still) == len(margins):
         return "No setting alone changes the number of stable directions within its usual range."
     one, unit = margins[0], float(SETTINGS[margins[0].key].unit.in_si)
@@ -170,8 +220,9 @@ def margin_sentence(margins: Sequence[DirectionMargin]) -> str:
     value, error = one.nearest.value / unit, one.nearest.value.error_bound / unit
     where = "" if math.isnan(one.nearest.theta) else f" at {angle(one.nearest.theta)}"
     return (
-        f"The number of stable directions, {one.directions}, becomes {one.nearest.directions} soonest by {one.key}: at "
-        f"{value:.6g} ± {error:.1g} in place of {one.value / unit:.6g}, a {one.nearest.kind}{where}.{rest}"
+        f"The number of stable directions, {one.directions}, becomes {one.nearest.directions} "
+        f"soonest by {one.key}: at {value:.6g} ± {error:.1g} in place of {one.value / unit:.6g}, a "
+        f"{one.nearest.kind}{where}.{rest}"
     )
 
 
@@ -180,8 +231,12 @@ def worn_rests(worn: StaircaseSummary) -> str:
     if not worn.zones:
         return "nowhere"
     times = [one.residence_cycles for one in worn.zones]
-    stays = [cycles(time) if time <= LONGEST_STAY else "longer than any collection" for time in times]
-    rests = [f"{angle(zone.centre)} for {stay}" for zone, stay in zip(worn.zones, stays, strict=True)]
+    stays = [
+        cycles(time) if time <= LONGEST_STAY else "longer than any collection" for time in times
+    ]
+    rests = [
+        f"{angle(zone.centre)} for {stay}" for zone, stay in zip(worn.zones, stays, strict=True)
+    ]
     return f"near {listed(rests)}"
 
 
@@ -194,10 +249,17 @@ def lock_sentence(portrait: Portrait) -> str:
         # How many cycles take an error to its tenth.
         sizes = [abs(orbit.multiplier) for orbit in orbits]
         after = [
-            "less than 1" if size < 0.1 else "ever more" if size >= 1.0 else number(math.log(0.1) / math.log(size))
+            "less than 1"
+            if size < 0.1
+            else "ever more"
+            if size >= 1.0
+            else number(math.log(0.1) / math.log(size))
             for size in sizes
         ]
-        stable = f"Stable at {listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier {multipliers}"
+        stable = (
+            f"Stable at {listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier "
+            f"{multipliers}"
+        )
         sentences.append(f"{stable}: a tenth of an error is left after {listed(after)} cycles.")
     if jumps:
         sentences.append(f"Orbits gather about the jump at {listed(jumps)}.")
@@ -205,7 +267,11 @@ def lock_sentence(portrait: Portrait) -> str:
         return " ".join(sentences if portrait.worn is None else ["Fresh:", *sentences])
     turns = portrait.turns
     value = portrait.rotation.value
-    pace = f"a full turn takes {cycles(1 / abs(value))}" if value else "over many cycles it gets nowhere"
+    pace = (
+        f"a full turn takes {cycles(1 / abs(value))}"
+        if value
+        else "over many cycles it gets nowhere"
+    )
     least, most = angle(turns.minimum), angle(turns.maximum)
     turned = least if least == most else f"{least} to {most}"
     return f"Without noise a cycle turns the object by {turned}; {pace}."
@@ -214,11 +280,17 @@ def lock_sentence(portrait: Portrait) -> str:
 def noise_sentence(portrait: Portrait) -> str:
     """What noise makes of it: the recorded directions and how soon the start is forgotten."""
     fresh = "" if portrait.worn is None else " on the fresh surface"
-    operator, noise = portrait.operator, f"With {angle(portrait.noise.sigma)} of noise a cycle{fresh}"
+    operator, noise = (
+        portrait.operator,
+        f"With {angle(portrait.noise.sigma)} of noise a cycle{fresh}",
+    )
     forgotten = cycles(operator.mixing_cycles)
     away = portrait.tv_from_uniform
     if away is None and len(portrait.stable_points) < 2:
-        return f"{noise} the map is not known well enough to tell how often each direction is recorded."
+        return (
+            f"{noise} the map is not known well enough to tell how often each direction is "
+            "recorded."
+        )
     if away is None or (len(portrait.stable_points) > 1 and operator.mixing_cycles > LONGEST_STAY):
         stays = "stays at the stable direction it falls into first"
         return f"{noise} the loop {stays}, and moves on once in {forgotten}."
@@ -243,20 +315,26 @@ def staircase_sentence(portrait: Portrait) -> str:
         path = portrait.staircase.theta
         run = f"one run of {portrait.staircase.cycles} cycles (seed {portrait.staircase.seed})"
         climbed = f"{(path[-1] - path[0]) / (2 * math.pi):.1f}".replace("-", "−")
-        return f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests {worn_rests(portrait.worn)}."
+        return (
+            f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests "
+            f"{worn_rests(portrait.worn)}."
+        )
     if expected.step is None or expected.mean_residence_cycles is None:
         return f"The staircase has no flat steps: {pace}."
     stay = cycles(expected.mean_residence_cycles)
     if expected.mean_residence_cycles > LONGEST_STAY:
         return f"The staircase is flat: noise carries it off a step once in {stay}."
-    return f"The staircase rests {stay} on a step, steps are {angle(expected.step, 0)} high, and {pace}."
+    return (
+        f"The staircase rests {stay} on a step, steps are {angle(expected.step, 0)} high, and "
+        f"{pace}."
+    )
 
 
 def agreement_sentence(agreement: MapAgreement) -> str:
     """How far measured turns lie from the predicted map."""
     return (
-        f"{agreement.pairs} measured cycles lie {angle(agreement.rms)} RMS from the predicted turn; "
-        f"the medians of {agreement.bins} directions {angle(agreement.bin_rms)}."
+        f"{agreement.pairs} measured cycles lie {angle(agreement.rms)} RMS from the predicted "
+        f"turn; the medians of {agreement.bins} directions {angle(agreement.bin_rms)}."
     )
 
 
@@ -264,13 +342,18 @@ def parameters_line(portrait: Portrait) -> str:
     """The friction law, shapes of floor and object, the rod and the ring, with units."""
     loop, law = portrait.loop, portrait.loop.material.friction
     ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
-    friction = f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ {angle(law.phi)}"
+    friction = (
+        f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ "
+        f"{angle(law.phi)}"
+    )
     if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:
         friction = f"friction {law.mu_a:.3g} all around"
     parts = [friction]
     if isinstance(loop.footprint, PressedFootprint):
         shapes = {"floor": loop.footprint.floor, "plate": loop.footprint.plate}
-        parts += [f"{name} {shape_words(shape)}" for name, shape in shapes.items() if not shape.is_flat]
+        parts += [
+            f"{name} {shape_words(shape)}" for name, shape in shapes.items() if not shape.is_flat
+        ]
     parts.append(f"rod ⌀ {2000 * loop.pusher.radius:g} mm, μ {loop.pusher.friction:.3g}")
     return "  ·  ".join([*parts, f"ring at ({ring_x:.1f}, {ring_y:.1f}) mm"])
 
@@ -285,7 +368,8 @@ def shape_words(shape: SurfaceShape) -> str:
 
 
 def material_line(material: Material) -> str:
-    """That a material was inferred and how far it misses its data, that it wears, and of which floor its map is.
+    """That a material was inferred and how far it misses its data, that it wears, and of which
+    floor its map is.
 
     Empty where nothing is to be said.
 

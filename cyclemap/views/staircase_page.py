@@ -1,4 +1,6 @@
-"""A predicted staircase, and the measured one where there is one: in sentences, and on a landscape page."""
+"""A predicted staircase, and the measured one where there is one: in sentences, and on a landscape
+page.
+"""
 
 import math
 from typing import Any
@@ -29,7 +31,9 @@ from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTAB
 
 
 @style.picture_style()
-def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | None = None) -> Figure:
+def staircase_page(
+    forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
+) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
     figure = style.new_figure()
     edges = {"left": 0.06, "right": 0.985, "bottom": 0.115, "top": 0.755}
@@ -58,7 +62,10 @@ def staircase_page(forecast: StaircaseForecast, measured: MeasuredStaircase | No
     told += [uncertainty_sentence(name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
     if measured is not None:
         told += [measured_sentence(measured), fitted_sentence(measured)]
-    foot = f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path alone, without a model"
+    foot = (
+        f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path "
+        "alone, without a model"
+    )
     style.write_page(figure, f"Staircase of {name}", told, foot)
     return figure
 
@@ -68,7 +75,10 @@ def forecast_sentence(forecast: StaircaseForecast) -> str:
     prediction = forecast.prediction
     noise = f"With {angle(forecast.noise.sigma)} of noise a cycle"
     if not prediction.zones or prediction.step is None:
-        return f"{noise} θ0 rests nowhere: it moves {angle(prediction.mean_turn, 2)} a cycle on average."
+        return (
+            f"{noise} θ0 rests nowhere: it moves {angle(prediction.mean_turn, 2)} a cycle on "
+            "average."
+        )
     rests = []
     for zone, log10 in zip(prediction.zones, forecast.log10_residences, strict=True):
         stay = cycles(zone.residence_cycles)
@@ -79,28 +89,45 @@ def forecast_sentence(forecast: StaircaseForecast) -> str:
         rests.append(f"{'near' if zone.kind == 'ghost' else 'at'} {angle(zone.centre)} for {stay}")
     climb = _pace_clause(prediction)
     fresh = "" if forecast.worn is None else " on the fresh surface"
-    return f"{noise} θ0 rests{fresh} {' and '.join(rests)}; steps are {angle(prediction.step, 0)} high, {climb}."
+    return (
+        f"{noise} θ0 rests{fresh} {' and '.join(rests)}; steps are {angle(prediction.step, 0)} "
+        f"high, {climb}."
+    )
 
 
 def worn_sentence(forecast: StaircaseForecast) -> str:
-    """What the wear of the surface does to the staircase by the end of the run; empty where it does not wear."""
+    """What the wear of the surface does to the staircase by the end of the run; empty where it does
+    not wear.
+    """
     worn = forecast.worn
     if worn is None:
         return ""
     if not worn.zones or worn.step is None:
-        return f"The surface wears: by the last cycle θ0 rests nowhere and moves {angle(worn.mean_turn, 2)} a cycle."
-    return f"The surface wears: by the last cycle θ0 rests {worn_rests(worn)}, {_pace_clause(worn)}."
+        return (
+            "The surface wears: by the last cycle θ0 rests nowhere and moves "
+            f"{angle(worn.mean_turn, 2)} a cycle."
+        )
+    return (
+        f"The surface wears: by the last cycle θ0 rests {worn_rests(worn)}, {_pace_clause(worn)}."
+    )
 
 
 def run_sentence(forecast: StaircaseForecast) -> str:
     """What was found in the one run that is drawn."""
-    return f"In one run of {forecast.run.cycles} cycles (seed {forecast.run.seed}) it {_found(forecast.steps)}."
+    return (
+        f"In one run of {forecast.run.cycles} cycles (seed {forecast.run.seed}) it "
+        f"{_found(forecast.steps)}."
+    )
 
 
 def measured_sentence(measured: MeasuredStaircase) -> str:
     """What was found in the measured path."""
     pace = measured.cycles_a_turn
-    turned = f"a full turn took {number(pace)} cycles" if math.isfinite(pace) else "it ended where it began"
+    turned = (
+        f"a full turn took {number(pace)} cycles"
+        if math.isfinite(pace)
+        else "it ended where it began"
+    )
     return f"In the {len(measured.path)} measured cycles it {_found(measured.steps)}; {turned}."
 
 
@@ -116,8 +143,8 @@ def fitted_sentence(measured: MeasuredStaircase) -> str:
     climbed = f"where {comparison.net_steps:.1f} were climbed"
     steps = f"{comparison.expected_steps:.1f} steps of {angle(fitted.step, 0)} {climbed}"
     visits = [
-        f"{visit.predicted:.0f} cycles a visit to {angle(visit.zone.centre)} where {visit.mean:.0f} ± "
-        f"{visit.standard_error or math.nan:.0f} were measured"
+        f"{visit.predicted:.0f} cycles a visit to {angle(visit.zone.centre)} where "
+        f"{visit.mean:.0f} ± {visit.standard_error or math.nan:.0f} were measured"
         for visit in comparison.visits
         if visit.predicted is not None and visit.mean is not None
     ]
@@ -135,7 +162,10 @@ def _found(steps: Steps) -> str:
     if not steps.count:
         return f"stays at {angle(float(np.mod(steps.levels[0], 2 * np.pi)))}"
     length = f"{number(float(np.median(steps.lengths)))} cycles"
-    return f"makes {steps.count} steps of {angle(float(np.median(steps.heights)), 0)} after rests of {length} (medians)"
+    return (
+        f"makes {steps.count} steps of {angle(float(np.median(steps.heights)), 0)} after "
+        f"rests of {length} (medians)"
+    )
 
 
 # With more dwells than this their levels are not written beside them.
@@ -145,22 +175,38 @@ FAR = 4.0
 
 
 def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
-    """`path` (rad, lifted) over the cycles, its dwells as thick bars at their levels, open where censored.
+    """`path` (rad, lifted) over the cycles, its dwells as thick bars at their levels, open where
+    censored.
 
-    Where the steps were found in zones that turn w times a cycle, the path is drawn less these turns.
+    Where the steps were found in zones that turn w times a cycle, the path is drawn less these
+    turns.
     """
     winding = steps.zones[0].winding if steps.zones else 0
     cycles = np.arange(path.size)
-    axes.plot(cycles, np.degrees(path - 2 * np.pi * winding * cycles), color=MEASURED, linewidth=1.2, label="path")
+    axes.plot(
+        cycles,
+        np.degrees(path - 2 * np.pi * winding * cycles),
+        color=MEASURED,
+        linewidth=1.2,
+        label="path",
+    )
     # Every dwell as a bar, filled, or open where the path begins or ends in it.
     labels = {False: "dwell", True: "dwell not seen whole"}
-    for start, end, level, censored in zip(steps.start, steps.end, steps.levels, steps.censored, strict=True):
+    for start, end, level, censored in zip(
+        steps.start, steps.end, steps.levels, steps.censored, strict=True
+    ):
         level_deg, open_ended = float(np.degrees(level)), bool(censored)
         look: dict[str, Any] = {"solid_capstyle": "butt", "zorder": 4}
         label = labels.pop(open_ended, None)
-        (bar,) = axes.plot([start, end], [level_deg] * 2, color=INK, linewidth=5.0, label=label, **look)
+        (bar,) = axes.plot(
+            [start, end], [level_deg] * 2, color=INK, linewidth=5.0, label=label, **look
+        )
         if open_ended:
-            bar.set(color=UNSTABLE, linewidth=2.2, path_effects=[Stroke(linewidth=5.0, foreground=INK), Normal()])
+            bar.set(
+                color=UNSTABLE,
+                linewidth=2.2,
+                path_effects=[Stroke(linewidth=5.0, foreground=INK), Normal()],
+            )
         if steps.levels.size <= MOST_NAMED:
             style.name_beside_path(axes, start, end, level_deg, angle(level), steps.climb >= 0.0)
     turning = f" less {360 * winding}° a cycle" if winding else ""
@@ -172,27 +218,45 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
 
 
 def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | None = None) -> None:
-    """The dwells' lengths in order, arrows where they lasted longer than was seen; means beside the prediction."""
+    """The dwells' lengths in order, arrows where they lasted longer than was seen; means beside the
+    prediction.
+    """
     number_of, whole, cut = np.arange(1, steps.lengths.size + 1), ~steps.censored, steps.censored
     look: dict[str, Any] = {"linestyle": "none", "markeredgecolor": MEASURED_EDGE, "zorder": 4}
     if not steps.lengths.size:
         style.say(axes, "no dwell")
     if whole.any():
-        axes.plot(number_of[whole], steps.lengths[whole], "o", color=MEASURED, label="dwell", **look)
+        axes.plot(
+            number_of[whole], steps.lengths[whole], "o", color=MEASURED, label="dwell", **look
+        )
     if cut.any():
         open_look = {**look, "markerfacecolor": UNSTABLE}
-        axes.plot(number_of[cut], steps.lengths[cut], "^", label="lasted longer than seen", **open_look)
+        axes.plot(
+            number_of[cut], steps.lengths[cut], "^", label="lasted longer than seen", **open_look
+        )
     if comparison is not None:
         # The measured mean with its standard error, and the predicted one.
-        mean, error, predicted = comparison.mean_length, comparison.length_error, comparison.predicted_length
+        mean, error, predicted = (
+            comparison.mean_length,
+            comparison.length_error,
+            comparison.predicted_length,
+        )
         if mean is not None:
             spread = 0.0 if error is None else error
             label = f"mean {mean:.1f}" if error is None else f"mean {mean:.1f} ± {error:.1f}"
-            axes.axhspan(mean - spread, mean + spread, color=MEASURED, alpha=0.25, linewidth=0, zorder=1)
+            axes.axhspan(
+                mean - spread, mean + spread, color=MEASURED, alpha=0.25, linewidth=0, zorder=1
+            )
             axes.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, label=label, zorder=2)
         if predicted is not None:
-            # The predicted mean as a line, or told alone where the line would dwarf what was measured.
-            line: dict[str, Any] = {"color": PREDICTED, "linewidth": 1.8, "linestyle": "--", "zorder": 3}
+            # The predicted mean as a line, or told alone where the line would dwarf what was
+            # measured.
+            line: dict[str, Any] = {
+                "color": PREDICTED,
+                "linewidth": 1.8,
+                "linestyle": "--",
+                "zorder": 3,
+            }
             if predicted > FAR * axes.get_ylim()[1]:
                 axes.plot([], [], label=f"predicted {number(predicted)}, beyond the panel", **line)
             else:

@@ -1,4 +1,6 @@
-"""One look for every picture: colours that also differ in lightness, legends that cover nothing, markers, name tags."""
+"""One look for every picture: colours that also differ in lightness, legends that cover nothing,
+markers, name tags.
+"""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -29,7 +31,8 @@ MEASURED = "#e69f00"
 MEASURED_EDGE = "#8a5a00"
 UNSTABLE = "#ffffff"
 FORCE = "#c1440e"
-# How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in half the time.
+# How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in
+# half the time.
 _SAVED: dict[str, dict[str, Any]] = {
     "png": {"metadata": {}, "pil_kwargs": {"compress_level": 3}},
     "pdf": {"metadata": {"CreationDate": None}},
@@ -98,7 +101,9 @@ def write_page(
     letters: int = 175,
     size: float = 18.0,
 ) -> None:
-    """Write the title, the sentences below it (those that are empty left out), and what is small at the foot."""
+    """Write the title, the sentences below it (those that are empty left out), and what is small at
+    the foot.
+    """
     figure.text(0.015, 0.955, title, fontsize=size, fontweight="bold", va="center")
     told = fill(" ".join(filter(None, words)), letters)
     figure.text(0.015, top, told, fontsize=10, va="top", linespacing=1.35)
@@ -106,8 +111,12 @@ def write_page(
         figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
 
 
-def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str, size: float = 18.0) -> float:
-    """The same on a page of 16 by 9.6 inches; returns where the sentences end, as a share of its height."""
+def write_tall_page(
+    figure: Figure, title: str, words: Iterable[str], foot: str, size: float = 18.0
+) -> float:
+    """The same on a page of 16 by 9.6 inches; returns where the sentences end, as a share of its
+    height.
+    """
     figure.text(0.012, 0.968, title, fontsize=size, fontweight="bold", va="center")
     told = fill(" ".join(words), 205)
     figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
@@ -118,7 +127,9 @@ def write_tall_page(figure: Figure, title: str, words: Iterable[str], foot: str,
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
     """The bytes of `figure` as "png", "pdf" or "svg"; InvalidInput for any other format."""
     if picture_format not in _SAVED:
-        raise InvalidInput(f"picture format {picture_format!r} is unknown; use one of {', '.join(_SAVED)}")
+        raise InvalidInput(
+            f"picture format {picture_format!r} is unknown; use one of {', '.join(_SAVED)}"
+        )
     for text in _texts(figure):
         # A dollar sign in a name begins no formula; one that is escaped already stays so.
         text.set_text(re.sub(r"(?<!\\)\$", r"\$", typeset(printable(text.get_text()))))
@@ -129,7 +140,9 @@ def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes
 
 
 def _texts(artist: Artist) -> Iterator[Text]:
-    """The texts in `artist` but for labels of ticks: drawing makes those, of the ticks that are seen."""
+    """The texts in `artist` but for labels of ticks: drawing makes those, of the ticks that are
+    seen.
+    """
     if isinstance(artist, Text):
         yield artist
     parts = [artist.label, artist.offsetText] if isinstance(artist, Axis) else artist.get_children()
@@ -145,36 +158,80 @@ def degree_axis(axes: Axes, label: str = THETA0) -> None:
 
 
 def legend_above(axes: Axes, columns: int = 3, handles: list[Any] | None = None) -> None:
-    """A legend above the panel, at its right end, where it covers no data; none where nothing has a label."""
+    """A legend above the panel, at its right end, where it covers no data; none where nothing has a
+    label.
+    """
     shown = axes.get_legend_handles_labels()[0] if handles is None else handles
     if shown:
         look: dict[str, Any] = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2}
         columns = min(columns, len(shown))
-        axes.legend(handles=shown, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, **look)
+        axes.legend(
+            handles=shown, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, **look
+        )
 
 
 def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
     """A short name at a place of the data, on a white ground that lets lines through a little."""
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-    given: dict[str, Any] = {"fontsize": 7.5, "color": INK, "ha": "center", "va": "center", "zorder": 8, **options}
+    given: dict[str, Any] = {
+        "fontsize": 7.5,
+        "color": INK,
+        "ha": "center",
+        "va": "center",
+        "zorder": 8,
+        **options,
+    }
     axes.annotate(name, (x, y), annotation_clip=True, bbox=ground, **given)
 
 
 def name_beside(axes: Axes, x: float, y: float, name: str, offset: tuple[float, float]) -> None:
-    """A name on a white ground, so many points to the right of a marked place (to the left: negative) and above it."""
+    """A name on a white ground, so many points to the right of a marked place (to the left:
+    negative) and above it.
+    """
     side = "left" if offset[0] > 0.0 else "right"
-    name_tag(axes, x, y, name, fontsize=8, ha=side, va="baseline", xytext=offset, textcoords="offset points")
+    name_tag(
+        axes,
+        x,
+        y,
+        name,
+        fontsize=8,
+        ha=side,
+        va="baseline",
+        xytext=offset,
+        textcoords="offset points",
+    )
 
 
-def name_beside_path(axes: Axes, start: float, end: float, level: float, name: str, rises: bool) -> None:
-    """A name above a flat stretch, on the side where a rising (or a falling) curve leaves room for it."""
+def name_beside_path(
+    axes: Axes, start: float, end: float, level: float, name: str, rises: bool
+) -> None:
+    """A name above a flat stretch, on the side where a rising (or a falling) curve leaves room for
+    it.
+    """
     place, side, offset = (end, "right", (-3, 4)) if rises else (start, "left", (3, 4))
-    name_tag(axes, place, level, name, ha=side, va="bottom", xytext=offset, textcoords="offset points")
+    name_tag(
+        axes, place, level, name, ha=side, va="bottom", xytext=offset, textcoords="offset points"
+    )
 
 
-def arrow(axes: Axes, tail: Any, tip: Any, colour: str, width: float = 1.8, zorder: float = 5.0, **look: Any) -> None:
+def arrow(
+    axes: Axes,
+    tail: Any,
+    tip: Any,
+    colour: str,
+    width: float = 1.8,
+    zorder: float = 5.0,
+    **look: Any,
+) -> None:
     """An arrow from one place of the data to another, (2,) each."""
-    props = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0, **look}
+    props = {
+        "arrowstyle": "-|>",
+        "color": colour,
+        "linewidth": width,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        **look,
+    }
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
 
 
@@ -190,18 +247,26 @@ def whole_turn_ticks(axes: Axes) -> None:
 
 
 def unwrapped_axis(axes: Axes, name: str, least_span_deg: float = 0.0) -> None:
-    """Name the y axis of an angle that is drawn unwrapped, in degrees; from two turns on its ticks are whole turns.
+    """Name the y axis of an angle that is drawn unwrapped, in degrees; from two turns on its ticks
+    are whole turns.
 
-    To be called last: the window stays what it is then, or grows to `least_span_deg`, so that what is flat looks so.
+    To be called last: the window stays what it is then, or grows to `least_span_deg`, so that what
+    is flat looks so.
     """
     low, high = axes.get_ylim()
     slack = max(0.0, least_span_deg - (high - low)) / 2
     axes.set_ylim(low - slack, high + slack)
     climbs = high - low >= 720.0
     if climbs:
-        whole = MaxNLocator(7, integer=True, steps=[1, 2, 5, 10]).tick_values(low / 360.0, high / 360.0)
-        axes.yaxis.set_major_locator(FixedLocator([360.0 * turn for turn in whole if low <= 360.0 * turn <= high]))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda degrees, _: f"{degrees / 360.0:.0f}".replace("-", "−")))
+        whole = MaxNLocator(7, integer=True, steps=[1, 2, 5, 10]).tick_values(
+            low / 360.0, high / 360.0
+        )
+        axes.yaxis.set_major_locator(
+            FixedLocator([360.0 * turn for turn in whole if low <= 360.0 * turn <= high])
+        )
+        axes.yaxis.set_major_formatter(
+            FuncFormatter(lambda degrees, _: f"{degrees / 360.0:.0f}".replace("-", "−"))
+        )
     axes.set_ylabel(f"{name} ({'turns' if climbs else '°'})")
 
 
@@ -213,7 +278,9 @@ def stability(orbit: Orbit) -> str:
 
 
 def orbit_marker(kind: str) -> dict[str, Any]:
-    """The marker of an orbit: filled where stable, open where unstable, half of each where half-stable."""
+    """The marker of an orbit: filled where stable, open where unstable, half of each where
+    half-stable.
+    """
     return {
         "marker": "o",
         "markersize": 7.0,

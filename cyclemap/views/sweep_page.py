@@ -1,4 +1,5 @@
-"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a sample."""
+"""A sweep: in sentences, and drawn as a diagram over one key or two,
+or as a scatter of a sample."""
 
 import math
 from collections import Counter
@@ -24,7 +25,13 @@ from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
 from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
 from cyclemap.sweeps.portrait_numbers import Quantity
-from cyclemap.sweeps.sweep_curves import SweptCurves, SweptLines, SweptPlane, SweptScatter, axis_places
+from cyclemap.sweeps.sweep_curves import (
+    SweptCurves,
+    SweptLines,
+    SweptPlane,
+    SweptScatter,
+    axis_places,
+)
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views import style
 from cyclemap.views.rotation_panels import cell_edges, draw_rotation_numbers, draw_rotation_plane
@@ -36,7 +43,12 @@ TITLE_PAD = 24.0
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
 MM = 1000.0
 Panel = tuple[str, Callable[[Axes], None]]
-REFUSED: dict[str, Any] = {"facecolor": "#f4f4f4", "edgecolor": QUIET, "hatch": "xxx", "linewidth": 0.0}
+REFUSED: dict[str, Any] = {
+    "facecolor": "#f4f4f4",
+    "edgecolor": QUIET,
+    "hatch": "xxx",
+    "linewidth": 0.0,
+}
 _UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
 _KEY_WORDS = {
     "mu_a": "friction μa",
@@ -58,7 +70,8 @@ _KEY_WORDS = {
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
 _MOST_COUNTS = 8
 _LONGEST_NAME = 22
-# Planes with as many values along both axes are fine enough for tongues to be more than a cell wide.
+# Planes with as many values along both axes are fine enough for tongues to be more than a cell
+# wide.
 _FINE_PLANE = 40
 _MOST_REASONS = 3
 _LONGEST_REASON = 160
@@ -67,7 +80,8 @@ _LONGEST_REASON = 160
 @style.picture_style()
 def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
-    # Titles, which are meanings short of their remarks, and drawers; where fixed points are known they come first.
+    # Titles, which are meanings short of their remarks, and drawers; where fixed points are known
+    # they come first.
     panels: list[Panel] = []
     draw: Any
     if isinstance(curves, SweptLines):
@@ -83,7 +97,9 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
     panels = panels[:MOST_PANELS]
     figure = style.new_figure(13.333, 6.6)
-    grid = GridSpec(1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2)
+    grid = GridSpec(
+        1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2
+    )
     for place, (title, draw) in enumerate(panels):
         axes = figure.add_subplot(grid[0, place])
         draw(axes)
@@ -94,10 +110,23 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
             axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
             if slider.name in MIT_SHAPE_NAMES:
                 x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-                axes.plot(x, y, "*", markersize=11, markerfacecolor=UNSTABLE, markeredgecolor=INK, zorder=6)
-                style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+                axes.plot(
+                    x,
+                    y,
+                    "*",
+                    markersize=11,
+                    markerfacecolor=UNSTABLE,
+                    markeredgecolor=INK,
+                    zorder=6,
+                )
+                style.name_tag(
+                    axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points"
+                )
             low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
-            low, high = np.minimum(low, outline.min(axis=0) - 3.0), np.maximum(high, outline.max(axis=0) + 3.0)
+            low, high = (
+                np.minimum(low, outline.min(axis=0) - 3.0),
+                np.maximum(high, outline.max(axis=0) + 3.0),
+            )
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(title, pad=TITLE_PAD)
     style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
@@ -136,11 +165,13 @@ def quantity_label(quantity: Quantity) -> str:
     return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
 
 
-# -- over two keys -----------------------------------------------------------------------------------------
+# -- over two keys
+# -----------------------------------------------------------------------------------------
 
 
 def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
-    """One quantity over two keys, by colour; locked regions outlined, refused points crossed out."""
+    """One quantity over two keys, by colour; locked regions outlined,
+    refused points crossed out."""
     quantity, values = swept.planes[index]
     first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
     if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
@@ -159,7 +190,9 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
         for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
             rows = np.flatnonzero(swept.refused[:, column])
             runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
-            axes.broken_barh(runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2)
+            axes.broken_barh(
+                runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2
+            )
         told = axes.get_legend_handles_labels()[0]
         style.legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
     _name_ticks(axes.xaxis, swept.first)
@@ -167,23 +200,34 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
 
 
 def without_specks(plane: RotationPlane) -> RotationPlane:
-    """Of a fine plane, the tongues that are wide enough to be seen: narrower ones would be a litter of outlined cells.
+    """Of a fine plane, the tongues that are wide enough to be seen: narrower ones would be a litter
+    of outlined cells.
 
-    A cell is kept where it is one of two by two that lock at the same p/q, or touches one that is and locks alike.
+    A cell is kept where it is one of two by two that lock at the same p/q, or touches one that is
+    and locks alike.
     """
     if min(plane.period.shape) < _FINE_PLANE:
         return plane
-    ratio, kept = np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan), plane.period < 0
+    ratio, kept = (
+        np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan),
+        plane.period < 0,
+    )
     for one in np.unique(ratio[plane.period > 0]):
         wide = binary_opening(ratio == one, np.ones((2, 2)))
         kept |= (ratio == one) & binary_dilation(wide, np.ones((3, 3)))
-    return replace(plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0))
+    return replace(
+        plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0)
+    )
 
 
 def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
     """One shade for each small count, light to dark; shades that run on for all else."""
     found = values[np.isfinite(values)]
-    counted = found.size > 0 and bool(np.all(found == np.round(found))) and float(np.ptp(found)) < _MOST_COUNTS
+    counted = (
+        found.size > 0
+        and bool(np.all(found == np.round(found)))
+        and float(np.ptp(found)) < _MOST_COUNTS
+    )
     if not counted:
         return {"cmap": "cividis"}, None
     levels = np.arange(found.min(), found.max() + 1.0)
@@ -206,26 +250,38 @@ def _name_ticks(side: Axis, axis: SweepAxis) -> None:
         side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
 
 
-# -- over one key ------------------------------------------------------------------------------------------
+# -- over one key
+# ------------------------------------------------------------------------------------------
 
 
 def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
     axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
     style.whole_turn_ticks(axes)
-    at, theta, stable = swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
+    at, theta, stable = (
+        swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
+    )
     if not at.size:
         style.say(axes, "no fixed point")
     size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
-    look: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": size, "markeredgecolor": PREDICTED}
-    axes.plot(at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look)
+    look: dict[str, Any] = {
+        "linestyle": "none",
+        "marker": "o",
+        "markersize": size,
+        "markeredgecolor": PREDICTED,
+    }
+    axes.plot(
+        at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look
+    )
     axes.plot(at[stable], theta[stable], markerfacecolor=PREDICTED, zorder=4, **look)
     kinds = {"stable" if one else "unstable" for one in stable.tolist()}
     _finish_line_axis(axes, swept, style.orbit_keys(kinds))
 
 
 def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
-    """One quantity over the key: rotation numbers with their plateaus, anything else as a line with dots."""
+    """One quantity over the key: rotation numbers with their plateaus, anything else as a line with
+    dots.
+    """
     quantity, values = swept.lines[index]
     if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
         draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
@@ -247,28 +303,50 @@ def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None
     if swept.refused.size:
         bottom = axes.get_xaxis_transform()
         marks = axes.plot(
-            swept.refused, np.full(swept.refused.size, 0.02), "x", color=INK, transform=bottom, label="refused"
+            swept.refused,
+            np.full(swept.refused.size, 0.02),
+            "x",
+            color=INK,
+            transform=bottom,
+            label="refused",
         )
         handles = [*handles, *marks]
     style.legend_above(axes, columns=4, handles=handles)
 
 
-# -- a sample ----------------------------------------------------------------------------------------------
+# -- a sample
+# ----------------------------------------------------------------------------------------------
 
 
 def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
-    """One quantity at the points of a sample over two keys, by colour; refused points as crosses."""
+    """One quantity at the points of a sample over two keys, by colour;
+    refused points as crosses."""
     quantity, values = swept.values[index]
     (first_key, first), (second_key, second) = swept.first, swept.second
     look, ticks = _shades(values)
     size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
     found = np.isfinite(values)
     dots = axes.scatter(
-        first[found], second[found], c=values[found], s=size, edgecolor=QUIET, linewidth=0.6, **look, zorder=3
+        first[found],
+        second[found],
+        c=values[found],
+        s=size,
+        edgecolor=QUIET,
+        linewidth=0.6,
+        **look,
+        zorder=3,
     )
     _add_scale(axes, dots, quantity, ticks)
     if swept.refused.any():
-        axes.plot(first[swept.refused], second[swept.refused], "x", color=INK, markersize=5, label="refused", zorder=4)
+        axes.plot(
+            first[swept.refused],
+            second[swept.refused],
+            "x",
+            color=INK,
+            markersize=5,
+            label="refused",
+            zorder=4,
+        )
     axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
     style.legend_above(axes)
 
@@ -287,23 +365,33 @@ def axis_words(axis: SweepAxis) -> str:
     name, unit = key_words(axis.key), key_unit(axis.key)
     unit = unit if unit in ("", "°") else f" {unit}"
     if axis.is_number and len(axis.values) > 1:
-        return f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} ({len(axis.values)} values)"
+        return (
+            f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} "
+            f"({len(axis.values)} values)"
+        )
     return f"{name} {', '.join(_short(value) for value in axis.values)}{unit}"
 
 
 def sweep_headline(sweep: Sweep) -> str:
     """What was swept, in a line, and what was selected of it."""
-    names = "" if MATERIAL_KEY in sweep.keys else f"{', '.join(sweep.description['plan']['material'])}: "
+    names = (
+        ""
+        if MATERIAL_KEY in sweep.keys
+        else f"{', '.join(sweep.description['plan']['material'])}: "
+    )
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
     values = {key: sweep.swept[key][0] for key in sweep.keys if key not in kept and len(sweep)}
     fixed = [
-        f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}" for key, value in values.items()
+        f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}"
+        for key, value in values.items()
     ]
     return f"{names}{' × '.join(map(key_words, kept))}{' at ' if fixed else ''}{', '.join(fixed)}"
 
 
 def sweep_sentences(sweep: Sweep) -> list[str]:
-    """How much is done, the share that is proved to lock and to what, the stable directions, and the refusals."""
+    """How much is done, the share that is proved to lock and to what, the stable directions, and
+    the refusals.
+    """
     total = math.prod(sweep.shape) if sweep.axes else int(sweep.description["count"])
     whole = f"{len(sweep)} points" if len(sweep) == total else f"{len(sweep)} of {total} points"
     if sweep.axes:
@@ -322,13 +410,19 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
         period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
         pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
         ratios = Counter(f"{int(p)}/{int(q)}" for p, q in pairs)
-        listed = ", ".join(f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS))
+        listed = ", ".join(
+            f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS)
+        )
         more = ", ..." if len(ratios) > _MOST_REASONS else ""
-        told.append(f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock.")
+        told.append(
+            f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock."
+        )
     stable = sweep.columns.get("stable_points", np.empty(0))
     if np.isfinite(stable).any():
         counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
-        told.append(f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}.")
+        told.append(
+            f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}."
+        )
     if refused := [text.partition(" (set:")[0] for text in sweep.refusals if text]:
         reason, count = Counter(refused).most_common(1)[0]
         short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
@@ -344,5 +438,9 @@ def settings_line(sweep: Sweep) -> str:
     asked = plan["quantities"]
     accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
     pace = asked.get("rotation_tolerance", 0.0)
-    turns = f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.columns else ""
+    turns = (
+        f"rotation numbers to {pace:g} turns a cycle"
+        if pace and "rotation" in sweep.columns
+        else ""
+    )
     return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)

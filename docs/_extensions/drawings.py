@@ -1,4 +1,6 @@
-"""The site's own drawings, made when it is built: each module of `_figures` draws one, into `_build/drawn`."""
+"""The site's own drawings, made when it is built: each module of `_figures` draws one, into
+`_build/drawn`.
+"""
 
 from importlib import import_module
 from pathlib import Path

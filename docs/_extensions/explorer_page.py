@@ -1,4 +1,5 @@
-"""The explorer inside a page: `{explorer} MATERIAL key=value ...` shows the page of `cyclemap explore` in a frame.
+"""The explorer inside a page: `{explorer} MATERIAL key=value ...` shows the page of `cyclemap
+explore` in a frame.
 
 Pages of the same words are written once; nothing of them comes from a network.
 """
@@ -37,9 +38,14 @@ class Explorer(SphinxDirective):
         if not place.exists():
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(page_of(words[0], words[1:]), encoding="utf-8")
-        address = relative_uri(self.env.app.builder.get_target_uri(self.env.docname), f"{FOLDER}/{name}")
+        address = relative_uri(
+            self.env.app.builder.get_target_uri(self.env.docname), f"{FOLDER}/{name}"
+        )
         title = f"cyclemap explore {' '.join(words)}"
-        frame = f'<iframe class="explorer" src="{address}" title="{title}" loading="lazy" height="{HEIGHT}"></iframe>'
+        frame = (
+            f'<iframe class="explorer" src="{address}" title="{title}" loading="lazy" '
+            f'height="{HEIGHT}"></iframe>'
+        )
         link = f'<p class="explorer-link"><a href="{address}">Open it alone</a></p>'
         return [nodes.raw("", frame + link, format="html")]
 

@@ -1,8 +1,9 @@
-"""The gallery's pictures and tables, as `cyclemap figures all --out docs/gallery` left them in docs/gallery.
+"""The gallery's pictures and tables, as `cyclemap figures all --out docs/gallery` left them in
+docs/gallery.
 
-`figures.json` there lists the entries, each with name, title, source, caption, file and the measured data that were
-used, if any. `{gallery}` shows them all; `{gallery-picture} name` shows one, by its name or
-its file; both say how to make what is not there.
+`figures.json` there lists the entries, each with name, title, source, caption, file and the
+measured data that were used, if any. `{gallery}` shows them all; `{gallery-picture} name` shows
+one, by its name or its file; both say how to make what is not there.
 """
 
 import csv
@@ -34,14 +35,18 @@ class Gallery(SphinxDirective):
         """Return the sections, or a note how to make the pictures."""
         self.env.note_dependency(f"{FOLDER}/figures.json")
         found = entries(Path(self.env.srcdir) / FOLDER)
-        return [node for entry in found for node in self.shown(entry)] or [missing("The pictures are not here yet")]
+        return [node for entry in found for node in self.shown(entry)] or [
+            missing("The pictures are not here yet")
+        ]
 
     def shown(self, entry: dict[str, Any]) -> list[nodes.Node]:
         """Return one entry as a section."""
         anchor = nodes.make_id(f"figure-{entry['name']}")
         section = nodes.section("", nodes.title(text=entry["title"]), ids=[anchor])
         # Other pages lead here by {ref}`figure-NAME`.
-        self.env.domains.standard_domain.note_hyperlink_target(anchor, self.env.docname, anchor, entry["title"])
+        self.env.domains.standard_domain.note_hyperlink_target(
+            anchor, self.env.docname, anchor, entry["title"]
+        )
         self.state.document.note_explicit_target(section)
         section += about(entry)
         section += exhibit(Path(self.env.srcdir) / FOLDER, entry)
@@ -50,7 +55,9 @@ class Gallery(SphinxDirective):
 
 
 class GalleryPicture(SphinxDirective):
-    """One exhibit with its caption, by its name, or without it, by that of its file; a note where it is not there."""
+    """One exhibit with its caption, by its name, or without it, by that of its file; a note where
+    it is not there.
+    """
 
     required_arguments = 1
     has_content = False
@@ -89,7 +96,9 @@ def exhibit(folder: Path, entry: dict[str, Any]) -> list[nodes.Node]:
         elif path.suffix == ".csv":
             shown.append(table(list(csv.reader(path.read_text(encoding="utf-8").splitlines()))))
         else:
-            shown.append(nodes.literal_block(text=path.read_text(encoding="utf-8"), language="text"))
+            shown.append(
+                nodes.literal_block(text=path.read_text(encoding="utf-8"), language="text")
+            )
     return shown
 
 
@@ -119,7 +128,9 @@ def paragraph(text: str) -> nodes.Node:
 
 def missing(what: str) -> nodes.Node:
     """A note that says how to make what is not there."""
-    words = nodes.paragraph("", nodes.Text(f"{what}. To make all of the gallery: "), nodes.literal(text=HOW))
+    words = nodes.paragraph(
+        "", nodes.Text(f"{what}. To make all of the gallery: "), nodes.literal(text=HOW)
+    )
     return nodes.note("", words)
 
 

@@ -1,7 +1,8 @@
 """The docstrings of the package, written as plain text, as valid reStructuredText.
 
-What they hold: paragraphs; `name : what it is` entries, several in one paragraph; headings underlined with dashes;
-indented formulas; `>>>` examples; `- ` items; names in one or two backticks.
+What they hold: paragraphs; `name : what it is` entries, several in one paragraph; headings
+underlined with dashes; indented formulas; `>>>` examples; `- ` items; names in one or two
+backticks.
 """
 
 import re
@@ -73,7 +74,9 @@ def starts_anew(line: str, before: str) -> bool:
         return True
     after_list = before.startswith("- ") or bool(ENTRY.match(before))
     ended = before.endswith((".", ":", "else."))
-    return after_list and ended and not line.startswith(" ") and (line[0].isupper() or line[0] == "`")
+    return (
+        after_list and ended and not line.startswith(" ") and (line[0].isupper() or line[0] == "`")
+    )
 
 
 def piece_to_rest(piece: str) -> list[str]:
@@ -102,7 +105,9 @@ def plain(text: str) -> str:
     return SPECIAL.sub(r"\\\1", text)
 
 
-def rewrite(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+def rewrite(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
     """Rewrite the docstring of one thing in place, as autodoc asks."""
     lines[:] = house_to_rest(lines)
 

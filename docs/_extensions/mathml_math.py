@@ -1,4 +1,5 @@
-"""Formulas as MathML, made while the site is built: pages show them without a network and without scripts.
+"""Formulas as MathML, made while the site is built: pages show them without a network and without
+scripts.
 
 A formula that cannot be turned into MathML is a warning, and the build takes warnings for errors.
 """
@@ -26,7 +27,16 @@ OTHER_WORDS = {
 }
 ENVIRONMENTS = {name.lstrip("\\") for name in MATRICES}
 # How many parts an element must have: a fraction with one is a slip of the pen.
-PARTS = {"mfrac": 2, "mroot": 2, "msub": 2, "msup": 2, "munder": 2, "mover": 2, "msubsup": 3, "munderover": 3}
+PARTS = {
+    "mfrac": 2,
+    "mroot": 2,
+    "msub": 2,
+    "msup": 2,
+    "munder": 2,
+    "mover": 2,
+    "msubsup": 3,
+    "munderover": 3,
+}
 
 
 class UnknownFormula(ValueError):
@@ -57,7 +67,9 @@ def in_known_words(latex: str) -> str:
 
 
 def faults_of(latex: str, root: ElementTree.Element) -> Iterator[str]:
-    """What the converter let pass: commands and environments that it does not know, and missing parts."""
+    """What the converter let pass: commands and environments that it does not know, and missing
+    parts.
+    """
     for part in root.iter():
         name = part.tag.removeprefix(MATHML)
         if part.text and "\\" in part.text:
@@ -70,7 +82,8 @@ def faults_of(latex: str, root: ElementTree.Element) -> Iterator[str]:
 
 
 def html_of(translator: HTML5Translator, node: nodes.Node, display: bool) -> str:
-    """The HTML of one formula; a warning, and the LaTeX as it stands, where it cannot be converted."""
+    """The HTML of one formula; a warning, and the LaTeX as it stands,
+    where it cannot be converted."""
     try:
         return mathml(node.astext(), display)
     except UnknownFormula as error:
@@ -89,7 +102,9 @@ def visit_displayed(translator: HTML5Translator, node: nodes.Node) -> None:
     translator.body.append(translator.starttag(node, "div", CLASS="math displayed"))
     translator.body.append(html_of(translator, node, display=True))
     if node["number"]:
-        translator.body.append(f'<span class="eqno">({get_node_equation_number(translator, node)})</span>')
+        translator.body.append(
+            f'<span class="eqno">({get_node_equation_number(translator, node)})</span>'
+        )
     translator.body.append("</div>\n")
     raise nodes.SkipNode
 

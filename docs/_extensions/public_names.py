@@ -1,4 +1,6 @@
-"""Signatures as people read them: arrays without their insides, and links to where a name is public."""
+"""Signatures as people read them: arrays without their insides, and links to where a name is
+public.
+"""
 
 import re
 from typing import Any
@@ -10,11 +12,19 @@ from sphinx.application import Sphinx
 import cyclemap
 
 ARRAY_LIKE = re.compile(r"~?[\w.]*Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]")
-ARRAY = re.compile(r"~?(?:numpy\.)?ndarray\[tuple\[.*?\.\.\.\], ~?(?:numpy\.)?dtype\[[^\[\]]*(?:\[[^\]]*\])?\]\]")
+ARRAY = re.compile(
+    r"~?(?:numpy\.)?ndarray\[tuple\[.*?\.\.\.\], ~?(?:numpy\.)?dtype\[[^\[\]]*(?:\[[^\]]*\])?\]\]"
+)
 
 
 def short_types(
-    app: Sphinx, what: str, name: str, thing: Any, options: Any, signature: str | None, returned: str | None
+    app: Sphinx,
+    what: str,
+    name: str,
+    thing: Any,
+    options: Any,
+    signature: str | None,
+    returned: str | None,
 ) -> tuple[str | None, str | None]:
     """Write arrays as `ndarray` in signatures: shapes and units are in the words below them."""
     return (signature and short(signature), returned and short(returned))
@@ -38,14 +48,18 @@ def short_properties(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def public_link(app: Sphinx, env: Any, node: Any, content: nodes.Node) -> nodes.Node | None:
-    """Link `cyclemap.room.module.Name`, as types in signatures say it, to where `Name` is documented."""
+    """Link `cyclemap.room.module.Name`, as types in signatures say it, to where `Name` is
+    documented.
+    """
     target = str(node.get("reftarget", ""))
     room, _, name = target.removeprefix("cyclemap.").partition(".")
     name = name.rpartition(".")[2] or room
     path = f"cyclemap.{name}" if name in cyclemap.__all__ else f"cyclemap.{room}.{name}"
     if node.get("refdomain") != "py" or target == path:
         return None
-    return env.get_domain("py").resolve_xref(env, node["refdoc"], app.builder, "obj", path, node, content)
+    return env.get_domain("py").resolve_xref(
+        env, node["refdoc"], app.builder, "obj", path, node, content
+    )
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

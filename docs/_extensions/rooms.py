@@ -1,7 +1,9 @@
-"""The pages of the reference, written before the site is read: one for each room, and one for each name in it.
+"""The pages of the reference, written before the site is read: one for each room, and one for each
+name in it.
 
-The parts of a room, and the order in them, are those of its own table of contents, its docstring. Pages of names stand
-in no list of contents: in the navigation of every page they would take most of the build.
+The parts of a room, and the order in them, are those of its own table of contents, its docstring.
+Pages of names stand in no list of contents: in the navigation of every page they would take most of
+the build.
 """
 
 import inspect
@@ -45,9 +47,13 @@ def write_pages(folder: Path) -> None:
 
 
 def room_parts(room: ModuleType) -> tuple[str, dict[str, list[str]]]:
-    """The first words of a room, and where its names are public, by the parts of its table of contents."""
+    """The first words of a room, and where its names are public, by the parts of its table of
+    contents.
+    """
     words, parts = contents(inspect.getdoc(room) or "")
-    return words, {title: [public_path(room, name) for name in names] for title, names in parts.items()}
+    return words, {
+        title: [public_path(room, name) for name in names] for title, names in parts.items()
+    }
 
 
 def contents(doc: str) -> tuple[str, dict[str, list[str]]]:
@@ -75,7 +81,13 @@ def page(title: str, words: str, parts: dict[str, list[str]]) -> str:
     lines = [title, "=" * len(title), "", words, ""]
     for heading, paths in parts.items():
         lines += [heading, "-" * len(heading), ""] if heading else []
-        lines += [".. autosummary::", "   :nosignatures:", "", *(f"   {path}" for path in paths), ""]
+        lines += [
+            ".. autosummary::",
+            "   :nosignatures:",
+            "",
+            *(f"   {path}" for path in paths),
+            "",
+        ]
     return "\n".join(lines)
 
 
@@ -95,29 +107,46 @@ def name_page(path: str, room: str) -> str:
 def modules_page(title: str, words: str, room: ModuleType) -> str:
     """The page of a room without exports: the public functions and classes of each module."""
     lines = [title, "=" * len(title), "", words, ""]
-    for name in sorted(found.name for found in pkgutil.walk_packages(room.__path__, f"{room.__name__}.")):
+    for name in sorted(
+        found.name for found in pkgutil.walk_packages(room.__path__, f"{room.__name__}.")
+    ):
         if defines(import_module(name)):
             heading = name.rpartition(".")[2].replace("_", " ").capitalize()
-            lines += [heading, "-" * len(heading), "", f".. automodule:: {name}", "   :members:", ""]
+            lines += [
+                heading,
+                "-" * len(heading),
+                "",
+                f".. automodule:: {name}",
+                "   :members:",
+                "",
+            ]
     return "\n".join(lines)
 
 
 def public_path(room: ModuleType, name: str) -> str:
-    """Where a user finds a name: `cyclemap.name`, or in its room where the package does not export it."""
+    """Where a user finds a name: `cyclemap.name`, or in its room where the package does not export
+    it.
+    """
     return f"cyclemap.{name}" if name in cyclemap.__all__ else f"{room.__name__}.{name}"
 
 
 def error_names() -> list[str]:
     """The errors, the most general first."""
     errors = import_module("cyclemap.errors")
-    kinds = [name for name, thing in vars(errors).items() if getattr(thing, "__module__", "") == errors.__name__]
+    kinds = [
+        name
+        for name, thing in vars(errors).items()
+        if getattr(thing, "__module__", "") == errors.__name__
+    ]
     return [public_path(errors, name) for name in kinds if inspect.isclass(getattr(errors, name))]
 
 
 def defines(module: ModuleType) -> bool:
     """Whether a module has public functions or classes of its own."""
     for name, thing in vars(module).items():
-        own = (inspect.isfunction(thing) or inspect.isclass(thing)) and thing.__module__ == module.__name__
+        own = (
+            inspect.isfunction(thing) or inspect.isclass(thing)
+        ) and thing.__module__ == module.__name__
         if own and not name.startswith("_"):
             return True
     return False

@@ -1,4 +1,6 @@
-"""The table of all that `--set` and files may say, made from the settings' own table: `{settings}` shows it."""
+"""The table of all that `--set` and files may say, made from the settings' own table: `{settings}`
+shows it.
+"""
 
 import math
 
@@ -16,7 +18,9 @@ def markdown() -> str:
     mit = CollectionLoop.mit()
     lines = ["| key | fact | usual | MIT's experiment |", "|---|---|---|---|"]
     for key, one in SETTINGS.items():
-        usual = f"{one.low:g} to {one.high:g}" if math.isfinite(one.low) and one.low < one.high else ""
+        usual = (
+            f"{one.low:g} to {one.high:g}" if math.isfinite(one.low) and one.low < one.high else ""
+        )
         default = one.default or f"{one.of(mit) / float(one.unit.in_si):.6g}"
         lines.append(f"| `{key}` | {one.meaning} | {usual} | {default} |")
     return "\n".join(lines) + "\n"
@@ -28,7 +32,9 @@ class SettingsTable(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """Return the parsed table."""
         section = nodes.container()
-        self.state.nested_parse(StringList(markdown().splitlines(), "settings"), self.content_offset, section)
+        self.state.nested_parse(
+            StringList(markdown().splitlines(), "settings"), self.content_offset, section
+        )
         return section.children
 
 

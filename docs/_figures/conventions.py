@@ -9,7 +9,15 @@ from matplotlib.patches import Arc, Circle, Ellipse, Polygon
 
 import cyclemap as cm
 from cyclemap.collection.cycle_scene import StrokeScene, placed
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, new_figure
+from cyclemap.views.style import (
+    FORCE,
+    INK,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    new_figure,
+)
 
 THETA0 = math.radians(30)
 MM = 1000.0
@@ -37,7 +45,9 @@ def draw() -> Figure:
 def draw_before(axes: Axes, loop: cm.CollectionLoop, push: StrokeScene, pose: np.ndarray) -> None:
     """Draw the world and the object's frame, θ0, the sides, the contact, the rod and the ring."""
     world_frame(axes)
-    axes.add_patch(Polygon(MM * push.before, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
+    axes.add_patch(
+        Polygon(MM * push.before, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6)
+    )
     object_frame(axes, pose)
     number_sides(axes, loop, pose)
     ring(axes, MM * push.ring_before, "-")
@@ -48,7 +58,12 @@ def draw_before(axes: Axes, loop: cm.CollectionLoop, push: StrokeScene, pose: np
     way = MM * (placed(pose, np.array([-0.018, 0.0])) - placed(pose, np.array([-0.018, 0.045])))
     start = MM * push.rod[0]
     arrow(axes, start, start + 0.55 * way, FORCE)
-    label(axes, "push direction:\nagainst the\nside's normal\n(angle 0)", start + 0.3 * way, (-78, -14))
+    label(
+        axes,
+        "push direction:\nagainst the\nside's normal\n(angle 0)",
+        start + 0.3 * way,
+        (-78, -14),
+    )
     turn_arc(axes, MM * pose[:2], 26.0, 0.0, THETA0, r"$\theta_0$")
     surface_axes(axes)
 
@@ -57,7 +72,9 @@ def draw_after(axes: Axes, loop: cm.CollectionLoop, cycle: cm.Cycle, push: Strok
     """Draw the object at both ends of the push, Δx, Δy and Δθ, and the ring's way back."""
     first, last = (np.array([*cycle.push.trajectory.pose[i]]) for i in (0, -1))
     axes.add_patch(Polygon(MM * push.before, facecolor="none", edgecolor=QUIET, linestyle="--"))
-    axes.add_patch(Polygon(MM * push.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
+    axes.add_patch(
+        Polygon(MM * push.after, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6)
+    )
     ring(axes, MM * push.ring_before, "--")
     ring(axes, MM * push.ring_after, "-")
     axes.plot(*(MM * push.rod).T, color=INK, linewidth=1.2, linestyle=":")
@@ -77,7 +94,9 @@ def world_frame(axes: Axes) -> None:
     for way, name in (((26.0, 0.0), "x"), ((0.0, 26.0), "y")):
         arrow(axes, origin, origin + way, INK)
         axes.text(*(origin + 1.22 * np.array(way)), name, ha="center", va="center")
-    axes.text(origin[0] + 12, origin[1] - 10, "world's directions", ha="center", color=QUIET, fontsize=8)
+    axes.text(
+        origin[0] + 12, origin[1] - 10, "world's directions", ha="center", color=QUIET, fontsize=8
+    )
 
 
 def object_frame(axes: Axes, pose: np.ndarray) -> None:
@@ -85,7 +104,13 @@ def object_frame(axes: Axes, pose: np.ndarray) -> None:
     for way, name in ((np.array([0.034, 0.0]), r"$x_o$"), (np.array([0.0, 0.034]), r"$y_o$")):
         arrow(axes, MM * pose[:2], MM * placed(pose, way), PREDICTED)
         axes.text(*(MM * placed(pose, 1.2 * way)), name, ha="center", va="center", color=PREDICTED)
-    axes.plot([MM * pose[0], MM * pose[0] + 36], [MM * pose[1]] * 2, color=QUIET, linewidth=0.9, linestyle="--")
+    axes.plot(
+        [MM * pose[0], MM * pose[0] + 36],
+        [MM * pose[1]] * 2,
+        color=QUIET,
+        linewidth=0.9,
+        linestyle="--",
+    )
 
 
 def number_sides(axes: Axes, loop: cm.CollectionLoop, pose: np.ndarray) -> None:
@@ -95,7 +120,15 @@ def number_sides(axes: Axes, loop: cm.CollectionLoop, pose: np.ndarray) -> None:
         share = 0.65 if side else 0.4  # away from the contact and the lines to labels
         place = MM * placed(pose, ((1 - share) * start + share * end) * 1.13)
         turned = math.degrees(pose[2]) + (0 if side % 2 == 0 else -90)
-        axes.text(*place, f"side {side}", ha="center", va="center", fontsize=8, color=QUIET, rotation=turned)
+        axes.text(
+            *place,
+            f"side {side}",
+            ha="center",
+            va="center",
+            fontsize=8,
+            color=QUIET,
+            rotation=turned,
+        )
 
 
 def surface_axes(axes: Axes) -> None:
@@ -103,36 +136,78 @@ def surface_axes(axes: Axes) -> None:
     origin, phi = np.array([88.0, 34.0]), math.radians(25)
     m, n = np.array([math.cos(phi), math.sin(phi)]), np.array([-math.sin(phi), math.cos(phi)])
     axes.add_patch(
-        Ellipse(tuple(origin + 3.5 * m + 2 * n), 50, 36, angle=math.degrees(phi), fill=False, edgecolor=QUIET)
+        Ellipse(
+            tuple(origin + 3.5 * m + 2 * n),
+            50,
+            36,
+            angle=math.degrees(phi),
+            fill=False,
+            edgecolor=QUIET,
+        )
     )
     for way, name in ((m, "m"), (n, "n")):
         arrow(axes, origin, origin + 30 * way, QUIET)
         axes.text(*(origin + 36 * way), name, ha="center", va="center", color=QUIET)
-    axes.plot([origin[0], origin[0] + 30], [origin[1]] * 2, color=QUIET, linewidth=0.9, linestyle="--")
+    axes.plot(
+        [origin[0], origin[0] + 30], [origin[1]] * 2, color=QUIET, linewidth=0.9, linestyle="--"
+    )
     turn_arc(axes, origin, 16.0, 0.0, phi, r"$\phi$", QUIET)
-    axes.text(origin[0], origin[1] + 42, "surface: m, n, limit ellipse", ha="center", color=QUIET, fontsize=8)
+    axes.text(
+        origin[0],
+        origin[1] + 42,
+        "surface: m, n, limit ellipse",
+        ha="center",
+        color=QUIET,
+        fontsize=8,
+    )
 
 
 def displacement(axes: Axes, first: np.ndarray, moved: np.ndarray) -> None:
     """Draw Δx and Δy along the axes that the object had before the push."""
     corner = np.array([moved[0], 0.0])
-    for start, end, name in ((np.zeros(2), corner, r"$\Delta x$"), (corner, np.asarray(moved), r"$\Delta y < 0$")):
+    for start, end, name in (
+        (np.zeros(2), corner, r"$\Delta x$"),
+        (corner, np.asarray(moved), r"$\Delta y < 0$"),
+    ):
         a, b = MM * placed(first, start), MM * placed(first, end)
         arrow(axes, a, b, INK)
         away = 7.5 * np.array([a[1] - b[1], b[0] - a[0]]) / math.hypot(*(b - a))
-        axes.text(*(0.5 * (a + b) + away * (1.0 if name == r"$\Delta x$" else 2.1)), name, ha="center", va="center")
+        axes.text(
+            *(0.5 * (a + b) + away * (1.0 if name == r"$\Delta x$" else 2.1)),
+            name,
+            ha="center",
+            va="center",
+        )
 
 
 def turn_arc(
-    axes: Axes, place: np.ndarray, radius: float, low: float, high: float, name: str, color: str = INK
+    axes: Axes,
+    place: np.ndarray,
+    radius: float,
+    low: float,
+    high: float,
+    name: str,
+    color: str = INK,
 ) -> None:
     """Draw an arc from one angle to another with an arrow head at its end, and name it."""
     axes.add_patch(
-        Arc(tuple(place), 2 * radius, 2 * radius, theta1=math.degrees(low), theta2=math.degrees(high), color=color)
+        Arc(
+            tuple(place),
+            2 * radius,
+            2 * radius,
+            theta1=math.degrees(low),
+            theta2=math.degrees(high),
+            color=color,
+        )
     )
     end = place + radius * np.array([math.cos(high), math.sin(high)])
     back = place + radius * np.array([math.cos(high - 0.06), math.sin(high - 0.06)])
-    axes.annotate("", xy=end, xytext=back, arrowprops={"arrowstyle": "-|>", "color": color, "shrinkA": 0, "shrinkB": 0})
+    axes.annotate(
+        "",
+        xy=end,
+        xytext=back,
+        arrowprops={"arrowstyle": "-|>", "color": color, "shrinkA": 0, "shrinkB": 0},
+    )
     middle = 0.5 * (low + high)
     axes.text(
         *(place + 1.25 * radius * np.array([math.cos(middle), math.sin(middle)])),
@@ -146,7 +221,14 @@ def turn_arc(
 def ring(axes: Axes, place: np.ndarray, style: str) -> None:
     """Draw the ring."""
     axes.add_patch(
-        Circle(tuple(place), 7.0, facecolor="white", edgecolor=MEASURED_EDGE, linestyle=style, linewidth=1.6)
+        Circle(
+            tuple(place),
+            7.0,
+            facecolor="white",
+            edgecolor=MEASURED_EDGE,
+            linestyle=style,
+            linewidth=1.6,
+        )
     )
 
 
@@ -154,7 +236,13 @@ def rod(axes: Axes, push: StrokeScene, first: bool) -> None:
     """Draw the rod where the push begins or ends."""
     place = MM * push.rod[0 if first else -1]
     axes.add_patch(
-        Circle(tuple(place), MM * push.rod_radius, facecolor="white" if first else INK, edgecolor=INK, zorder=5)
+        Circle(
+            tuple(place),
+            MM * push.rod_radius,
+            facecolor="white" if first else INK,
+            edgecolor=INK,
+            zorder=5,
+        )
     )
 
 
@@ -167,4 +255,6 @@ def arrow(axes: Axes, start: np.ndarray, end: np.ndarray, color: str) -> None:
 def label(axes: Axes, text: str, place: np.ndarray, where: tuple[float, float]) -> None:
     """Write a text beside the drawing, and a thin line to what it names."""
     look = {"arrowstyle": "-", "color": QUIET, "linewidth": 0.7, "shrinkA": 1, "shrinkB": 2}
-    axes.annotate(text, xy=tuple(place), xytext=where, fontsize=8, va="center", arrowprops=look, zorder=7)
+    axes.annotate(
+        text, xy=tuple(place), xytext=where, fontsize=8, va="center", arrowprops=look, zorder=7
+    )

@@ -1,4 +1,6 @@
-"""Run the benchmarks: `python -m tests.benchmarks` from the repository's root, with nothing else running."""
+"""Run the benchmarks: `python -m tests.benchmarks` from the repository's root, with nothing else
+running.
+"""
 
 import os
 

@@ -1,7 +1,8 @@
 """How long the circle maps' main questions take, each beside a plain method in the same run.
 
-Run `python -m tests.benchmarks.circle_maps` from the repository's root, with nothing else running. It prints medians
-of repeated runs, with what each method's answer is off by, and asserts nothing: times are for people.
+Run `python -m tests.benchmarks.circle_maps` from the repository's root, with nothing else running.
+It prints medians of repeated runs, with what each method's answer is off by, and asserts nothing:
+times are for people.
 """
 
 import math
@@ -34,7 +35,9 @@ OMEGA, STRENGTH = RNG.random(400_000), RNG.random(400_000)
 
 
 def ulam_density(cells: int) -> np.ndarray:
-    """The stationary density by Ulam's method: chances from cell centre to cell, and an eigenvector."""
+    """The stationary density by Ulam's method: chances from cell centre to cell, and an
+    eigenvector.
+    """
     centres = (np.arange(cells) + 0.5) * TURN / cells
     edges = np.arange(cells + 1) * TURN / cells
     chances = np.zeros((cells, cells))
@@ -46,7 +49,8 @@ def ulam_density(cells: int) -> np.ndarray:
 
 
 def density_rows() -> list[Row]:
-    """The stationary density of the noisy sine map at 256 angles: exact modes, and Ulam's method."""
+    """The stationary density of the noisy sine map at 256 angles: exact modes,
+    and Ulam's method."""
     truth = transfer_operator(SINE, NOISE).density(ANGLES)
     cells = 1024
     off = float(np.max(np.abs(ulam_density(cells)[:: cells // 256] - truth)))
@@ -56,7 +60,11 @@ def density_rows() -> list[Row]:
     return [
         Row("density at σ = .05 turns", ours, f"error bound {bound:.0e}"),
         Row("the same with its error bound", bounded, "256 angles"),
-        Row(f"Ulam's method, {cells} cells", seconds(lambda: ulam_density(cells), 3), f"off by {off:.0e}"),
+        Row(
+            f"Ulam's method, {cells} cells",
+            seconds(lambda: ulam_density(cells), 3),
+            f"off by {off:.0e}",
+        ),
     ]
 
 
@@ -82,8 +90,16 @@ def orbit_rows() -> list[Row]:
             seconds(lambda: periodic_points(doubling, 12)),
             f"{periodic_points(doubling, 12).count} points",
         ),
-        Row("fixed points of θ → 4096 θ", seconds(lambda: fixed_points(steep)), f"{len(fixed_points(steep))} points"),
-        Row("a plain grid and SciPy's brentq", seconds(brentq_points, 3), f"{brentq_points()} points"),
+        Row(
+            "fixed points of θ → 4096 θ",
+            seconds(lambda: fixed_points(steep)),
+            f"{len(fixed_points(steep))} points",
+        ),
+        Row(
+            "a plain grid and SciPy's brentq",
+            seconds(brentq_points, 3),
+            f"{brentq_points()} points",
+        ),
     ]
 
 
@@ -100,14 +116,27 @@ def rotation_rows() -> list[Row]:
     some = slice(0, 20_000)
     rows = []
     for threads in (1, 2):
-        taken = seconds(lambda n=threads: rotation_numbers(ARNOLD_FAMILY, OMEGA, STRENGTH, threads=n), 3) / OMEGA.size
-        rows.append(Row(f"a rotation number to 1e-3, {threads} thread(s)", taken, f"{1 / taken:.3g} a second"))
+        taken = (
+            seconds(
+                lambda n=threads: rotation_numbers(ARNOLD_FAMILY, OMEGA, STRENGTH, threads=n), 3
+            )
+            / OMEGA.size
+        )
+        rows.append(
+            Row(
+                f"a rotation number to 1e-3, {threads} thread(s)",
+                taken,
+                f"{1 / taken:.3g} a second",
+            )
+        )
     plain = seconds(lambda: plain_rotation(OMEGA[some], STRENGTH[some]), 3) / 20_000
     return [*rows, Row("1,000 iterates in NumPy", plain, f"{1 / plain:.3g} a second")]
 
 
 def bisected_edge() -> float:
-    """The left edge of 1/3 of the sine family at K = 0.9, to 1e-6 turns, by rotation numbers of plain iterates."""
+    """The left edge of 1/3 of the sine family at K = 0.9, to 1e-6 turns, by rotation numbers of
+    plain iterates.
+    """
     low, high = 0.32, 0.338
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
@@ -123,9 +152,15 @@ def tongue_rows() -> list[Row]:
     off = abs(bisected_edge() - float(left))
     return [
         Row(
-            "both edges of a tongue", seconds(lambda: tongue(family, (1, 3), (0.3, 0.37))), f"to {left.error_bound:.0e}"
+            "both edges of a tongue",
+            seconds(lambda: tongue(family, (1, 3), (0.3, 0.37))),
+            f"to {left.error_bound:.0e}",
         ),
-        Row("one by bisection of plain iterates", seconds(bisected_edge, 1), f"off by {off:.0e} turns"),
+        Row(
+            "one by bisection of plain iterates",
+            seconds(bisected_edge, 1),
+            f"off by {off:.0e} turns",
+        ),
     ]
 
 
@@ -142,7 +177,9 @@ def sampled_passage(paths: int) -> tuple[float, float]:
 
 
 def passage_rows() -> list[Row]:
-    """The mean passage time out of a quarter turn, and what following paths would take for the same error."""
+    """The mean passage time out of a quarter turn, and what following paths would take for the same
+    error.
+    """
     time = mean_passage_time(SINE, NOISE, STABLE, ARC)
     ours = seconds(lambda: mean_passage_time(SINE, NOISE, STABLE, ARC), 11)
     paths = 20_000

@@ -1,7 +1,9 @@
-"""How fast the engine is: cycles, pushes, derivatives of every footprint, batches, maps, identification and portraits.
+"""How fast the engine is: cycles, pushes, derivatives of every footprint, batches, maps,
+identification and portraits.
 
-Run `python -m tests.benchmarks.engine` from the repository's root, with nothing else running. It prints medians of
-repeated runs and asserts nothing: times are for people. Every row is one core's, but for those that say otherwise.
+Run `python -m tests.benchmarks.engine` from the repository's root, with nothing else running. It
+prints medians of repeated runs and asserts nothing: times are for people. Every row is one core's,
+but for those that say otherwise.
 """
 
 import os
@@ -63,7 +65,12 @@ MATERIALS, BATCH = 2_000, np.linspace(-math.pi, math.pi, 8, endpoint=False)
 # Of an identification: how many pushes, from how far off (m), and the step of differences.
 PUSHES, LENGTH, DIFFERENCE = 40, 0.115, 1e-5
 SURFACE = SurfaceParameters(
-    ellipticity_x=0.1, offset_x=0.04, pusher_friction=0.2, floor_dome=1.0, floor_bow_x=-1.0, plate_warp_y=0.5
+    ellipticity_x=0.1,
+    offset_x=0.04,
+    pusher_friction=0.2,
+    floor_dome=1.0,
+    floor_bow_x=-1.0,
+    plate_warp_y=0.5,
 )
 # What a portrait is measured by: the libraries that it needs, and six labelled panels of its size.
 PANELS = """
@@ -95,24 +102,43 @@ def row(name: str, run: Callable[[], object], count: int = THETA.size, repeats: 
 
 
 def cycle_rows() -> list[Row]:
-    """One cycle, one a call and many in one, with the slope of the map and with all derivatives, at every accuracy."""
+    """One cycle, one a call and many in one, with the slope of the map and with all derivatives, at
+    every accuracy.
+    """
     rows = []
     for accuracy in ACCURACIES:
         loop = replace(MIT, accuracy=accuracy)
-        rows.append(row(f"cycles in one call at {accuracy:g}", lambda loop=loop: loop.cycles(THETA)))
+        rows.append(
+            row(f"cycles in one call at {accuracy:g}", lambda loop=loop: loop.cycles(THETA))
+        )
         rows.append(row("  one a call", lambda loop=loop: list(map(loop.cycle, THETA.tolist()))))
-        for name, count in (("with slopes", 1), (f"with {len(PARAMETERS)} derivatives", len(PARAMETERS))):
-            rows.append(row(f"  {name}", lambda loop=loop, count=count: run_batch((loop,), THETA[None], count)))
+        for name, count in (
+            ("with slopes", 1),
+            (f"with {len(PARAMETERS)} derivatives", len(PARAMETERS)),
+        ):
+            rows.append(
+                row(
+                    f"  {name}",
+                    lambda loop=loop, count=count: run_batch((loop,), THETA[None], count),
+                )
+            )
     return rows
 
 
 def footprint_rows() -> list[Row]:
-    """Cycles at 1e-8 over every kind of pressure under the same object: what each costs beside a square."""
+    """Cycles at 1e-8 over every kind of pressure under the same object: what each costs beside a
+    square.
+    """
     rows = []
     for name, footprint in FOOTPRINTS.items():
         loop = replace(MIT, footprint=footprint)
         for what, count in (("", 0), (", slopes", 1), (", all derivatives", len(PARAMETERS))):
-            rows.append(row(f"{name}{what}", lambda loop=loop, count=count: run_batch((loop,), THETA[None], count)))
+            rows.append(
+                row(
+                    f"{name}{what}",
+                    lambda loop=loop, count=count: run_batch((loop,), THETA[None], count),
+                )
+            )
     return rows
 
 
@@ -129,7 +155,10 @@ def push_rows() -> list[Row]:
             note = f"push, corners off by {1e6 * worst:.2g} µm at most (accuracy {accuracy:.1e})"
             # Pushes alone, without the way back, from all orientations in one call.
             strokes = replace(loop.model.push_strokes(Pose(), loop.push), with_object=True)
-            number, poses = np.zeros(theta.size, int), np.column_stack([np.zeros((theta.size, 2)), theta])
+            number, poses = (
+                np.zeros(theta.size, int),
+                np.column_stack([np.zeros((theta.size, 2)), theta]),
+            )
             return [row(note, partial(engine.run, [strokes], number, poses), theta.size)]
     return []
 
@@ -137,13 +166,20 @@ def push_rows() -> list[Row]:
 def map_rows() -> list[Row]:
     """A whole cycle map, on all cores; and the five numbers of the protocol, for any material."""
     maps = [(f"map at {tolerance:g}", MIT, tolerance) for tolerance in (1e-3, 1e-5, 1e-6, 1e-8)]
-    maps.append(("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5))
-    rows = [Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores") for name, loop, tolerance in maps]
+    maps.append(
+        ("8 x 8 points, map at 1e-5", replace(MIT, footprint=grid_footprint(SQUARE, 8)), 1e-5)
+    )
+    rows = [
+        Row(name, seconds(map_alone(loop, tolerance), 5), "plywood, all cores")
+        for name, loop, tolerance in maps
+    ]
     return [*rows, Row("fingerprint", seconds(lambda: fingerprint(MIT), 3), "any material")]
 
 
 def portrait_rows(rounds: int = 5) -> list[Row]:
-    """The command from outside, beside a process that draws as many panels, and the import of what it needs."""
+    """The command from outside, beside a process that draws as many panels, and the import of what
+    it needs.
+    """
     python = sys.executable
     portrait = [python, "-m", "cyclemap", "portrait", "plywood", "--out"]
     commands = {
@@ -170,12 +206,16 @@ def on(threads: int, run: Callable[[], object]) -> Callable[[], object]:
 
 
 def batch_rows(repeats: int = 3) -> list[Row]:
-    """Many materials from a few orientations each, per cycle; preparing the loops is part of every way."""
+    """Many materials from a few orientations each, per cycle; preparing the loops is part of every
+    way.
+    """
 
     def loops() -> list[CollectionLoop]:
         rng = np.random.default_rng(1)
         laws = [
-            EllipseFriction(*rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi))
+            EllipseFriction(
+                *rng.uniform(0.15, 0.4, 2), *rng.uniform(-0.05, 0.05, 2), rng.uniform(0.0, math.pi)
+            )
             for _ in range(MATERIALS)
         ]
         return [replace(MIT, material=Material("random", law)) for law in laws]
@@ -185,12 +225,16 @@ def batch_rows(repeats: int = 3) -> list[Row]:
         "one call, 1 thread": on(1, lambda: run_cycles(loops(), BATCH)),
         f"one call, {cores} threads": on(cores, lambda: run_cycles(loops(), BATCH)),
         "a call a loop, 1 thread": on(1, lambda: [loop.cycles(BATCH) for loop in loops()]),
-        f"a call a loop, {cores} threads": on(cores, lambda: [loop.cycles(BATCH) for loop in loops()]),
+        f"a call a loop, {cores} threads": on(
+            cores, lambda: [loop.cycles(BATCH) for loop in loops()]
+        ),
         "a call a cycle": lambda: [loop.cycle(t) for loop in loops() for t in BATCH.tolist()],
     }
     found = in_turns(list(ways.values()), repeats)
     told = zip(ways, found, strict=True)
-    return [Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in told]
+    return [
+        Row(name, taken / cycles, f"{cycles / taken:,.0f} cycles a second") for name, taken in told
+    ]
 
 
 def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
@@ -199,20 +243,26 @@ def thread_rows(cycles: int = 8_000, repeats: int = 9) -> list[Row]:
     counts = sorted({1, thread_count()})
     found = in_turns([on(n, lambda: MIT.cycles(theta)) for n in counts], repeats)
     return [
-        Row(f"{n} thread(s)", taken, f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles")
+        Row(
+            f"{n} thread(s)", taken, f"{found[0] / taken:.2f} times as fast as 1, {cycles:,} cycles"
+        )
         for n, taken in zip(counts, found, strict=True)
     ]
 
 
 def step_rows() -> list[Row]:
-    """One step of an identification with all parameters free: derivatives by the engine, and by differences.
+    """One step of an identification with all parameters free: derivatives by the engine, and by
+    differences.
 
     Of pushes of MIT's square from random places in random directions, without noise.
     """
     rng, slider = np.random.default_rng(0), Slider.mit("rect1")
     model, made, pushes = surface_model(SURFACE, slider), [], []
     for number in range(PUSHES):
-        start, way = Pose(theta=float(rng.uniform(-math.pi, math.pi))), float(rng.uniform(-math.pi, math.pi))
+        start, way = (
+            Pose(theta=float(rng.uniform(-math.pi, math.pi))),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
         near = start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())
         first = near[0] - LENGTH * math.cos(way), near[1] - LENGTH * math.sin(way)
         pushes.append((start, WorldPush(first, way, LENGTH)))
@@ -228,14 +278,21 @@ def step_rows() -> list[Row]:
     note = f"{PUSHES} pushes, {len(block.parameters)} parameters"
     return [
         Row("residuals and derivatives", seconds(lambda: block.residuals(values), 9), note),
-        Row("the pushes alone, one a call", seconds(lambda: [model.push(*one) for one in pushes], 5), note),
+        Row(
+            "the pushes alone, one a call",
+            seconds(lambda: [model.push(*one) for one in pushes], 5),
+            note,
+        ),
         Row("residuals, derivatives by differences", seconds(by_differences, 1), note),
     ]
 
 
 def main() -> None:
     """Print the tables."""
-    print(f"{processor()}, {thread_count()} cores, {platform.system()}, Python {platform.python_version()}")
+    print(
+        f"{processor()}, {thread_count()} cores, {platform.system()}, Python "
+        f"{platform.python_version()}"
+    )
     os.environ[THREADS_VARIABLE] = "1"
     show("cycles", cycle_rows())
     show("footprints, cycles at 1e-8", footprint_rows())

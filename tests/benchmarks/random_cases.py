@@ -1,9 +1,11 @@
-"""Random cycles across everything that can be asked for: each is done, or refused for a reason that is stated.
+"""Random cycles across everything that can be asked for: each is done, or refused for a reason that
+is stated.
 
-Run `python -m tests.benchmarks.random_cases --count N --seed S` from the repository's root. Loops of tests/collection's
-random_loops.py are run one by one; trajectories of a share of them are checked by the residuals that they tell and by
-the independent balance of forces of tests/mechanics/force_balance.py. It prints what became of them, and every failure
-with what makes it again; its exit code is 1 where there is one, or a residual above 1e-9.
+Run `python -m tests.benchmarks.random_cases --count N --seed S` from the repository's root. Loops
+of tests/collection's random_loops.py are run one by one; trajectories of a share of them are
+checked by the residuals that they tell and by the independent balance of forces of
+tests/mechanics/force_balance.py. It prints what became of them, and every failure with what makes
+it again; its exit code is 1 where there is one, or a residual above 1e-9.
 """
 
 import argparse
@@ -29,7 +31,9 @@ ALLOWED = 1e-9
 
 
 def imbalance(cycle: Cycle) -> float:
-    """How far forces along a cycle are from what the ground can do, or outside the cone, relative to the friction."""
+    """How far forces along a cycle are from what the ground can do, or outside the cone, relative
+    to the friction.
+    """
     model, pin, worst = cycle.loop.model, cycle.loop.reset.pin_friction_radius, 0.0
     for stroke in (cycle.push, *([cycle.drag] if cycle.drag_length > 0.0 else [])):
         found = check(model, stroke.trajectory, pin)
@@ -37,7 +41,9 @@ def imbalance(cycle: Cycle) -> float:
     return worst
 
 
-def check_object(seed: int, number: int, count: int, every: int) -> tuple[Counter[str], float, list[str]]:
+def check_object(
+    seed: int, number: int, count: int, every: int
+) -> tuple[Counter[str], float, list[str]]:
     """Words of the cases of an object, their worst residual, and what to complain of."""
     words: Counter[str] = Counter()
     worst, complaints = 0.0, []
@@ -48,7 +54,11 @@ def check_object(seed: int, number: int, count: int, every: int) -> tuple[Counte
         told += repr(replace(fate.loop, footprint=fate.loop.model.pressure))
         if fate.refusal is not None:
             # A refusal by its name and first words, without its numbers.
-            plain = [word for word in str(fate.refusal).split() if not any(sign.isdigit() for sign in word)]
+            plain = [
+                word
+                for word in str(fate.refusal).split()
+                if not any(sign.isdigit() for sign in word)
+            ]
             words[f"{type(fate.refusal).__name__} ({' '.join(plain[:7])})"] += 1
         if fate.word == "failed":
             complaints.append(f"{type(fate.refusal).__name__}: {fate.refusal}\n  {told}")
@@ -64,7 +74,9 @@ def check_object(seed: int, number: int, count: int, every: int) -> tuple[Counte
 
 def main() -> None:
     """Print what became of all cases."""
-    parser = argparse.ArgumentParser(description="Random cycles across everything that can be asked for.")
+    parser = argparse.ArgumentParser(
+        description="Random cycles across everything that can be asked for."
+    )
     parser.add_argument("--count", type=int, default=10_000, help="cycles")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--every", type=int, default=10, help="every so many-th one is balanced")
@@ -81,7 +93,11 @@ def main() -> None:
             print(complaint, flush=True)
         so_far = ", ".join(f"{count} {word}" for word, count in sorted(words.items()))
         taken = time.perf_counter() - begun
-        print(f"{number + 1} of {objects} objects, {taken:.0f} s: {so_far}; worst residual {worst:.1e}", flush=True)
+        print(
+            f"{number + 1} of {objects} objects, {taken:.0f} s: {so_far}; worst residual "
+            f"{worst:.1e}",
+            flush=True,
+        )
     sys.exit(1 if failures else 0)
 
 

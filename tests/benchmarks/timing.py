@@ -21,7 +21,9 @@ class Row:
     note: str
 
 
-def seconds(run: Callable[[], object], repeats: int = 5, clock: Callable[[], float] = time.perf_counter) -> float:
+def seconds(
+    run: Callable[[], object], repeats: int = 5, clock: Callable[[], float] = time.perf_counter
+) -> float:
     """Median time of a run, after one that is not counted."""
     return in_turns([run], repeats, clock)[0]
 
@@ -29,7 +31,8 @@ def seconds(run: Callable[[], object], repeats: int = 5, clock: Callable[[], flo
 def in_turns(
     runs: list[Callable[[], object]], rounds: int, clock: Callable[[], float] = time.perf_counter
 ) -> list[float]:
-    """Median time of each run: all run one after another in every round, and once before, which does not count.
+    """Median time of each run: all run one after another in every round, and once before, which
+    does not count.
 
     So a machine that slows down slows all alike.
     """
@@ -44,7 +47,9 @@ def in_turns(
 
 
 def map_alone(loop: CollectionLoop, tolerance: float) -> Callable[[], object]:
-    """A run of a cycle map that shares no push with maps before it: each push is a nanometre longer."""
+    """A run of a cycle map that shares no push with maps before it: each push is a nanometre
+    longer.
+    """
     longer = count(1)
 
     def run() -> object:
@@ -58,5 +63,7 @@ def show(title: str, rows: list[Row]) -> None:
     """Print rows with their ratio to the first."""
     table = Table("what", "ms", "over the first", "of", title=title, title_justify="left")
     for row in rows:
-        table.add_row(row.name, f"{1e3 * row.seconds:.3g}", f"{row.seconds / rows[0].seconds:.3g}", row.note)
+        table.add_row(
+            row.name, f"{1e3 * row.seconds:.3g}", f"{row.seconds / rows[0].seconds:.3g}", row.note
+        )
     Console(width=120).print(table)

@@ -1,4 +1,6 @@
-"""Every number of noisy random lifts beside the same one by dense sums: errors over bounds, refusals, time."""
+"""Every number of noisy random lifts beside the same one by dense sums: errors over bounds,
+refusals, time.
+"""
 
 import time
 from collections import Counter
@@ -17,7 +19,9 @@ EXPONENTS = 0.1  # share of the lifts whose Lyapunov exponent is asked for
 
 @dataclass
 class BoundStudy:
-    """How many numbers were judged, which bounds broke (with the lift's place), what was refused, seconds a lift."""
+    """How many numbers were judged, which bounds broke (with the lift's place), what was refused,
+    seconds a lift.
+    """
 
     judged: Counter[str] = field(default_factory=Counter)
     broken: list[str] = field(default_factory=list)
@@ -51,7 +55,9 @@ def study(lifts: int, seed: int, late: Callable[[], bool] = lambda: False) -> Bo
     return found
 
 
-def _judge(found: BoundStudy, case: RandomLift, where: str, rng: np.random.Generator, dense: DenseNumbers) -> None:
+def _judge(
+    found: BoundStudy, case: RandomLift, where: str, rng: np.random.Generator, dense: DenseNumbers
+) -> None:
     operator = transfer_operator(case.map, case.noise)
     for order in (1, 2):
         error = abs(operator.moment(order) - dense.moments[order])
@@ -63,16 +69,22 @@ def _judge(found: BoundStudy, case: RandomLift, where: str, rng: np.random.Gener
     angles = rng.uniform(0.0, 2 * np.pi, 8)
     error = float(np.max(np.abs(operator.density(angles) - dense.density(angles))))
     found.judge("density", where, error, operator.error_bound, dense.off)
-    if rng.uniform() < EXPONENTS and np.all(case.map.derivative(np.linspace(0.0, 2 * np.pi, 50_000)) > 0.01):
+    if rng.uniform() < EXPONENTS and np.all(
+        case.map.derivative(np.linspace(0.0, 2 * np.pi, 50_000)) > 0.01
+    ):
         exponent = lyapunov_exponent(case.map, case.noise)
         found.judge("exponent", where, abs(exponent - dense.exponent), exponent.error_bound, 1e-12)
 
 
 def table(found: BoundStudy) -> str:
     """What was found, a row a number."""
-    rows = [f"{len(found.seconds)} lifts, {np.mean(found.seconds):.3f} s of a core each, the dense sums with it"]
+    rows = [
+        f"{len(found.seconds)} lifts, {np.mean(found.seconds):.3f} s of a core each, the dense "
+        "sums with it"
+    ]
     rows += [
-        f"{name:<10}{count:>7} judged, largest bound {found.largest[name]:.2g}" for name, count in found.judged.items()
+        f"{name:<10}{count:>7} judged, largest bound {found.largest[name]:.2g}"
+        for name, count in found.judged.items()
     ]
     rows += [f"refused {count:>6}: ... {words}" for words, count in found.refused.items()]
     return "\n".join([*rows, f"bounds below the error: {len(found.broken)}", *found.broken])

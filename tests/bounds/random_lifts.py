@@ -1,4 +1,6 @@
-"""Random lifts with detail, jumps and kinks, and the same numbers by dense sums that know where the breaks are."""
+"""Random lifts with detail, jumps and kinks, and the same numbers by dense sums that know where the
+breaks are.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,12 +27,18 @@ class RandomLift:
 
 
 def random_lift(rng: np.random.Generator) -> RandomLift:
-    """One to five thousand waves a turn on a sine map; one in two with a jump, a kink or both; one in five folds."""
+    """One to five thousand waves a turn on a sine map; one in two with a jump, a kink or both; one
+    in five folds.
+    """
     kind = str(rng.choice(["smooth", "jump", "kink", "jump and kink"], p=[0.5, 0.2, 0.2, 0.1]))
     uniform = rng.uniform() < 0.02
     waves = round(np.exp(rng.uniform(0.0, np.log(30 if uniform else MOST_WAVES))))
     steepness = rng.uniform(0.05, 0.65) if rng.uniform() < 0.8 else rng.uniform(1.0, 2.5)
-    shift, slow, phase, other = rng.uniform(0.0, TWO_PI), rng.uniform(0.0, 0.3), *rng.uniform(0.0, TWO_PI, 2)
+    shift, slow, phase, other = (
+        rng.uniform(0.0, TWO_PI),
+        rng.uniform(0.0, 0.3),
+        *rng.uniform(0.0, TWO_PI, 2),
+    )
     ends = np.sort(rng.uniform(0.2, 6.1, 2))
     jump = rng.uniform(-1.0, 1.0) if "jump" in kind else 0.0
     bend = rng.uniform(-0.2, 0.2) if "kink" in kind else 0.0
@@ -59,9 +67,13 @@ def _noise(rng: np.random.Generator, uniform: bool) -> Noise:
         return UniformNoise(rng.uniform(0.5, 3.0))
     name, narrow = rng.choice(["normal", "von Mises", "Cauchy"]), rng.uniform() < 0.03
     if name == "normal":
-        return WrappedNormal(rng.uniform(0.1, 0.35) if narrow else np.exp(rng.uniform(np.log(0.35), np.log(4.0))))
+        return WrappedNormal(
+            rng.uniform(0.1, 0.35) if narrow else np.exp(rng.uniform(np.log(0.35), np.log(4.0)))
+        )
     if name == "von Mises":
-        return VonMises(rng.uniform(6.0, 60.0) if narrow else np.exp(rng.uniform(np.log(0.1), np.log(6.0))))
+        return VonMises(
+            rng.uniform(6.0, 60.0) if narrow else np.exp(rng.uniform(np.log(0.1), np.log(6.0)))
+        )
     return WrappedCauchy(rng.uniform(0.3, 0.7) if narrow else rng.uniform(0.01, 0.3))
 
 
@@ -93,15 +105,21 @@ class DenseNumbers:
 
 
 def dense_numbers(case: RandomLift) -> DenseNumbers:
-    """A Galerkin method in complex waves on Gauss nodes, twenty on every half wave of the detail, cut at the breaks.
+    """A Galerkin method in complex waves on Gauss nodes, twenty on every half wave of the detail,
+    cut at the breaks.
 
     Under uniform noise waves fall slowly: there all is off by what half as many modes change.
     """
     orders = np.arange(0.0, 3_000.0)
     kappa = noise_coefficients(case.noise, orders)
     if isinstance(case.noise, UniformNoise):
-        rough, fine = (_dense(case, kappa[: modes + 1]) for modes in (_UNIFORM_MODES // 2, _UNIFORM_MODES))
-        off = max(np.max(np.abs(fine.moments[:3] - rough.moments[:3])), abs(fine.rotation - rough.rotation))
+        rough, fine = (
+            _dense(case, kappa[: modes + 1]) for modes in (_UNIFORM_MODES // 2, _UNIFORM_MODES)
+        )
+        off = max(
+            np.max(np.abs(fine.moments[:3] - rough.moments[:3])),
+            abs(fine.rotation - rough.rotation),
+        )
         return DenseNumbers(fine.moments, fine.rotation, fine.exponent, 2.0 * float(off))
     return _dense(case, kappa[: int(np.argmax(np.abs(kappa) < 1e-18)) + 1])
 
@@ -121,7 +139,8 @@ def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
         after = _powers(theta[some] + turn[some], modes)
         both = np.concatenate([before[:0:-1].conj(), before])
         matrix += after @ (both * weight[some]).conj().T
-    # Column k, from -modes on, is of the wave e^{-ikθ} with coefficient E e^{ikθ}; rows below 0 follow by symmetry.
+    # Column k, from -modes on, is of the wave e^{-ikθ} with coefficient E e^{ikθ}; rows below 0
+    # follow by symmetry.
     whole = np.concatenate([matrix[:0:-1, ::-1].conj(), matrix])
     both = np.concatenate([kappa[:0:-1], kappa])
     system = np.eye(2 * modes + 1) - both[:, None] * whole
@@ -129,7 +148,11 @@ def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
     system[modes, modes] = 1.0
     moments = np.linalg.solve(system, np.eye(2 * modes + 1)[modes])[modes:]
     found = DenseNumbers(moments, np.nan, np.nan, 0.0)
-    mass = TWO_PI * weight * np.concatenate([found.density(part) for part in np.array_split(theta, 64)])
+    mass = (
+        TWO_PI
+        * weight
+        * np.concatenate([found.density(part) for part in np.array_split(theta, 64)])
+    )
     slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
     exponent = float(mass @ np.log(np.abs(slope(theta))))
     return DenseNumbers(moments, float(mass @ turn) / TWO_PI, exponent, 0.0)

@@ -1,4 +1,5 @@
-"""Calibration of every p-value under its null: `python -m tests.calibration [RUNS] [STUDY ...]` from the root.
+"""Calibration of every p-value under its null: `python -m tests.calibration [RUNS] [STUDY ...]`
+from the root.
 
 How often p-values reject, with binomial errors, and how uniform they are.
 """
@@ -15,11 +16,17 @@ import numpy as np
 from tests.calibration.p_value_studies import STUDIES
 
 LEVELS = (0.01, 0.05, 0.10)
-HEADER = f"{'p-value':<38}{'runs':>6}" + "".join(f"{f'at {level:.0%}':>15}" for level in LEVELS) + f"{'KS p':>8}"
+HEADER = (
+    f"{'p-value':<38}{'runs':>6}"
+    + "".join(f"{f'at {level:.0%}':>15}" for level in LEVELS)
+    + f"{'KS p':>8}"
+)
 
 
 def lattice_step(values: np.ndarray) -> float:
-    """1/(runs + 1) where the p-values are Monte Carlo ones, 0 where they are not multiples of anything."""
+    """1/(runs + 1) where the p-values are Monte Carlo ones, 0 where they are not multiples of
+    anything.
+    """
     step = float(np.min(np.diff(np.unique(values)), initial=1.0))
     grid = values / step
     return step if step > 1e-4 and bool(np.allclose(grid, np.round(grid), atol=1e-6)) else 0.0
@@ -35,7 +42,8 @@ def row(name: str, values: np.ndarray) -> str:
     for level in LEVELS:
         rate, error = np.mean(values <= level + 1e-12), np.sqrt(level * (1.0 - level) / values.size)
         told += f"{'-' if step > level + 1e-9 else f'{100 * rate:.1f} ± {100 * error:.1f} %':>15}"
-    # Monte Carlo p-values are multiples of 1/(runs + 1): each is spread evenly over the step below it.
+    # Monte Carlo p-values are multiples of 1/(runs + 1): each is spread evenly over the step below
+    # it.
     spread = values - np.random.default_rng(0).uniform(0.0, 1.0, values.size) * step
     return f"{name:<38}{values.size:>6}{told}{kstest(spread, 'uniform').pvalue:>8.3f}"
 

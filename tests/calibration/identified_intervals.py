@@ -1,8 +1,9 @@
-"""Do 95 % intervals hold the truth? `python -m tests.calibration.identified_intervals [200]`, by the real mechanics.
+"""Do 95 % intervals hold the truth? `python -m tests.calibration.identified_intervals [200]`, by
+the real mechanics.
 
-Truths are drawn from what is believed beforehand, the floor's shape in each of three sessions from its mean and spread;
-a robot whose frame is shifted pushes and drags on each, its camera errs, and `identify` explains what was recorded. The
-number is that of collections.
+Truths are drawn from what is believed beforehand, the floor's shape in each of three sessions from
+its mean and spread; a robot whose frame is shifted pushes and drags on each, its camera errs, and
+`identify` explains what was recorded. The number is that of collections.
 """
 
 import math
@@ -59,24 +60,43 @@ def drawn_truth(rng: np.random.Generator) -> dict[str, float]:
     return truth
 
 
-def recorded(truth: dict[str, float], rng: np.random.Generator) -> tuple[list[MeasuredPush], list[MeasuredDrag]]:
-    """50 mm pushes at random places and angles and drags from random poses, as camera and robot tell of them."""
+def recorded(
+    truth: dict[str, float], rng: np.random.Generator
+) -> tuple[list[MeasuredPush], list[MeasuredDrag]]:
+    """50 mm pushes at random places and angles and drags from random poses, as camera and robot
+    tell of them.
+    """
     model = surface_model(SurfaceParameters.from_values(truth), RECT1, accuracy=1e-5)
     shift, pushes, drags = np.array((truth["tip_offset_x"], truth["tip_offset_y"])), [], []
     while len(pushes) < PUSHES:
-        start, way = Pose(0.0, 0.0, float(rng.uniform(-3.0, 3.0))), float(rng.uniform(-math.pi, math.pi))
+        start, way = (
+            Pose(0.0, 0.0, float(rng.uniform(-3.0, 3.0))),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
         along = np.array((math.cos(way), math.sin(way)))
         first = np.array(start.to_world(*rng.uniform(-0.02, 0.02, 2).tolist())) - 0.115 * along
         with suppress(ConvergenceError, UnsupportedContact):
             end = model.push(start, WorldPush((float(first[0]), float(first[1])), way, 0.115)).end
             tips = (first - shift, first + 0.115 * along - shift)
-            seen = Pose(*(np.array((end.x, end.y, end.theta)) + rng.normal(0.0, (PLACE, PLACE, TURN))).tolist())
-            pushes.append(MeasuredPush(start, seen, *((float(x), float(y)) for x, y in tips), len(pushes)))
+            seen = Pose(
+                *(
+                    np.array((end.x, end.y, end.theta)) + rng.normal(0.0, (PLACE, PLACE, TURN))
+                ).tolist()
+            )
+            pushes.append(
+                MeasuredPush(start, seen, *((float(x), float(y)) for x, y in tips), len(pushes))
+            )
     while len(drags) < DRAGS:
         start = Pose(*rng.uniform(-0.08, 0.08, 2).tolist(), float(rng.uniform(-3.0, 3.0)))
         with suppress(ConvergenceError, UnsupportedContact):
-            end = model.drag(start, ((0.0, 0.0),), pin_friction_radius=truth["pin_friction_radius"]).end
-            drags.append(MeasuredDrag(start, Pose(end.x, end.y, end.theta + rng.normal(0.0, DRAGGED)), len(drags)))
+            end = model.drag(
+                start, ((0.0, 0.0),), pin_friction_radius=truth["pin_friction_radius"]
+            ).end
+            drags.append(
+                MeasuredDrag(
+                    start, Pose(end.x, end.y, end.theta + rng.normal(0.0, DRAGGED)), len(drags)
+                )
+            )
     return pushes, drags
 
 
@@ -88,19 +108,31 @@ def held(count: int, seed: int = 0) -> dict[str, list[bool]]:
         truth, blocks = drawn_truth(rng), []
         sessions = [f"s{session}" for session in range(SESSIONS)]
         for session in sessions:
-            own = {name: truth[name] + SPREAD * float(rng.standard_normal()) for name in FLOOR_NAMES}
+            own = {
+                name: truth[name] + SPREAD * float(rng.standard_normal()) for name in FLOOR_NAMES
+            }
             pushes, drags = recorded(truth | own, rng)
-            made = [cm.evidence.push_end_block(pushes, RECT1), cm.evidence.drag_turn_block(drags, RECT1)]
-            blocks += [replace(one, name=f"{session} {one.name}").of_owner(session, SESSION_OWNED) for one in made]
+            made = [
+                cm.evidence.push_end_block(pushes, RECT1),
+                cm.evidence.drag_turn_block(drags, RECT1),
+            ]
+            blocks += [
+                replace(one, name=f"{session} {one.name}").of_owner(session, SESSION_OWNED)
+                for one in made
+            ]
             truth |= {f"{name}[{session}]": value for name, value in own.items()}
         beliefs = {name: belief[:2] for name, belief in BELIEVED.items()}
         try:
-            told = cm.identify([*blocks, session_block(sessions)], list(truth), priors=beliefs, starts=1)
+            told = cm.identify(
+                [*blocks, session_block(sessions)], list(truth), priors=beliefs, starts=1
+            )
         except ConvergenceError:
             continue
         for name, value in truth.items():
             plain = name.partition("[")[0] + " of a session" * ("[" in name)
-            found.setdefault(plain, []).append(told[name].lower - 1e-12 <= value <= told[name].upper + 1e-12)
+            found.setdefault(plain, []).append(
+                told[name].lower - 1e-12 <= value <= told[name].upper + 1e-12
+            )
     return found
 
 

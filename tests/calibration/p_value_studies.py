@@ -1,11 +1,16 @@
-"""Every p-value of the package under its own null: seeded simulations, one function a kind of test."""
+"""Every p-value of the package under its own null: seeded simulations,
+one function a kind of test."""
 
 from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
-from cyclemap.evidence.comparison.cycle_agreement import direction_agreement, map_misfit, simulated_quantity
+from cyclemap.evidence.comparison.cycle_agreement import (
+    direction_agreement,
+    map_misfit,
+    simulated_quantity,
+)
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.laws.fit_map import fit_map, fit_worn_law, map_of_turn
 from cyclemap.evidence.orientations.collection_null import (
@@ -40,7 +45,10 @@ Found = dict[str, np.ndarray]
 
 def gathered(rows: list[dict[str, float | None]]) -> Found:
     """Each p-value over the simulations, those left out where there was too little to test."""
-    return {name: np.array([row[name] for row in rows if row[name] is not None], dtype=float) for name in rows[0]}
+    return {
+        name: np.array([row[name] for row in rows if row[name] is not None], dtype=float)
+        for name in rows[0]
+    }
 
 
 def mean_errors(count: int, runs: int, seed: int) -> Found:
@@ -56,7 +64,12 @@ def mean_errors(count: int, runs: int, seed: int) -> Found:
 
     cases = [(20, 0.0), (300, 0.0), (300, 0.4), (1500, 0.4)]
     names = [f"bias, n {size}, lag correlation {memory:g}" for size, memory in cases]
-    return gathered([{name: p_value(*case) for name, case in zip(names, cases, strict=True)} for _ in range(count)])
+    return gathered(
+        [
+            {name: p_value(*case) for name, case in zip(names, cases, strict=True)}
+            for _ in range(count)
+        ]
+    )
 
 
 def fit_still(path: np.ndarray) -> CollectionModel:
@@ -79,15 +92,21 @@ TRUTHS = {
 }
 
 
-def collections(count: int, runs: int, seed: int, kind: str = "wear", refitted: bool = False) -> Found:
+def collections(
+    count: int, runs: int, seed: int, kind: str = "wear", refitted: bool = False
+) -> Found:
     """Collections of a slow chain or of a map that wears: given in full, or fitted to the path."""
     truth, fit = TRUTHS[kind]
     statistics = {**collection_statistics(), "map": map_misfit}
     rows = []
     for k, path in enumerate(truth.paths(0.5, LENGTH, count, seed)):
         model, refit = (fit(path), fit) if refitted else (truth, None)
-        found = collection_p_values(path, model, statistics, runs=runs, seed=seed + 10 + 3 * k, refit=refit)
-        rows.append({f"{name}, {'refitted ' * refitted}{kind}": one.value for name, one in found.items()})
+        found = collection_p_values(
+            path, model, statistics, runs=runs, seed=seed + 10 + 3 * k, refit=refit
+        )
+        rows.append(
+            {f"{name}, {'refitted ' * refitted}{kind}": one.value for name, one in found.items()}
+        )
     return gathered(rows)
 
 
@@ -106,7 +125,9 @@ def details(count: int, runs: int, seed: int) -> Found:
             {
                 "direction, wear": None if match.p_value is None else match.p_value.value,
                 "climb, wear": simulated_quantity(path[-1] - path[0], climbs).p_value.value,
-                "number of steps, wear": simulated_quantity(float(find_steps(path).count), steps).p_value.value,
+                "number of steps, wear": simulated_quantity(
+                    float(find_steps(path).count), steps
+                ).p_value.value,
             }
         )
     return gathered(rows)

@@ -1,14 +1,17 @@
-"""What planned pushes tell of worlds that are drawn, beside random ones: `python -m tests.calibration.planned_pushes`.
+"""What planned pushes tell of worlds that are drawn, beside random ones: `python -m
+tests.calibration.planned_pushes`.
 
-`worlds [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of another, both turned by
-any angle; rods are set off their marks, pushes and drags run at a ten-thousandth of the error that identification
-works with, and err as much as measured ones do. From each set of pushes the floor is identified as `cyclemap plan
---after` does it. Asked are the error of the stable direction, whether 95 % intervals hold it, and whether the loop
-locks in, with the chance told.
+`worlds [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of
+another, both turned by any angle; rods are set off their marks, pushes and drags run at a
+ten-thousandth of the error that identification works with, and err as much as measured ones do.
+From each set of pushes the floor is identified as `cyclemap plan --after` does it. Asked are the
+error of the stable direction, whether 95 % intervals hold it, and whether the loop locks in, with
+the chance told.
 
-`measured [10]`: of the pushes that MIT's robot made (the data folder), ten chosen by the criterion of the plan predict
-those at other contacts, beside so many draws of ten. The floor is known, the plate is not: its shape is left out of the
-floor's file, though the floor's own shape was found with all seven plates.
+`measured [10]`: of the pushes that MIT's robot made (the data folder), ten chosen by the criterion
+of the plan predict those at other contacts, beside so many draws of ten. The floor is known, the
+plate is not: its shape is left out of the floor's file, though the floor's own shape was found with
+all seven plates.
 
 `summary FILE ...`: the table of what worlds printed.
 """
@@ -47,7 +50,12 @@ from cyclemap.evidence.measured_plan import identified_plan
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import empty_table
-from cyclemap.evidence.push_plan.sensitivity import UNKNOWNS, Target, cycle_map_by_unknowns, over_noise
+from cyclemap.evidence.push_plan.sensitivity import (
+    UNKNOWNS,
+    Target,
+    cycle_map_by_unknowns,
+    over_noise,
+)
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.evidence.pushes.push_noise import SET_OFF, push_noise
@@ -65,13 +73,20 @@ NOTHING = math.radians(90.0)
 
 def own_loop() -> cm.CollectionLoop:
     """MIT's loop with a plate that nobody has measured, on a floor that nobody has."""
-    return cm.CollectionLoop.mit(material="unknown", slider=replace(Slider.mit("rect1"), name="plate"))
+    return cm.CollectionLoop.mit(
+        material="unknown", slider=replace(Slider.mit("rect1"), name="plate")
+    )
 
 
 def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfaceParameters:
-    """A floor with rod and ring, a plate of another sample, the floor turned by any angle, the plate by any other."""
+    """A floor with rod and ring, a plate of another sample, the floor turned by any angle, the
+    plate by any other.
+    """
     count = len(loop.material.posterior)
-    floor, plate = (starting_space(sampled_loop(loop, int(number))).nominal for number in rng.integers(0, count, 2))
+    floor, plate = (
+        starting_space(sampled_loop(loop, int(number))).nominal
+        for number in rng.integers(0, count, 2)
+    )
     values = floor | {name: plate[name] for name in ("plate_dome", "plate_warp_x", "plate_warp_y")}
     turns = {"ellipticity": 2.0, "offset": 1.0, "floor_bow": 2.0, "plate_warp": 2.0}
     about = {"plate_warp": float(rng.uniform(0.0, 2.0 * np.pi))}
@@ -83,23 +98,37 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
     return SurfaceParameters.from_values(values)
 
 
-def filled(loop: cm.CollectionLoop, world: cm.CollectionLoop, pushes: list[SetPush], rng: np.random.Generator) -> str:
+def filled(
+    loop: cm.CollectionLoop,
+    world: cm.CollectionLoop,
+    pushes: list[SetPush],
+    rng: np.random.Generator,
+) -> str:
     """The table of pushes as it is filled in by somebody with a ruler, and read."""
     header, rows = empty_table(loop, pushes, READ, "corners")
-    frame = pd.DataFrame(rows, columns=header).astype({name: float for name in header if name.endswith("_mm")})
+    frame = pd.DataFrame(rows, columns=header).astype(
+        {name: float for name in header if name.endswith("_mm")}
+    )
     noise, slider = push_noise(READ), loop.slider
     for number, planned in enumerate(pushes):
-        # The rod is set off its mark: the object lies elsewhere than it was read, and the rod goes where it was sent.
+        # The rod is set off its mark: the object lies elsewhere than it was read, and the rod goes
+        # where it was sent.
         first, last = (np.array(place) for place in planned.rod(slider, loop.pusher.radius))
         way = (last - first) / planned.push.distance
         x, y = (planned.start.x, planned.start.y) + SET_OFF * rng.standard_normal(2)
         lying = Pose(float(x), float(y), planned.start.theta)
         sent = (first - APPROACH * way).tolist()
         far = planned.push.distance + APPROACH
-        end = world.model.push(lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)).end
-        seen = Pose(*(np.array((end.x, end.y, end.theta)) + noise[:3] * rng.standard_normal(3)).tolist())
+        end = world.model.push(
+            lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)
+        ).end
+        seen = Pose(
+            *(np.array((end.x, end.y, end.theta)) + noise[:3] * rng.standard_normal(3)).tolist()
+        )
         goal = planned.start.to_world(*slider.hitch)
-        back = world.model.drag(end, (goal,), pin_friction_radius=world.reset.pin_friction_radius).end
+        back = world.model.drag(
+            end, (goal,), pin_friction_radius=world.reset.pin_friction_radius
+        ).end
         turned = back.theta - end.theta + seen.theta + float(noise[3] * rng.standard_normal())
         lever = Pose(theta=turned).to_world(*slider.hitch)
         states = (planned.start, seen, Pose(goal[0] - lever[0], goal[1] - lever[1], turned))
@@ -114,7 +143,9 @@ def filled(loop: cm.CollectionLoop, world: cm.CollectionLoop, pushes: list[SetPu
 
 @dataclass(frozen=True)
 class Answer:
-    """What is believed after pushes: chance of locking in, its direction and the 95 % interval about it, rad."""
+    """What is believed after pushes: chance of locking in, its direction and the 95 % interval
+    about it, rad.
+    """
 
     chance: float
     direction: float
@@ -123,7 +154,9 @@ class Answer:
 
 
 def answered(loop: cm.CollectionLoop, text: str) -> Answer:
-    """Identify, and look at the stable directions of draws, whose maps are to first order about the best one's."""
+    """Identify, and look at the stable directions of draws, whose maps are to first order about the
+    best one's.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "read.csv")
         path.write_text(text)
@@ -147,21 +180,31 @@ def answered(loop: cm.CollectionLoop, text: str) -> Answer:
 
 
 def worlds(count: int, first: int = 0, *counts: int) -> None:
-    """Print a line of JSON for each world: of so many of them, from number `first` on, after these counts of pushes."""
+    """Print a line of JSON for each world: of so many of them, from number `first` on, after these
+    counts of pushes.
+    """
     loop = own_loop()
-    plans = {number: list(plan_pushes(loop, number, read=READ).pushes) for number in counts or COUNTS}
+    plans = {
+        number: list(plan_pushes(loop, number, read=READ).pushes) for number in counts or COUNTS
+    }
     offered = list(candidate_pushes(loop, 400, math.radians(15.0), 0.36, 1))
     for number in range(first, first + count):
         rng = np.random.default_rng([31, number])
         surface = drawn_world(loop, rng)
         world = replace(loop_on(surface, loop), accuracy=1e-7)
-        stable = [float(orbit.points[0]) for orbit in cm.fixed_points(world.circle_map(1e-4)) if orbit.stable]
+        stable = [
+            float(orbit.points[0])
+            for orbit in cm.fixed_points(world.circle_map(1e-4))
+            if orbit.stable
+        ]
         told: dict[str, object] = {"world": number, "stable": stable}
         for pushes in plans:
             random = [offered[index] for index in rng.permutation(len(offered))[:pushes]]
             for name, chosen in (("planned", plans[pushes]), ("random", random)):
                 with suppress(CycleMapError):
-                    told[f"{name} {pushes}"] = vars(answered(loop, filled(loop, world, chosen, rng)))
+                    told[f"{name} {pushes}"] = vars(
+                        answered(loop, filled(loop, world, chosen, rng))
+                    )
         print(json.dumps(told), flush=True)
 
 
@@ -191,16 +234,22 @@ def summary(lines: list[str]) -> None:
         for low, high in ((0.0, 0.1), (0.1, 0.3), (0.3, 0.7), (0.7, 0.9), (0.9, 1.01)):
             inside = (chance >= low) & (chance < high)
             curve.append(
-                f"{low:g}-{min(high, 1.0):g}: {truth[inside].mean():.2f} of {inside.sum()}" if inside.any() else ""
+                f"{low:g}-{min(high, 1.0):g}: {truth[inside].mean():.2f} of {inside.sum()}"
+                if inside.any()
+                else ""
             )
         median, mean = math.degrees(np.median(off)), math.degrees(np.mean(off))
         kept = f"held {np.mean(held):.0%} of {len(held)}"
         print(f"{key:11} direction off by median {median:5.1f}, mean {mean:5.1f} deg; {kept}")
-        print(f"{'':11} whether right {right:.1%} of {len(told)}, Brier {brier:.3f}; {'; '.join(filter(None, curve))}")
+        print(
+            f"{'':11} whether right {right:.1%} of {len(told)}, Brier {brier:.3f}; "
+            f"{'; '.join(filter(None, curve))}"
+        )
 
 
 def of_known_floor(floor: str, plate: str) -> dict[str, tuple[float, float]]:
-    """What is believed of pushes of a plate that was never seen on a known floor, in a new session."""
+    """What is believed of pushes of a plate that was never seen on a known floor,
+    in a new session."""
     known = load_material(floor)
     seen = replace(known, plates=(), posterior=None, sessions=(), frames=())
     names = ("pusher_friction", *FLOOR_NAMES)
@@ -212,39 +261,66 @@ def of_known_floor(floor: str, plate: str) -> dict[str, tuple[float, float]]:
     return told | usual_beliefs((*PLATE_NAMES, *TIP_NAMES))
 
 
-def chosen_of(pushes: list[MeasuredPush], slider: Slider, beliefs: dict[str, tuple[float, float]]) -> list[int]:
-    """Ten of the pushes by the plan's criterion: what tells most of where all of them end, over draws of beliefs."""
-    block, rng, noise = push_end_block(pushes, slider), np.random.default_rng(0), push_noise(READ)[:3]
-    columns, rod = ([block.parameters.index(name) for name in names] for names in (beliefs, TIP_NAMES))
+def chosen_of(
+    pushes: list[MeasuredPush], slider: Slider, beliefs: dict[str, tuple[float, float]]
+) -> list[int]:
+    """Ten of the pushes by the plan's criterion: what tells most of where all of them end, over
+    draws of beliefs.
+    """
+    block, rng, noise = (
+        push_end_block(pushes, slider),
+        np.random.default_rng(0),
+        push_noise(READ)[:3],
+    )
+    columns, rod = (
+        [block.parameters.index(name) for name in names] for names in (beliefs, TIP_NAMES)
+    )
     centre, width = np.array([*beliefs.values()]).T
     rows = []
     for draw in rng.standard_normal((8, len(beliefs))):
-        values = SurfaceParameters().values() | dict(zip(beliefs, (centre + 0.7 * width * draw).tolist(), strict=True))
+        values = SurfaceParameters().values() | dict(
+            zip(beliefs, (centre + 0.7 * width * draw).tolist(), strict=True)
+        )
         jacobian = block.residuals(values)[1].reshape(len(pushes), 3, -1)
         rows.append(over_noise(jacobian[..., columns], jacobian[..., rod], noise))
     by = np.array(rows)
-    asked = Target(by.reshape(len(by), -1, len(beliefs)), lambda variance: variance.mean(axis=(-2, -1)), lambda _: {})
+    asked = Target(
+        by.reshape(len(by), -1, len(beliefs)),
+        lambda variance: variance.mean(axis=(-2, -1)),
+        lambda _: {},
+    )
     design = Design(np.diag(width**2), by, asked)
     return design.exchanged(design.greedy(10))
 
 
 def missed(
-    pushes: list[MeasuredPush], chosen: list[int], slider: Slider, beliefs: dict[str, tuple[float, float]]
+    pushes: list[MeasuredPush],
+    chosen: list[int],
+    slider: Slider,
+    beliefs: dict[str, tuple[float, float]],
 ) -> tuple[float, float]:
-    """Mean distance (mm) and turn (degrees) by which what the chosen pushes tell misses those at other contacts."""
+    """Mean distance (mm) and turn (degrees) by which what the chosen pushes tell misses those at
+    other contacts.
+    """
     noise = push_noise(READ)
     sizes = {"push place (m)": float(noise[0]), "push turn (rad)": float(noise[2])}
     block = push_end_block([replace(pushes[index], contact=index) for index in chosen], slider)
     held = dict.fromkeys(SURFACE.names[1:5], 0.0)
-    found = cm.identify([block], list(beliefs), held, priors=beliefs, noise=sizes, starts=1, student=4.0)
+    found = cm.identify(
+        [block], list(beliefs), held, priors=beliefs, noise=sizes, starts=1, student=4.0
+    )
     contacts = {pushes[index].contact for index in chosen}
     rest = [push for push in pushes if push.contact not in contacts]
     off = push_end_block(rest, slider).residuals(found.values)[0].reshape(-1, 3)
-    return float(1e3 * np.hypot(off[:, 0], off[:, 1]).mean()), float(np.degrees(np.abs(off[:, 2]).mean()))
+    return float(1e3 * np.hypot(off[:, 0], off[:, 1]).mean()), float(
+        np.degrees(np.abs(off[:, 2]).mean())
+    )
 
 
 def measured(draws: int) -> None:
-    """Print what is missed by ten chosen and by ten random pushes, floor by floor and plate by plate."""
+    """Print what is missed by ten chosen and by ten random pushes, floor by floor and plate by
+    plate.
+    """
     every = []
     for floor in FLOORS:
         for plate in PLATES:
@@ -258,7 +334,10 @@ def measured(draws: int) -> None:
                     random.append(missed(pushes, order, slider, beliefs))
             mean, better = np.mean(random, axis=0), np.mean(np.array(random) > planned, axis=0)
             every.append([*planned, *mean, *better])
-            words = "{:.2f} mm {:.2f} deg, random {:.2f} mm {:.2f} deg; better than {:.0%} and {:.0%} of them"
+            words = (
+                "{:.2f} mm {:.2f} deg, random {:.2f} mm {:.2f} deg; better than {:.0%} and "
+                "{:.0%} of them"
+            )
             print(f"{floor:8}{plate:7}", words.format(*every[-1]), flush=True)
     print("mean", np.mean(every, axis=0).round(2).tolist())
 

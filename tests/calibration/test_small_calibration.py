@@ -1,4 +1,5 @@
-"""Every p-value holds its level under its null: a small version of `python -m tests.calibration`."""
+"""Every p-value holds its level under its null:
+a small version of `python -m tests.calibration`."""
 
 import numpy as np
 import pytest
@@ -9,7 +10,9 @@ RUNS = 100
 
 
 def rejects_no_more_often(values: np.ndarray, level: float, chance: float | None = None) -> bool:
-    """Whether the share at or below the level is one that a calibrated p-value exceeds once in 2000 times at most."""
+    """Whether the share at or below the level is one that a calibrated p-value exceeds once in 2000
+    times at most.
+    """
     from scipy.stats import binom
 
     return np.sum(values <= level + 1e-12) <= binom.ppf(0.9995, values.size, chance or level)

@@ -1,4 +1,5 @@
-"""The command line from outside: JSON, pictures, exit codes, and one clear line for every misuse."""
+"""The command line from outside: JSON, pictures, exit codes,
+and one clear line for every misuse."""
 
 import json
 import os
@@ -10,9 +11,18 @@ import pytest
 
 from cyclemap.cli.main import run
 
-CYCLE_KEYS = ["theta0_deg", "push_turn_deg", "push_dx_mm", "push_dy_mm", "drag_turn_deg", "drag_mm", "theta1_deg"]
+CYCLE_KEYS = [
+    "theta0_deg",
+    "push_turn_deg",
+    "push_dx_mm",
+    "push_dy_mm",
+    "drag_turn_deg",
+    "drag_mm",
+    "theta1_deg",
+]
 PORTRAIT_KEYS = {
-    "map": "degree samples max_error_deg mean_turn_deg min_turn_deg max_turn_deg min_slope max_slope",
+    "map": "degree samples max_error_deg mean_turn_deg min_turn_deg max_turn_deg min_slope "
+    "max_slope",
     "rotation_number": "value lower upper locked",
     "stationary": "noise_deg peaks_deg spectral_gap mixing_cycles tv_from_uniform",
     "staircase": "mean_turn_deg mean_residence_cycles step_deg",
@@ -22,7 +32,14 @@ PORTRAIT_KEYS = {
 @pytest.mark.slow
 def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(saved_report) -> None:
     report = saved_report("pictures/portrait_plywood", "portrait", "plywood", "--out", "pictures")
-    assert list(report) == ["map", "fixed_points", "rotation_number", "stationary", "staircase", "uncertainty"]
+    assert list(report) == [
+        "map",
+        "fixed_points",
+        "rotation_number",
+        "stationary",
+        "staircase",
+        "uncertainty",
+    ]
     for part, keys in PORTRAIT_KEYS.items():
         assert set(report[part]) == set(keys.split()), part
     for orbit in report["fixed_points"]:
@@ -37,10 +54,19 @@ def test_portrait_prints_the_promised_json_and_leaves_picture_and_json(saved_rep
 def test_portrait_for_people_answers_in_sentences_also_about_data(here, capsys) -> None:
     rows = "".join(f"{theta},{theta + 5.0}\n" for theta in range(0, 360, 2))
     (here / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + rows)
-    assert run(["portrait", "plywood", "--data", "pairs.csv", "--cycles", "50", "--format", "svg"]) == 0
+    assert (
+        run(["portrait", "plywood", "--data", "pairs.csv", "--cycles", "50", "--format", "svg"])
+        == 0
+    )
     shown = capsys.readouterr()
     assert shown.err == "" and shown.out.startswith("plywood locks into ")
-    for part in ("multiplier", "recorded directions", "The staircase", "unstable", "picture: out/portrait_plywood.svg"):
+    for part in (
+        "multiplier",
+        "recorded directions",
+        "The staircase",
+        "unstable",
+        "picture: out/portrait_plywood.svg",
+    ):
         assert part in shown.out
     assert "180 measured cycles lie" in shown.out
     assert (here / "out" / "portrait_plywood.svg").read_bytes().startswith(b"<?xml")
@@ -66,7 +92,9 @@ def test_json_file_and_out_folder_leave_the_terminal_to_people(here, capsys) -> 
     assert (here / "a.json").read_bytes() == (here / "made" / "cycles_plywood.json").read_bytes()
 
 
-def test_a_material_file_is_an_argument_or_an_option_and_its_name_no_markup(here, capsys, report_of) -> None:
+def test_a_material_file_is_an_argument_or_an_option_and_its_name_no_markup(
+    here, capsys, report_of
+) -> None:
     (here / "mine.toml").write_text('name = "[red]rust[/]"\n[friction]\nmu_a = 0.25\nmu_b = 0.25\n')
     report = report_of("cycle", "mine.toml", "--theta0-deg", "10")
     assert report_of("cycle", "--material", "mine.toml", "--theta0-deg", "10") == report
@@ -90,7 +118,9 @@ def test_real_entry_point_exits_2_without_traceback() -> None:
 
 def test_version_and_help_answer_without_a_numerical_library(capsys) -> None:
     assert run(["--version"]) == 0 and capsys.readouterr().out.startswith("cyclemap, version 0.")
-    probe = "import sys; from cyclemap.cli.main import run; run(['--help']); print(sorted(sys.modules))"
+    probe = (
+        "import sys; from cyclemap.cli.main import run; run(['--help']); print(sorted(sys.modules))"
+    )
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
     modules = done.stdout.splitlines()[-1]
     assert "'click'" in modules
@@ -102,8 +132,8 @@ def test_version_and_help_answer_without_a_numerical_library(capsys) -> None:
 def test_a_portrait_does_without_scipy(here) -> None:
     """It takes a fifth as long to import as all of the rest to draw."""
     code = (
-        "import sys; from cyclemap.cli.main import run; "
-        "code = run(['portrait', 'plywood']); sys.exit(code or 'scipy' in sys.modules)"
+        "import sys; from cyclemap.cli.main import run; code = run(['portrait', 'plywood']); "
+        "sys.exit(code or 'scipy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False, cwd=here).returncode == 0
 
@@ -119,7 +149,16 @@ def test_no_command_shows_the_help_and_exits_2(capsys) -> None:
 def test_reader_that_goes_away_is_no_noise(json_option) -> None:
     reading, writing = os.pipe()
     os.close(reading)
-    command = [sys.executable, "-m", "cyclemap", "cycle", "plywood", "--theta0-deg", "0", *json_option]
+    command = [
+        sys.executable,
+        "-m",
+        "cyclemap",
+        "cycle",
+        "plywood",
+        "--theta0-deg",
+        "0",
+        *json_option,
+    ]
     done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
     os.close(writing)
     assert (done.returncode, done.stderr) == (141, "")

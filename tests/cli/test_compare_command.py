@@ -1,4 +1,6 @@
-"""`cyclemap compare` from outside: its JSON, its picture, its words, and damaged data of every kind."""
+"""`cyclemap compare` from outside: its JSON, its picture, its words, and damaged data of every
+kind.
+"""
 
 import math
 from pathlib import Path
@@ -9,7 +11,16 @@ import pytest
 from cyclemap.collection import CollectionLoop
 from cyclemap.maps import CircleMap
 
-KEYS = ["prediction", "data", "pushes", "ends_off", "cycle", "orientations", "directions", "staircase"]
+KEYS = [
+    "prediction",
+    "data",
+    "pushes",
+    "ends_off",
+    "cycle",
+    "orientations",
+    "directions",
+    "staircase",
+]
 KEYS += ["verdicts", "uncertified"]
 POSES = "rep,surface,shape,i,s,t,x0,y0,theta0,x1,y1,theta1\n"
 COMPARE = ["compare", "plywood", "--runs", "19", "--data"]
@@ -17,11 +28,15 @@ COMPARE = ["compare", "plywood", "--runs", "19", "--data"]
 
 @pytest.fixture
 def here(tmp_path, monkeypatch, theta0_file, sine_path) -> Path:
-    """A folder of measured orientations; few simulated collections for what takes longest; a map at hand."""
+    """A folder of measured orientations; few simulated collections for what takes longest; a map at
+    hand.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("cyclemap.evidence.comparison.compare.MOST_DETAILED", 19)
     given = CircleMap.arnold(0.11, 0.6)
-    monkeypatch.setattr(CollectionLoop, "circle_map", lambda self, tolerance=1e-6, progress=None: given)
+    monkeypatch.setattr(
+        CollectionLoop, "circle_map", lambda self, tolerance=1e-6, progress=None: given
+    )
     theta0_file(tmp_path / "measured.csv", sine_path(0.1, 120))
     return tmp_path
 
@@ -43,7 +58,11 @@ def test_json_tells_everything_that_was_asked_and_nothing_else(saved_report) -> 
     assert list(report) == KEYS
     told = {"material": "plywood", "kind": "loop", "posterior_samples": 0, "refitted": False}
     assert report["prediction"] == {**told, "noise_deg": pytest.approx(5.7)}
-    assert report["data"] == {"cycles": 100, "left_out": {"among the first": 20}, "unreadable_files": 0}
+    assert report["data"] == {
+        "cycles": 100,
+        "left_out": {"among the first": 20},
+        "unreadable_files": 0,
+    }
     assert report["pushes"] == []
     assert report["cycle"]["rms_deg"] == pytest.approx(math.degrees(0.1), rel=0.3)
     histogram = report["orientations"]["histogram"]

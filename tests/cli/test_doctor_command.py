@@ -10,7 +10,9 @@ from cyclemap.errors import EngineNotBuilt
 from cyclemap.mechanics.engine import library
 
 
-def test_people_and_programs_are_told_versions_engine_and_how_far_its_cycles_are_off(here, capsys, monkeypatch):
+def test_people_and_programs_are_told_versions_engine_and_how_far_its_cycles_are_off(
+    here, capsys, monkeypatch
+):
     monkeypatch.setenv("CYCLEMAP_DATA", str(here))
     assert run(["doctor"]) == 0
     shown = capsys.readouterr().out
@@ -20,7 +22,14 @@ def test_people_and_programs_are_told_versions_engine_and_how_far_its_cycles_are
     report = json.loads(capsys.readouterr().out)
     assert report["healthy"] is True and report["problems"] == []
     assert report["data_folder"] == str(here)
-    assert report["versions"].keys() == {"python", "cyclemap", "numpy", "scipy", "casadi", "matplotlib"}
+    assert report["versions"].keys() == {
+        "python",
+        "cyclemap",
+        "numpy",
+        "scipy",
+        "casadi",
+        "matplotlib",
+    }
     assert len(report["engine_version"]) == 64
     assert 0.0 < report["self_check_error_deg"] < 1e-4
 
@@ -37,7 +46,9 @@ def no_engine():
         (library, "load", no_engine, "the compiled engine is missing: build it"),
     ],
 )
-def test_what_does_not_work_is_told_with_exit_code_1(capsys, monkeypatch, place, name, broken, problem):
+def test_what_does_not_work_is_told_with_exit_code_1(
+    capsys, monkeypatch, place, name, broken, problem
+):
     monkeypatch.setattr(place, name, broken)
     assert run(["doctor"]) == 1
     shown = capsys.readouterr().out

@@ -1,4 +1,6 @@
-"""`cyclemap dynamics` and `experiment` from outside: their JSON, pictures, words, and what they refuse."""
+"""`cyclemap dynamics` and `experiment` from outside: their JSON, pictures, words, and what they
+refuse.
+"""
 
 import math
 
@@ -15,7 +17,15 @@ from cyclemap.views.experiment_page import (
 )
 
 BATCH_KEYS = ["start_deg", "final_deg", "last_step_deg", "settled_after_cycles", "theta0_deg"]
-ROW_KEYS = ["theta0_deg", "push_turn_deg", "push_dx_mm", "push_dy_mm", "drag_turn_deg", "theta1_deg", "left"]
+ROW_KEYS = [
+    "theta0_deg",
+    "push_turn_deg",
+    "push_dx_mm",
+    "push_dy_mm",
+    "drag_turn_deg",
+    "theta1_deg",
+    "left",
+]
 SHORT = ["--set", "push_mm=30"]
 
 
@@ -44,7 +54,14 @@ def turning(step_deg: float, batches: int, cycles: int) -> BatchExperiment:
 def test_json_tells_every_batch_on_both_laws_and_nothing_else(saved_report) -> None:
     asked = ("experiment", "plywood", "--batches", "2", "--cycles", "3", *SHORT)
     report = saved_report("out/experiment_plywood", *asked)
-    assert list(report) == ["model", "speed_mm_s", "cycles", "within_deg", "anisotropic", "isotropic"]
+    assert list(report) == [
+        "model",
+        "speed_mm_s",
+        "cycles",
+        "within_deg",
+        "anisotropic",
+        "isotropic",
+    ]
     assert (report["model"], report["speed_mm_s"], report["cycles"]) == ("dynamic", 20.0, 3)
     for law in ("anisotropic", "isotropic"):
         assert list(report[law]) == ["directions_deg", "all_agree", "spread_mm", "batches"]
@@ -79,12 +96,24 @@ def test_people_are_told_what_the_command_is_about(here, capsys, arguments, part
     ("found", "said"),
     [
         # 0.9 rad * 0.6^n falls below a degree at the 8th cycle.
-        (experiment([61.4, 421.4]), "All 2 batches end at 61.4°, within 1° of it for good after at most 8 cycles."),
-        (experiment([61.4, 241.4]), "The 2 batches end at 2 directions (61.4°, 241.4°), within 1° of them"),
+        (
+            experiment([61.4, 421.4]),
+            "All 2 batches end at 61.4°, within 1° of it for good after at most 8 cycles.",
+        ),
+        (
+            experiment([61.4, 241.4]),
+            "The 2 batches end at 2 directions (61.4°, 241.4°), within 1° of them",
+        ),
         (experiment([61.4]), "The batch ends at 61.4°, within 1° of it for good after 8 cycles."),
-        (turning(5.73, 2, 20), "Not every batch comes to rest in 20 cycles: the last cycle still turns one by 5.73°."),
+        (
+            turning(5.73, 2, 20),
+            "Not every batch comes to rest in 20 cycles: the last cycle still turns one by 5.73°.",
+        ),
         (turning(0.04, 3, 50), "still turns one by 0.04°, and such steps do not soon die out."),
-        (turning(9.67, 1, 1), "The batch does not come to rest in 1 cycle: the last cycle still turns it by 9.67°."),
+        (
+            turning(9.67, 1, 1),
+            "The batch does not come to rest in 1 cycle: the last cycle still turns it by 9.67°.",
+        ),
     ],
 )
 def test_the_headline_tells_one_direction_several_or_none(found, said) -> None:
@@ -102,7 +131,9 @@ def test_paths_and_turns_are_told_and_one_of_them_in_the_singular() -> None:
 
 @pytest.mark.slow
 def test_dynamics_json_tells_both_models_on_both_laws_and_nothing_else(saved_report) -> None:
-    report = saved_report("out/dynamics_plywood", "dynamics", "plywood", "--theta0-deg", "0,90", *SHORT)
+    report = saved_report(
+        "out/dynamics_plywood", "dynamics", "plywood", "--theta0-deg", "0,90", *SHORT
+    )
     assert list(report) == ["speed_mm_s", "anisotropic", "isotropic"]
     assert report["isotropic"].pop("mu") == pytest.approx((0.2545 * 0.2346) ** 0.5)
     for law in ("anisotropic", "isotropic"):

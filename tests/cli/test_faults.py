@@ -1,4 +1,6 @@
-"""What goes wrong: bad use of any command, closed output, odd names and surroundings; one line each, no traceback."""
+"""What goes wrong: bad use of any command, closed output, odd names and surroundings; one line
+each, no traceback.
+"""
 
 import os
 import subprocess
@@ -19,7 +21,8 @@ FILES = {
     "plain.toml": "[push]\npush_mm = 100\n",
     "measured.csv": "theta0_deg\n" + "".join(f"{7 * n % 360}\n" for n in range(120)),
     "pairs.csv": "theta0_deg,theta_next_deg\n" + "".join(f"{n},{n + 2}\n" for n in range(50)),
-    "poses.csv": "rep,surface,x0,y0,theta0,x1,y1,theta1\n" + "".join(f"{n},plywood,0,0,1,0,-0.1,2\n" for n in range(5)),
+    "poses.csv": "rep,surface,x0,y0,theta0,x1,y1,theta1\n"
+    + "".join(f"{n},plywood,0,0,1,0,-0.1,2\n" for n in range(5)),
 }
 BAD_USES = [
     (["cycle", "plywod"], "did you mean 'plywood'"),
@@ -65,21 +68,33 @@ BAD_USES = [
     (["reset", "plywood", "--axes-percent", "100"], "--axes-percent"),
     (["reset", "plywood", "--robust"], "--robust"),
     (["simulate", "plywood", "--out", "made", "--noise-deg", "-1"], "-1.0 is not in the range"),
-    (["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"], "--pose-noise-mm': nan is in no range"),
+    (
+        ["simulate", "plywood", "--out", "made", "--pose-noise-mm", "nan"],
+        "--pose-noise-mm': nan is in no range",
+    ),
     (["simulate", "plywood", "--out", "made", "--speed-mm-s", "0"], "0.0 is not in the range"),
-    (["simulate", "plywood", "--out", "made", "--start-deg", "inf"], "start must be a finite number"),
+    (
+        ["simulate", "plywood", "--out", "made", "--start-deg", "inf"],
+        "start must be a finite number",
+    ),
     (["staircase", "plywood", "--data", "pairs.csv"], "order"),
     (["compare", "plywod", *MEASURED], "plywood"),
     (["compare", "plywood", *MEASURED, "--set", "noise_deg=0"], "noise_deg"),
     (["compare", "plywood", *MEASURED, "--runs", "3"], "runs"),
     (["compare", "plywood", *MEASURED, "--first", "1000"], "first is 1000"),
     (["compare", "plywood", *MEASURED, "--first", "-1"], "first"),
-    (["compare", "plywood", *MEASURED, "--select", "surface=delrin"], "orientations alone and tell no surface"),
+    (
+        ["compare", "plywood", *MEASURED, "--select", "surface=delrin"],
+        "orientations alone and tell no surface",
+    ),
     (["compare", *MEASURED], "material"),
     (["fit", "nowhere"], "nowhere: there is nothing there"),
     (["fit", "poses.csv", "--select", "surface"], "not of the form key=value"),
     (["fit", "poses.csv", "--select", "surfac=abs"], "did you mean 'surface'"),
-    (["fit", "poses.csv", "--select", "surface=abs"], "no such surface: abs; the data have plywood"),
+    (
+        ["fit", "poses.csv", "--select", "surface=abs"],
+        "no such surface: abs; the data have plywood",
+    ),
     (["fit", "poses.csv", "--select", "side=north"], "give a finite number"),
     (["fit", "poses.csv", "--harmonics", "-1"], "harmonics"),
     (["fit", "poses.csv", "--format", "gif"], "gif"),
@@ -96,7 +111,10 @@ BAD_USES = [
     ([*SWEEP, "--tolerance-deg", "-1"], "tolerance must be positive"),
     ([*SWEEP, "--rotation-tolerance", "-1"], "rotation_tolerance must not be negative"),
     (["sweep", "--over", "hitch_x_mm=-12:0:5"], "give a material"),
-    (["sweep", "plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"], "mu_a is swept twice"),
+    (
+        ["sweep", "plywood", "--over", "mu_a=0.2:0.3", "--sample", "4", "--over", "mu_a=1:2"],
+        "mu_a is swept twice",
+    ),
     (["watch"], "FILE"),
     (["watch", "bad.csv"], "bad.csv, line 3: theta0_deg is 'x'; it must be a finite number"),
     (["watch", "none.csv"], "none.csv: there is no such file"),
@@ -107,15 +125,25 @@ BAD_USES = [
     ([*FOLLOW, "nan"], "nan is in no range"),
     (["watch", "bad.csv", "--columns", "yaw"], "give it as theta0=yaw"),
     (["watch", "own.csv"], "say which, --columns theta0=NAME; it has speed, force"),
-    (["watch", "far.csv"], "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
+    (
+        ["watch", "far.csv"],
+        "far.csv, line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost",
+    ),
     (["watch", "measured.csv", "--protocol", "plain.toml"], "there is no action to choose"),
-    (["watch", "measured.csv", "--material", "plywood"], "plywood has no samples of what is believed of it"),
+    (
+        ["watch", "measured.csv", "--material", "plywood"],
+        "plywood has no samples of what is believed of it",
+    ),
 ]
 FRICTION = "[friction]\nmu_a = 0.3\nmu_b = 0.3\n"
 
 
-@pytest.mark.parametrize(("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else "")
-def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(here, refused, arguments, named) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "named"), BAD_USES, ids=lambda value: value if isinstance(value, str) else ""
+)
+def test_bad_use_exits_2_with_one_clear_line_and_writes_nothing(
+    here, refused, arguments, named
+) -> None:
     for name, text in FILES.items():
         (here / name).write_text(text)
     refused(arguments, named)
@@ -152,12 +180,16 @@ def test_pictures_need_no_screen_whatever_the_user_draws_with(tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "picture"), [(r"$\frac{$", "png"), ("$", "png"), ("a$b$c", "png"), (r"\$x\$", "png"), (r"$\frac{$", "svg")]
+    ("name", "picture"),
+    [(r"$\frac{$", "png"), ("$", "png"), ("a$b$c", "png"), (r"\$x\$", "png"), (r"$\frac{$", "svg")],
 )
 def test_dollars_in_a_name_are_no_formula(tmp_path, capsys, name, picture) -> None:
     file = tmp_path / "odd.toml"
     file.write_text(f"name = 'a {name}'\n{FRICTION}")
-    assert run(["staircase", str(file), "--cycles", "20", "--out", str(tmp_path), "--format", picture]) == 0
+    assert (
+        run(["staircase", str(file), "--cycles", "20", "--out", str(tmp_path), "--format", picture])
+        == 0
+    )
     assert capsys.readouterr().err == ""
 
 
@@ -174,7 +206,9 @@ def test_what_a_terminal_would_obey_reaches_it_as_text(here, capsys) -> None:
     assert "\x1b" not in shown.out + shown.err and r"\x1b]0;title\x07" in shown.out
 
 
-@pytest.mark.parametrize("name", ["", " ", "..", "///", "_", "\u202e", "a\x1b[31m", "a\nb", "a\u200bb"])
+@pytest.mark.parametrize(
+    "name", ["", " ", "..", "///", "_", "\u202e", "a\x1b[31m", "a\nb", "a\u200bb"]
+)
 def test_a_name_that_cannot_name_a_file_or_be_seen_is_refused(name) -> None:
     with pytest.raises(InvalidInput, match=r"^a material's name is"):
         Material(name, EllipseFriction(0.3, 0.2))

@@ -1,4 +1,6 @@
-"""`cyclemap figures` from outside: the list, the files, the index, what people are told, and what it refuses."""
+"""`cyclemap figures` from outside: the list, the files, the index, what people are told, and what
+it refuses.
+"""
 
 import csv
 import io
@@ -39,11 +41,16 @@ def _figure(fails: bool = False) -> SimpleNamespace:
         file = measured.find("given.csv")
         return 0 if file is None else len(file.read_text().splitlines())
 
-    return SimpleNamespace(compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines.")
+    return SimpleNamespace(
+        compute=compute, draw=lambda _: new_figure(2, 1), caption=lambda n: f"{n} lines."
+    )
 
 
 def _table() -> SimpleNamespace:
-    rows = [("plywood, table I", "0.2545"), ("a surface whose name is longer than a narrow terminal is wide", "0.25")]
+    rows = [
+        ("plywood, table I", "0.2545"),
+        ("a surface whose name is longer than a narrow terminal is wide", "0.25"),
+    ]
     return SimpleNamespace(
         compute=lambda _: rows,
         HEADER=("surface", "μa"),
@@ -73,8 +80,24 @@ def test_without_a_name_all_are_listed_with_source_and_title(capsys) -> None:
     assert [one["name"] for one in listed] == [entry.name for entry in CATALOGUE]
 
 
-def test_figures_tables_and_animations_are_written_with_an_index_of_their_captions(here, printed) -> None:
-    assert run(["figures", "locking-in", "table-friction", "staircases", "--out", "gallery", "--json", "-"]) == 0
+def test_figures_tables_and_animations_are_written_with_an_index_of_their_captions(
+    here, printed
+) -> None:
+    assert (
+        run(
+            [
+                "figures",
+                "locking-in",
+                "table-friction",
+                "staircases",
+                "--out",
+                "gallery",
+                "--json",
+                "-",
+            ]
+        )
+        == 0
+    )
     report, _ = printed()
     made, folder = report["figures"], here / "gallery"
     assert report["failed"] == [] and all(list(one) == KEYS for one in made)
@@ -90,7 +113,11 @@ def test_figures_tables_and_animations_are_written_with_an_index_of_their_captio
 
 
 def test_an_earlier_index_is_kept_replaced_by_name_and_put_in_order(here) -> None:
-    for arguments in (["locking-in"], ["staircases", "--format", "svg"], ["staircases", "--format", "png"]):
+    for arguments in (
+        ["locking-in"],
+        ["staircases", "--format", "svg"],
+        ["staircases", "--format", "png"],
+    ):
         assert run(["figures", *arguments]) == 0
     lines = json.loads((here / "out" / "figures.json").read_text())["figures"]
     expected = [("staircases", "staircases.png"), ("locking-in", "locking-in.gif")]
@@ -105,7 +132,13 @@ def test_people_are_told_caption_file_whole_tables_and_which_measured_data_were_
     assert run(["figures", "staircases", "table-friction", "--data", "data"]) == 0
     shown = capsys.readouterr().out
     assert shown.count(NO_DATA) == 1 and "0 lines." in shown
-    for part in ("Friction ellipses of the materials", "Friction.", "table-friction.csv", "plywood, table I", "0.2545"):
+    for part in (
+        "Friction ellipses of the materials",
+        "Friction.",
+        "table-friction.csv",
+        "plywood, table I",
+        "0.2545",
+    ):
         assert part in shown
     assert "longer than a narrow terminal is wide" in shown
     (here / "data" / "given.csv").write_text("a\nb\n")

@@ -1,4 +1,5 @@
-"""`cyclemap fit` from outside: its JSON, its pictures, its tables and words, and what it refuses."""
+"""`cyclemap fit` from outside: its JSON, its pictures, its tables and words,
+and what it refuses."""
 
 import json
 import math
@@ -11,7 +12,16 @@ from cyclemap.cli.main import run
 
 TURN = 2 * math.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1\n"
-SET_KEYS = {"name", "source", "surface", "object", "acceleration_mm_s2", "speed_mm_s", "side", "fraction"}
+SET_KEYS = {
+    "name",
+    "source",
+    "surface",
+    "object",
+    "acceleration_mm_s2",
+    "speed_mm_s",
+    "side",
+    "fraction",
+}
 SET_KEYS |= {
     "angle_deg",
     "contacts",
@@ -28,7 +38,9 @@ SET_KEYS |= {
 def worn_path(count: int) -> np.ndarray:
     rng, path = np.random.default_rng(0), [0.0]
     for n in range(count):
-        path.append(path[-1] + 0.26 + 0.25 * math.cos(path[-1]) + 1e-3 * n + 0.02 * rng.standard_normal())
+        path.append(
+            path[-1] + 0.26 + 0.25 * math.cos(path[-1]) + 1e-3 * n + 0.02 * rng.standard_normal()
+        )
     return np.array(path)
 
 
@@ -40,7 +52,9 @@ def collection(file: Path, count: int = 120) -> Path:
         dx, dy = 0.04 + 0.001 * rng.standard_normal(), -0.08 + 0.001 * rng.standard_normal()
         c, s = math.cos(theta), math.sin(theta)
         place = f"{0.35 + c * dx - s * dy:.9f},{-0.03 + s * dx + c * dy:.9f}"
-        rows.append(f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{theta % TURN:.9f},{place},{end:.9f}\n")
+        rows.append(
+            f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{theta % TURN:.9f},{place},{end:.9f}\n"
+        )
     file.write_text("".join(rows))
     return file
 
@@ -70,10 +84,23 @@ def test_json_tells_what_was_read_and_fitted_and_nothing_else(here, capsys) -> N
 @pytest.mark.slow
 def test_people_get_both_tables_whole_the_sentences_and_the_picture(here, capsys) -> None:
     collection(here / "pushes.csv", count=60)
-    assert run(["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]) == 0
+    assert (
+        run(
+            ["fit", "pushes.csv", "--format", "svg", "--no-wear", "--harmonics", "2", "--seed", "3"]
+        )
+        == 0
+    )
     shown = capsys.readouterr().out
     assert "…" not in shown
-    for part in ("61 pushes read, in 1 set", "Δθ (°)", "Δy (mm)", "RMSE", "cv", "wear unknown", "plywood_rect1.svg"):
+    for part in (
+        "61 pushes read, in 1 set",
+        "Δθ (°)",
+        "Δy (mm)",
+        "RMSE",
+        "cv",
+        "wear unknown",
+        "plywood_rect1.svg",
+    ):
         assert part in shown
     assert "a law of θ0 with 2 harmonics leaves" in shown
     assert (here / "out" / "fit_plywood_rect1.svg").read_bytes().startswith(b"<?xml")
@@ -88,7 +115,9 @@ def test_theta0_alone_gives_a_cycle_map_and_no_tables(here, capsys, theta0_file)
     assert "RMSE" not in shown
     assert "From push 25 on (the last three quarters)" in shown
     assert (here / "out" / "fit_angles.png").exists()
-    assert json.loads((here / "out" / "fit_angles.json").read_text())["laws"]["dtheta"]["problem"].startswith("too few")
+    assert json.loads((here / "out" / "fit_angles.json").read_text())["laws"]["dtheta"][
+        "problem"
+    ].startswith("too few")
 
 
 @pytest.mark.slow

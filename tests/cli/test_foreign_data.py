@@ -1,4 +1,6 @@
-"""Thirty tables as robots write them through the commands: right as they stand, or refused with what mends them."""
+"""Thirty tables as robots write them through the commands: right as they stand, or refused with
+what mends them.
+"""
 
 import json
 import math
@@ -16,7 +18,9 @@ _MEND = re.compile(r"give ((?:--(?:angles|frame|units) [\w.-]+ ?)+)")
 
 
 def told(capsys, path: Path, name: str, *arguments: str) -> dict | None:
-    """The report of a command, after what its refusals said to give; None where it was refused for good."""
+    """The report of a command, after what its refusals said to give; None where it was refused for
+    good.
+    """
     given: list[str] = []
     for _ in range(3):
         capsys.readouterr()
@@ -33,9 +37,14 @@ def told(capsys, path: Path, name: str, *arguments: str) -> dict | None:
 
 
 def probe_is_right(report: dict, table: Foreign) -> bool:
-    """Plywood's axes, longer along 150 degrees, or turned by a quarter with the world; no mirror image has that."""
+    """Plywood's axes, longer along 150 degrees, or turned by a quarter with the world; no mirror
+    image has that.
+    """
     along = [abs((report["axis_deg"] - one + 90.0) % 180.0 - 90.0) for one in (150.0, 60.0)]
-    return abs(report["axis_ratio"]["value"] - 1.085) < 0.005 + 0.03 * table.noise_mm and min(along) < 10.0
+    return (
+        abs(report["axis_ratio"]["value"] - 1.085) < 0.005 + 0.03 * table.noise_mm
+        and min(along) < 10.0
+    )
 
 
 def audit_is_right(report: dict, table: Foreign) -> bool:
@@ -50,9 +59,15 @@ def watch_is_right(report: dict, table: Foreign) -> bool:
 
 
 def compare_is_right(report: dict, table: Foreign) -> bool:
-    """The true surface predicts pushes within their noise, or, the world turned by a quarter, as well as any turned."""
+    """The true surface predicts pushes within their noise, or, the world turned by a quarter, as
+    well as any turned.
+    """
     off = report["ends_off"]
-    limit = 0.5 + 2.5 * table.noise_mm + (8.0 if table.convention in ("north east down", "swapped") else 0.0)
+    limit = (
+        0.5
+        + 2.5 * table.noise_mm
+        + (8.0 if table.convention in ("north east down", "swapped") else 0.0)
+    )
     verdicts = [one["agrees"] for one in report["verdicts"]]
     return (off is None or off["mean_mm"] < limit) and (off is not None or np.mean(verdicts) >= 0.6)
 
@@ -74,7 +89,9 @@ COMMANDS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", COMMANDS)
-@pytest.mark.parametrize("table", thirty(), ids=lambda one: f"{one.name}-{one.convention.replace(' ', '-')}")
+@pytest.mark.parametrize(
+    "table", thirty(), ids=lambda one: f"{one.name}-{one.convention.replace(' ', '-')}"
+)
 def test_no_command_answers_wrongly(tmp_path, capsys, table, name) -> None:
     is_right, arguments = COMMANDS[name]
     path = table.made(tmp_path)
@@ -87,7 +104,9 @@ def test_no_command_answers_wrongly(tmp_path, capsys, table, name) -> None:
 
 
 @pytest.mark.slow
-def test_a_reading_told_on_the_command_line_or_beside_the_data_is_the_same(tmp_path, capsys) -> None:
+def test_a_reading_told_on_the_command_line_or_beside_the_data_is_the_same(
+    tmp_path, capsys
+) -> None:
     table = Foreign("log", canonical, ".csv", "picture", 0.0, True, 2)
     path = table.made(tmp_path)
     own, out = str(tmp_path / "collection.toml"), ["--json", "-", "--out", str(tmp_path / "out")]
@@ -104,29 +123,51 @@ def test_a_reading_told_on_the_command_line_or_beside_the_data_is_the_same(tmp_p
 
 
 @pytest.mark.slow
-def test_no_material_is_written_of_data_that_nothing_explains_but_by_force(tmp_path, capsys, monkeypatch) -> None:
-    """Ends of pushes at random: refused, the errors named; with --force written, and without a next step."""
+def test_no_material_is_written_of_data_that_nothing_explains_but_by_force(
+    tmp_path, capsys, monkeypatch
+) -> None:
+    """Ends of pushes at random: refused, the errors named; with --force written, and without a next
+    step.
+    """
     monkeypatch.chdir(tmp_path)
     table = Foreign("log", canonical, ".csv", "ours", 0.0, True, 2)
     lines = table.made(tmp_path).read_text().splitlines()
     rng = np.random.default_rng(4)
     rows = [[float(field) for field in line.split(",")] for line in lines[1:25]]
     for row in rows:
-        x, y, turn = rng.uniform(-0.15, 0.15), rng.uniform(-0.15, 0.15), rng.uniform(-math.pi, math.pi)
+        x, y, turn = (
+            rng.uniform(-0.15, 0.15),
+            rng.uniform(-0.15, 0.15),
+            rng.uniform(-math.pi, math.pi),
+        )
         row[3:6] = [row[0] + x, row[1] + y, row[2] + turn]
-    (tmp_path / "log.csv").write_text("\n".join([lines[0], *(",".join(map(str, row)) for row in rows)]) + "\n")
+    (tmp_path / "log.csv").write_text(
+        "\n".join([lines[0], *(",".join(map(str, row)) for row in rows)]) + "\n"
+    )
     few = ["identify", "log.csv", "--starts", "1", "--folds", "0"]
     assert run(few) == 1
     said = capsys.readouterr().err
-    assert "no material is written" in said and "--force" in said and not list(tmp_path.glob("out/*.toml"))
+    assert (
+        "no material is written" in said
+        and "--force" in said
+        and not list(tmp_path.glob("out/*.toml"))
+    )
     assert run([*few, "--force"]) == 0
     said = capsys.readouterr()
-    assert "this cannot be right" in said.err and "next:" not in said.out and list(tmp_path.glob("out/*.toml"))
+    assert (
+        "this cannot be right" in said.err
+        and "next:" not in said.out
+        and list(tmp_path.glob("out/*.toml"))
+    )
 
 
 @pytest.mark.slow
-def test_an_object_moved_by_hand_is_told_of_a_log_of_orientations_alone(tmp_path, capsys, monkeypatch) -> None:
-    """Twice in 150 pushes: the audit tells, the true material stands, the fitted noise is that of the cycles."""
+def test_an_object_moved_by_hand_is_told_of_a_log_of_orientations_alone(
+    tmp_path, capsys, monkeypatch
+) -> None:
+    """Twice in 150 pushes: the audit tells, the true material stands, the fitted noise is that of
+    the cycles.
+    """
     monkeypatch.chdir(tmp_path)
     rng, theta = np.random.default_rng(5), [0.3]
     cycle_map = loop().circle_map(1e-4)
@@ -139,7 +180,9 @@ def test_an_object_moved_by_hand_is_told_of_a_log_of_orientations_alone(tmp_path
         .with_name("collection.toml")
         .read_text()
     )
-    (tmp_path / "log.csv").write_text("theta0_deg\n" + "".join(f"{math.degrees(one) % 360:.3f}\n" for one in theta))
+    (tmp_path / "log.csv").write_text(
+        "theta0_deg\n" + "".join(f"{math.degrees(one) % 360:.3f}\n" for one in theta)
+    )
     assert run(["audit", "log.csv"]) == 0
     assert "behind pushes 50, 100 (from 0) are like no others" in capsys.readouterr().err
     assert run(["staircase", "collection.toml", "--data", "log.csv", "--json", "-"]) == 0
@@ -147,15 +190,21 @@ def test_an_object_moved_by_hand_is_told_of_a_log_of_orientations_alone(tmp_path
 
 
 @pytest.mark.slow
-def test_a_staircase_beside_locked_data_says_what_it_cannot_tell(tmp_path, capsys, monkeypatch) -> None:
+def test_a_staircase_beside_locked_data_says_what_it_cannot_tell(
+    tmp_path, capsys, monkeypatch
+) -> None:
     """A map fitted to a sixth of the circle would be as steep as its harmonics allow: none is."""
     monkeypatch.chdir(tmp_path)
     rng, theta = np.random.default_rng(1), [0.2]
     for _ in range(150):
         theta.append(theta[-1] + 0.25 * math.sin(1.2 - theta[-1]) + 0.02 * rng.standard_normal())
-    (tmp_path / "log.csv").write_text("theta0_deg\n" + "".join(f"{math.degrees(one):.3f}\n" for one in theta))
+    (tmp_path / "log.csv").write_text(
+        "theta0_deg\n" + "".join(f"{math.degrees(one):.3f}\n" for one in theta)
+    )
     assert run(["staircase", "plywood", "--data", "log.csv"]) == 0
-    assert "No map is fitted to them: θ0 leave a gap of" in " ".join(capsys.readouterr().out.split())
+    assert "No map is fitted to them: θ0 leave a gap of" in " ".join(
+        capsys.readouterr().out.split()
+    )
 
 
 def test_an_audit_says_why_a_table_could_not_be_read(tmp_path, capsys) -> None:

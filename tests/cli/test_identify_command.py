@@ -16,7 +16,17 @@ from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
 from cyclemap.mechanics import EllipseFriction, Pose, Slider, load_material
 
 LAW = EllipseFriction(0.28, 0.22, 0.02, -0.012, 0.6)
-KEYS = ["name", "provenance", "misfit", "inferred", "friction", "worn", "converged", "level", "parameters"]
+KEYS = [
+    "name",
+    "provenance",
+    "misfit",
+    "inferred",
+    "friction",
+    "worn",
+    "converged",
+    "level",
+    "parameters",
+]
 KEYS += ["plates", "floor_shape", "sessions", "session_spread", "priors", "held"]
 KEYS += ["derived", "errors", "starts", "notes", "data"]
 HEADER = "surface,shape,i,s,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1\n"
@@ -30,7 +40,9 @@ def push_file(path: Path, count: int = 8, surface: str = "slate") -> Path:
 
 @cache
 def push_table(count: int, surface: str) -> str:
-    """Pushes of 40 mm at places all over side 0, as the mechanics on LAW have them, with 0.2 mm and 0.3 degrees."""
+    """Pushes of 40 mm at places all over side 0, as the mechanics on LAW have them, with 0.2 mm and
+    0.3 degrees.
+    """
     rng, slider = np.random.default_rng(0), Slider.mit("rect1")
     model = surface_model(SurfaceParameters.from_friction(LAW, pusher_friction=0.15), slider)
     lines = [HEADER]
@@ -40,8 +52,16 @@ def push_table(count: int, surface: str) -> str:
         ((x, y, theta),), *_ = predicted_push_ends(model, [MeasuredPush(start, start, tip, goal)])
         end = Pose(float(x), float(y), float(theta))
         place = np.array([end.x, end.y]) + 2e-4 * rng.standard_normal(2)
-        poses = (start.x, start.y, start.theta, *place.tolist(), end.theta + 5e-3 * rng.standard_normal())
-        lines.append(f"{surface},rect1,0,{number / count},{','.join(f'{v:.9f}' for v in (*poses, *tip, *goal))}\n")
+        poses = (
+            start.x,
+            start.y,
+            start.theta,
+            *place.tolist(),
+            end.theta + 5e-3 * rng.standard_normal(),
+        )
+        lines.append(
+            f"{surface},rect1,0,{number / count},{','.join(f'{v:.9f}' for v in (*poses, *tip, *goal))}\n"
+        )
     return "".join(lines)
 
 
@@ -63,24 +83,53 @@ def test_json_tells_the_friction_within_its_intervals_and_the_material_loads(her
         slack = one["upper"] - one["lower"]
         assert one["lower"] - 0.5 * slack < truth[name] < one["upper"] + 0.5 * slack and slack < 0.2
     direction = next(one for one in report["derived"] if one["name"] == "axis_direction")
-    assert direction["unit"] == "deg" and direction["lower"] < math.degrees(0.6) < direction["upper"]
+    assert (
+        direction["unit"] == "deg" and direction["lower"] < math.degrees(0.6) < direction["upper"]
+    )
     turn = next(one for one in report["errors"] if one["kind"] == "push turn")
-    assert (turn["unit"], turn["rows"]) == ("deg", 8) and 0.0 < turn["rms"] < turn["left_out_rms"] < 2.0
-    names = ["identify_slate-identified.json", "identify_slate-identified.png", "slate-identified.toml"]
+    assert (turn["unit"], turn["rows"]) == ("deg", 8) and 0.0 < turn["rms"] < turn[
+        "left_out_rms"
+    ] < 2.0
+    names = [
+        "identify_slate-identified.json",
+        "identify_slate-identified.png",
+        "slate-identified.toml",
+    ]
     assert sorted(path.name for path in (here / "results").iterdir()) == names
     material = load_material(here / "results" / "slate-identified.toml")
-    assert material.inferred and material.found_with.pusher_friction == report["held"]["pusher_friction"] == 0.15
+    assert (
+        material.inferred
+        and material.found_with.pusher_friction == report["held"]["pusher_friction"] == 0.15
+    )
     assert material.friction.phi == pytest.approx(math.radians(report["friction"]["phi_deg"]))
 
 
 @pytest.mark.slow
 def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
     push_file(here / "ends.csv", 6)
-    arguments = [*QUICK, "--folds", "0", "--name", "my slate", "--set", "pusher_mu=0.16", "--format", "svg"]
+    arguments = [
+        *QUICK,
+        "--folds",
+        "0",
+        "--name",
+        "my slate",
+        "--set",
+        "pusher_mu=0.16",
+        "--format",
+        "svg",
+    ]
     assert run(["identify", "ends.csv", *arguments]) == 0
     shown = capsys.readouterr().out
     assert shown.startswith("my slate: friction ellipse with axes 1.")
-    for words in ("6 push ends", "Parameters", "95 % interval", "held", "axis ratio", "left out", "note: "):
+    for words in (
+        "6 push ends",
+        "Parameters",
+        "95 % interval",
+        "held",
+        "axis ratio",
+        "left out",
+        "note: ",
+    ):
         assert words in shown
     assert "next: cyclemap portrait out/my_slate.toml\n" in shown
     assert (here / "out" / "identify_my_slate.svg").read_bytes().startswith(b"<?xml")
@@ -90,7 +139,18 @@ def test_people_get_a_headline_tables_and_what_to_do_next(here, capsys) -> None:
 @pytest.mark.slow
 def test_fixed_and_started_values_are_taken(here, capsys) -> None:
     push_file(here / "ends.csv", 5)
-    arguments = ["--free", "offset_x", "--fix", "plate_dome=0.1", "--start", "plywood", "--folds", "0", "--starts", "1"]
+    arguments = [
+        "--free",
+        "offset_x",
+        "--fix",
+        "plate_dome=0.1",
+        "--start",
+        "plywood",
+        "--folds",
+        "0",
+        "--starts",
+        "1",
+    ]
     assert run(["identify", "ends.csv", *arguments, "--json", "-"]) == 0
     report = json.loads(capsys.readouterr().out)
     plywood = SurfaceParameters.from_friction(load_material("plywood").friction).values()
@@ -117,7 +177,10 @@ def test_fixed_and_started_values_are_taken(here, capsys) -> None:
         (["ends.csv", "--plate", "ends.toml"], "ends.toml"),
         (["ends.csv", "--floor", "plywood", "--start", "abs"], "leave --start out"),
         (["ends.csv", "--student", "1"], "--student"),
-        (["ends.csv", "--folds", "40", "--free", "offset_x", "--starts", "1"], "folds must be from 2"),
+        (
+            ["ends.csv", "--folds", "40", "--free", "offset_x", "--starts", "1"],
+            "folds must be from 2",
+        ),
         (["ends.csv", "more.csv"], "several surfaces: felt, slate"),
         ([], "Missing argument"),
     ],
@@ -139,7 +202,9 @@ def test_no_answer_from_any_start_is_a_failure(here, refused) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("place", "made"), [("os.fsync", True), ("cyclemap.cli.run_identify.render", False)])
+@pytest.mark.parametrize(
+    ("place", "made"), [("os.fsync", True), ("cyclemap.cli.run_identify.render", False)]
+)
 def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch, place, made) -> None:
     """All files are made before the first is written."""
     push_file(here / "ends.csv", 5)
@@ -148,5 +213,7 @@ def test_an_interrupt_leaves_nothing_half_written(here, monkeypatch, place, made
         raise KeyboardInterrupt
 
     monkeypatch.setattr(place, interrupted)
-    assert run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
+    assert (
+        run(["identify", "ends.csv", "--free", "offset_x", "--folds", "0", "--starts", "1"]) == 130
+    )
     assert (here / "out").exists() is made and not list(here.glob("out/*"))

@@ -1,4 +1,6 @@
-"""Files appear whole or not at all; a terminal shows whole sentences, tables of any width, and a bar if need be."""
+"""Files appear whole or not at all; a terminal shows whole sentences, tables of any width, and a
+bar if need be.
+"""
 
 import io
 import re
@@ -19,7 +21,9 @@ from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar
 from cyclemap.text_files import write_whole
 
 
-def test_a_written_file_is_whole_readable_and_alone_and_stays_where_the_next_write_fails(tmp_path, monkeypatch) -> None:
+def test_a_written_file_is_whole_readable_and_alone_and_stays_where_the_next_write_fails(
+    tmp_path, monkeypatch
+) -> None:
     path = tmp_path / "new" / "folder" / "picture.png"
     write_whole(path, b"first")
     write_whole(path, b"second")
@@ -117,7 +121,9 @@ def test_a_table_wider_than_the_terminal_is_told_row_by_row() -> None:
 
 
 def test_words_of_a_wide_table_are_broken_and_numbers_never(monkeypatch, capsys) -> None:
-    table = output.people_table("Rows", ("what", "value"), [(" ".join(["words"] * 40), "-2.50")], words=(0,))
+    table = output.people_table(
+        "Rows", ("what", "value"), [(" ".join(["words"] * 40), "-2.50")], words=(0,)
+    )
     PeopleConsole().print_table(table)
     shown = capsys.readouterr().out
     assert max(map(len, shown.splitlines())) <= 120
@@ -135,13 +141,17 @@ def test_quiet_says_nothing_and_does_the_same(here, capsys) -> None:
 
 
 def test_a_shell_is_told_which_words_may_follow(monkeypatch, capsys) -> None:
-    """Click's protocol: the words so far come in variables, completions go to stdout; the page's script is bash's."""
+    """Click's protocol: the words so far come in variables, completions go to stdout; the page's
+    script is bash's.
+    """
     monkeypatch.setenv("_CYCLEMAP_COMPLETE", "bash_complete")
     monkeypatch.setenv("COMP_WORDS", "cyclemap port")
     monkeypatch.setenv("COMP_CWORD", "1")
     assert run([]) == 0
     assert capsys.readouterr().out.split() == ["plain,portrait"]
-    monkeypatch.setattr(click.shell_completion.BashComplete, "_check_version", staticmethod(lambda: None))
+    monkeypatch.setattr(
+        click.shell_completion.BashComplete, "_check_version", staticmethod(lambda: None)
+    )
     monkeypatch.setenv("_CYCLEMAP_COMPLETE", "bash_source")
     assert run([]) == 0
     assert "complete -o nosort" in capsys.readouterr().out
@@ -157,7 +167,10 @@ def test_a_command_is_told_as_it_was_said_with_all_that_was_said_of_its_data(cap
     def report(**asked: object) -> None:
         click.echo(shlex.join(said_command("out", files_by_name=True)))
 
-    said = "plywood --protocol mine.toml --set push_mm=60 --set side=1 --columns theta0=yaw --units deg,mm"
+    said = (
+        "plywood --protocol mine.toml --set push_mm=60 --set side=1 --columns theta0=yaw "
+        "--units deg,mm"
+    )
     said += " --angles clockwise --frame mirrored --offset-deg -3.5 --data mine.csv --reset"
     typed = said.replace("mine.", "some/folder/mine.").split()
     report.main([*typed, "--out", "elsewhere"], standalone_mode=False)

@@ -1,4 +1,6 @@
-"""`cyclemap plan` from outside: its tables, JSON and words; what it makes of a table that is filled in."""
+"""`cyclemap plan` from outside: its tables, JSON and words; what it makes of a table that is filled
+in.
+"""
 
 import json
 import math
@@ -30,13 +32,16 @@ def here(tmp_path, monkeypatch) -> Path:
 
 
 def fill_in(path: Path, material: str) -> None:
-    """Make the planned pushes on a surface, and write down the corners to a tenth of a millimetre."""
+    """Make the planned pushes on a surface,
+    and write down the corners to a tenth of a millimetre."""
     loop = loop_from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
     table = pd.read_csv(path)
     corners = [name for state in "012" for name in mark_columns(state)]
     table[corners] = table[corners].astype(float)
     for number, row in table.iterrows():
-        start = Pose(1e-3 * row["set_x_mm"], 1e-3 * row["set_y_mm"], math.radians(row["set_theta_deg"]))
+        start = Pose(
+            1e-3 * row["set_x_mm"], 1e-3 * row["set_y_mm"], math.radians(row["set_theta_deg"])
+        )
         angle, length = math.radians(row["angle_deg"]), 1e-3 * row["push_mm"]
         end = loop.model.push(start, SidePush(int(row["side"]), row["fraction"], angle, length)).end
         back = loop.model.drag(end, (start.to_world(*loop.slider.hitch),)).end
@@ -54,7 +59,10 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
     # What goes on asks the same again.
     (following,) = [line for line in told.splitlines() if line.startswith("next: ")]
     words = shlex.split(following.removeprefix("next: "))
-    assert words[:3] == ["cyclemap", "plan", "box.toml"] and words[-2:] == ["--after", "out/plan_box.csv"]
+    assert words[:3] == ["cyclemap", "plan", "box.toml"] and words[-2:] == [
+        "--after",
+        "out/plan_box.csv",
+    ]
     pairs = zip(words[3:-2:2], words[4:-2:2], strict=True)
     assert sorted(pairs) == sorted(zip(said[::2], said[1::2], strict=True))
     report = json.loads((here / "out/plan_box.json").read_text())
@@ -74,7 +82,9 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
     table.to_csv(here / "out/plan_box.csv", index=False)
     kept = (here / "out/plan_box.csv").read_bytes()
     assert run(["plan", "box.toml", "--pushes", "3", "--for", "pushes", "--quiet"]) == 0
-    assert (here / "out/plan_box.csv").read_bytes() == kept and (here / "out/plan_box_2.csv").exists()
+    assert (here / "out/plan_box.csv").read_bytes() == kept and (
+        here / "out/plan_box_2.csv"
+    ).exists()
 
 
 @pytest.mark.parametrize(
@@ -95,11 +105,16 @@ def test_bad_use_is_one_line_that_names_the_value(here, capsys, arguments, words
     assert words in told and told.startswith("error: ") and told.count("\n") == 1
 
 
-def test_a_table_that_is_given_twice_or_would_be_written_over_another_is_refused(here, capsys) -> None:
+def test_a_table_that_is_given_twice_or_would_be_written_over_another_is_refused(
+    here, capsys
+) -> None:
     assert run(["plan", "box.toml", "--pushes", "2", "--quiet"]) == 0
     fill_in(here / "out/plan_box.csv", "isotropic")
     after = ["--after", "out/plan_box.csv"]
-    for name, words in (("out/plan_box.csv", "is given twice"), ("plan_box.csv", "has the name of")):
+    for name, words in (
+        ("out/plan_box.csv", "is given twice"),
+        ("plan_box.csv", "has the name of"),
+    ):
         Path(name).write_bytes(Path("out/plan_box.csv").read_bytes())
         capsys.readouterr()
         assert run(["plan", "box.toml", *after, "--after", name]) == 2
@@ -113,7 +128,10 @@ def test_a_table_that_is_given_twice_or_would_be_written_over_another_is_refused
 def test_filled_tables_are_identified_and_the_plan_goes_on_or_ends(here, capsys) -> None:
     assert run(["plan", "box.toml", "--pushes", "8", "--quiet"]) == 0
     fill_in(here / "out/plan_box.csv", "plywood-floor")
-    assert run(["plan", "box.toml", "--after", "out/plan_box.csv", "--pushes", "2", "--json", "-"]) == 0
+    assert (
+        run(["plan", "box.toml", "--after", "out/plan_box.csv", "--pushes", "2", "--json", "-"])
+        == 0
+    )
     report = json.loads(capsys.readouterr().out)
     assert report["uncertainty"]["samples"] > 100
     assert report["enough"] is (len(report.get("pushes", [])) == 0)
@@ -123,4 +141,18 @@ def test_filled_tables_are_identified_and_the_plan_goes_on_or_ends(here, capsys)
     # What was found is a file that every command reads.
     found = cm.load_material("out/plan_box_measured.toml")
     assert found.posterior is not None and found.pressure_of("box") is not None
-    assert run(["identify", "out/plan_box.csv", "--protocol", "box.toml", "--floor", "unknown", "--folds", "0"]) == 0
+    assert (
+        run(
+            [
+                "identify",
+                "out/plan_box.csv",
+                "--protocol",
+                "box.toml",
+                "--floor",
+                "unknown",
+                "--folds",
+                "0",
+            ]
+        )
+        == 0
+    )

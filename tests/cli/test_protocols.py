@@ -1,4 +1,6 @@
-"""--set, protocol files and strategies: what is understood, what is refused, which of two wins, what follows."""
+"""--set, protocol files and strategies: what is understood, what is refused, which of two wins,
+what follows.
+"""
 
 import math
 import re
@@ -52,21 +54,34 @@ REFUSING = [
     [
         ("[push\n", "not TOML"),
         ("[push]\nside = true\n", ", line 2: side is True; it must be a number, text"),
-        ("[push]\n[push.deeper]\nside = 1\n", ", line 2: deeper is {'side': 1}; it must be a number, text"),
-        ("[push]\nside = 1\nmu_a = 'rough'\n", ", line 3: mu_a must be a finite number, not 'rough'"),
-        ("[[strategy.actions]]\nside = 0\n[push]\nsdie = 1\n", ", line 4: unknown setting 'sdie': did you mean 'si"),
+        (
+            "[push]\n[push.deeper]\nside = 1\n",
+            ", line 2: deeper is {'side': 1}; it must be a number, text",
+        ),
+        (
+            "[push]\nside = 1\nmu_a = 'rough'\n",
+            ", line 3: mu_a must be a finite number, not 'rough'",
+        ),
+        (
+            "[[strategy.actions]]\nside = 0\n[push]\nsdie = 1\n",
+            ", line 4: unknown setting 'sdie': did you mean 'si",
+        ),
         ("[a]\nside = 1\n[b]\nside = 2\n", ", line 4: side is given twice"),
     ],
 )
 def test_bad_protocol_is_refused_by_file_and_line(protocol_file, text, said) -> None:
     path = protocol_file(text)
-    refuse(read_protocol, path, told=f"{re.escape(str(path))}.*{re.escape(said)}", kind=DataFileError)
+    refuse(
+        read_protocol, path, told=f"{re.escape(str(path))}.*{re.escape(said)}", kind=DataFileError
+    )
 
 
 def test_set_wins_over_protocol_over_material_over_mit(protocol_file) -> None:
     """The tables of a protocol file are headings only; noise is read in degrees."""
     path = protocol_file("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
-    loop, sigma = chosen_loop(LoopOptions("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5")))
+    loop, sigma = chosen_loop(
+        LoopOptions("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5"))
+    )
     friction = loop.material.friction
     assert (friction.mu_a, friction.mu_b, friction.m0) == (0.31, 0.28, 0.0325)
     assert (loop.pusher.friction, loop.pusher.radius) == (0.2, 0.00475)
@@ -84,7 +99,9 @@ def protocol(here):
     return write
 
 
-def test_cycle_runs_each_action_from_each_start_and_tells_its_share(protocol, report_of, capsys) -> None:
+def test_cycle_runs_each_action_from_each_start_and_tells_its_share(
+    protocol, report_of, capsys
+) -> None:
     found = report_of("cycle", *PLYWOOD, protocol(RANDOM), "--theta0-deg", "0,90")["cycles"]
     assert len(found) == 4
     for number, row in enumerate(found):
@@ -93,8 +110,13 @@ def test_cycle_runs_each_action_from_each_start_and_tells_its_share(protocol, re
         assert row["theta0_deg"] == start
         assert row["theta1_deg"] == pytest.approx(math.degrees(cycle.theta_next + 0.3))
         assert row["action"]["weight"] == pytest.approx((0.25, 0.75)[number // 2])
-        assert (row["action"]["side"], row["action"]["gripper_turn_deg"]) == (action.push.side, math.degrees(0.3))
-        pushed = f"push {10 * (1 + number // 2)} mm on side {action.push.side} at 0.7, gripper 17.2°"
+        assert (row["action"]["side"], row["action"]["gripper_turn_deg"]) == (
+            action.push.side,
+            math.degrees(0.3),
+        )
+        pushed = (
+            f"push {10 * (1 + number // 2)} mm on side {action.push.side} at 0.7, gripper 17.2°"
+        )
         assert row["action"]["name"] == pushed
     assert run(["cycle", *PLYWOOD, "protocol.toml", "--theta0-deg", "0"]) == 0
     assert f"{pushed}: 0.75 of the cycles on plywood" in capsys.readouterr().out
@@ -108,14 +130,26 @@ def test_cycle_without_a_strategy_has_no_action(protocol, report_of) -> None:
 
 @pytest.mark.slow
 def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, report_of) -> None:
-    report = report_of("portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6")
+    report = report_of(
+        "portrait", *PLYWOOD, protocol(RANDOM), "--cycles", "300", "--set", "noise_deg=6"
+    )
     assert list(report) == [
-        *("strategy", "map", "fixed_points", "fixed_points_reason", "rotation_number", "stationary", "staircase")
+        *(
+            "strategy",
+            "map",
+            "fixed_points",
+            "fixed_points_reason",
+            "rotation_number",
+            "stationary",
+            "staircase",
+        )
     ]
     turns = map_turns(strategy_maps(LOOP, RANDOM))
     law = orientation_law(turns, RANDOM, math.radians(6.0))
     assert [one["action"]["weight"] for one in report["map"]] == pytest.approx([0.25, 0.75])
-    assert [one["mean_turn_deg"] for one in report["map"]] == pytest.approx(np.degrees(turns.mean(axis=1)).tolist())
+    assert [one["mean_turn_deg"] for one in report["map"]] == pytest.approx(
+        np.degrees(turns.mean(axis=1)).tolist()
+    )
     assert report["stationary"]["tv_from_uniform"] == pytest.approx(law.total_variation, abs=1e-9)
     gap, memory = report["stationary"]["spectral_gap"], report["stationary"]["mixing_cycles"]
     assert memory == pytest.approx(-1.0 / math.log1p(-gap))
@@ -126,9 +160,15 @@ def test_a_portrait_tells_the_distribution_of_its_mixture(protocol, report_of) -
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["portrait", "staircase"])
-def test_measured_directions_stand_beside_a_strategy(protocol, report_of, theta0_file, command) -> None:
-    theta0_file(Path("measured.csv"), np.cumsum(0.2 + 0.02 * np.random.default_rng(1).standard_normal(150)))
-    report = report_of(command, *PLYWOOD, protocol(RANDOM), "--data", "measured.csv", "--set", "noise_deg=20")
+def test_measured_directions_stand_beside_a_strategy(
+    protocol, report_of, theta0_file, command
+) -> None:
+    theta0_file(
+        Path("measured.csv"), np.cumsum(0.2 + 0.02 * np.random.default_rng(1).standard_normal(150))
+    )
+    report = report_of(
+        command, *PLYWOOD, protocol(RANDOM), "--data", "measured.csv", "--set", "noise_deg=20"
+    )
     ran = report["run"] if command == "staircase" else report["staircase"]["run"]
     assert ran["cycles"] == 149 and report["data"]
 
@@ -146,14 +186,20 @@ def test_measured_directions_stand_beside_a_strategy(protocol, report_of, theta0
 def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(
     protocol, report_of, name, options, strategy
 ) -> None:
-    said = ["hitch_x_mm=0", "hitch_y_mm=20", "push_mm=10"] + ["way_points_mm=[[20, 10]]"] * (strategy is FIXED)
+    said = ["hitch_x_mm=0", "hitch_y_mm=20", "push_mm=10"] + ["way_points_mm=[[20, 10]]"] * (
+        strategy is FIXED
+    )
     given = [word for pair in said for word in ("--set", pair)]
     found = report_of(name, "isotropic", "--protocol", protocol(strategy), *options)
     assert found == report_of(name, "isotropic", *given, *options)
 
 
-@pytest.mark.parametrize("strategy", [FIXED, ResetStrategy(legs(0.05, 4)[1:2]), ResetStrategy(DRAWN.actions[1:])])
-def test_every_command_about_one_loop_gets_the_loop_with_the_strategy_in_it(protocol, strategy) -> None:
+@pytest.mark.parametrize(
+    "strategy", [FIXED, ResetStrategy(legs(0.05, 4)[1:2]), ResetStrategy(DRAWN.actions[1:])]
+)
+def test_every_command_about_one_loop_gets_the_loop_with_the_strategy_in_it(
+    protocol, strategy
+) -> None:
     loop, sigma = chosen_loop(LoopOptions("plywood", Path(protocol(strategy)), ("noise_deg=3",)))
     (action,) = strategy.actions
     assert loop == action.on(strategy.prepared(LOOP)) != LOOP
@@ -168,15 +214,25 @@ def test_a_command_about_one_loop_refuses_a_strategy_and_says_which_take_it(
     path = protocol(strategy)
     theta0_file(Path("measured.csv"), 0.12 * np.arange(60))
     why = "turns the object by a gripper" if strategy is GRIPPER else "differs from cycle to cycle"
-    takes = "and this command is about one loop: give the protocol to cyclemap cycle, portrait, staircase or simulate"
+    takes = (
+        "and this command is about one loop: give the protocol to cyclemap cycle, portrait, "
+        "staircase or simulate"
+    )
     refused([*command, "--protocol", path], f"{why}, {takes}")
 
 
 @pytest.mark.parametrize(
     ("strategy", "pair"),
-    [(RANDOM, "side=1"), (FIXED, "hitch_x_mm=3"), (FIXED, "way_points_mm=[[1, 2]]"), (LEG, "way_points_mm=[[1, 2]]")],
+    [
+        (RANDOM, "side=1"),
+        (FIXED, "hitch_x_mm=3"),
+        (FIXED, "way_points_mm=[[1, 2]]"),
+        (LEG, "way_points_mm=[[1, 2]]"),
+    ],
 )
-def test_a_setting_that_the_strategy_overrules_is_refused(protocol, refused, strategy, pair) -> None:
+def test_a_setting_that_the_strategy_overrules_is_refused(
+    protocol, refused, strategy, pair
+) -> None:
     said = f"--set {pair.partition('=')[0]}: the protocol's strategy"
     refused(["cycle", "plywood", "--protocol", protocol(strategy), "--set", pair], said)
 
@@ -195,15 +251,32 @@ def test_the_staircase_is_that_of_the_mechanics_with_the_same_seed(protocol, rep
     assert Path("out/staircase_plywood.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_simulate_follows_the_schedule_of_its_seed_cycle_by_cycle(protocol, report_of, tmp_path) -> None:
-    """Without noise the recorded θ0 are those of `run_strategy`, and of the schedule that a robot is given."""
+def test_simulate_follows_the_schedule_of_its_seed_cycle_by_cycle(
+    protocol, report_of, tmp_path
+) -> None:
+    """Without noise the recorded θ0 are those of `run_strategy`, and of the schedule that a robot
+    is given.
+    """
     path, strategy = protocol(RANDOM), read_protocol("protocol.toml")[1]
-    options = ["--cycles", "5", "--seed", "2", "--noise-deg", "0", "--format", "json", "--out", "made"]
+    options = [
+        "--cycles",
+        "5",
+        "--seed",
+        "2",
+        "--noise-deg",
+        "0",
+        "--format",
+        "json",
+        "--out",
+        "made",
+    ]
     reports = [report_of("simulate", *PLYWOOD, path, *options) for _ in range(2)]
     assert (reports[0]["written"], reports[1]["resumed"]) == (5, 5)
     told = run_strategy(LOOP, strategy, 5, seed=2)
     table = load_pushes(tmp_path / "made").table.sort_values("repetition")
     assert np.cos(table["theta0"].to_numpy()) == pytest.approx(np.cos(told.theta[0, :5]), abs=1e-4)
     write_schedule("schedule.csv", LOOP, strategy, 5, seed=2)
-    assert table["side"].tolist() == [float(action.push.side) for action in read_schedule("schedule.csv")]
+    assert table["side"].tolist() == [
+        float(action.push.side) for action in read_schedule("schedule.csv")
+    ]
     assert len(set(table["side"])) == 2

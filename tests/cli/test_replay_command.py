@@ -14,18 +14,26 @@ OFF_MM = (1.0, 3.0)
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
-    """Two pushes of rect1 that end 1 and 3 mm from where the simulator's do, and a file that is cut short."""
-    model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25), Pusher(friction=0.25), accuracy=1e-5)
+    """Two pushes of rect1 that end 1 and 3 mm from where the simulator's do, and a file that is cut
+    short.
+    """
+    model = QuasiStaticModel(
+        Slider.mit("rect1"), EllipseFriction.isotropic(0.25), Pusher(friction=0.25), accuracy=1e-5
+    )
     push = model.push(Pose(), WorldPush((0.012, 0.07), -math.pi / 2, 0.05), 0.5e-3)
     travel = np.linspace(0.0, 0.05, 101)
     course = push.trajectory
-    poses = np.column_stack([np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T])
+    poses = np.column_stack(
+        [np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T]
+    )
     tip = np.column_stack([0.0 * travel + 0.012, 0.07 - travel, 0.0 * travel])
     home = tmp_path_factory.mktemp("data")
     for number, off in enumerate(OFF_MM):
         moved = poses + np.outer(np.clip(travel / 0.01 - 4.0, 0.0, 1.0), (1e-3 * off, 0.0, 0.0))
         series = {"object_pose": moved, "tip_pose": tip, "ft_wrench": 0.0 * tip}
-        tables = {name: np.column_stack([10.0 * travel, part]).tolist() for name, part in series.items()}
+        tables = {
+            name: np.column_stack([10.0 * travel, part]).tolist() for name, part in series.items()
+        }
         name = f"motion_surface=abs_shape=rect1_a=0_v=100_i=0.000_s=0.700_t=0.000_rep={number:04d}.json"
         (home / name).write_text(json.dumps(tables))
     (home / "cut.json").write_text("{")
@@ -35,7 +43,11 @@ def data(tmp_path_factory):
 @pytest.mark.slow
 def test_json_tells_every_push_its_groups_and_the_files_left_out(data, saved_report) -> None:
     report = saved_report("out/replay_isotropic", "replay", "isotropic", "--data", str(data))
-    assert (report["material"], report["pusher_friction"], report["pushes"]) == ("isotropic", 0.25, 2)
+    assert (report["material"], report["pusher_friction"], report["pushes"]) == (
+        "isotropic",
+        0.25,
+        2,
+    )
     assert [row["error_mm"] for row in report["replays"]] == pytest.approx(list(OFF_MM), abs=0.01)
     assert [row["speed_mm_s"] for row in report["replays"]] == pytest.approx([100.0, 100.0])
     (group,) = report["by_object"]
@@ -46,11 +58,18 @@ def test_json_tells_every_push_its_groups_and_the_files_left_out(data, saved_rep
 
 
 @pytest.mark.slow
-def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_path, capsys, monkeypatch) -> None:
+def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(
+    data, tmp_path, capsys, monkeypatch
+) -> None:
     monkeypatch.setenv("COLUMNS", "60")
-    assert run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"]) == 0
+    assert (
+        run(["replay", "isotropic", "--data", str(data), "--out", str(tmp_path), "--format", "svg"])
+        == 0
+    )
     shown = capsys.readouterr().out
-    assert "2 pushes replayed: they end 2.0 mm and 0.0° off on average; 1 file could not be." in shown
+    assert (
+        "2 pushes replayed: they end 2.0 mm and 0.0° off on average; 1 file could not be." in shown
+    )
     for part in ("turn error (°)", "rect1", "2.00", "cut.json: not JSON", "replay_isotropic.svg"):
         assert part in shown
     assert "…" not in shown
@@ -59,9 +78,13 @@ def test_people_get_a_table_by_object_whole_even_in_a_narrow_terminal(data, tmp_
 @pytest.mark.slow
 def test_the_rods_friction_changes_the_replay(data, here, report_of) -> None:
     asked = ("replay", "isotropic", "--data", str(data), "--pusher-friction")
-    sticking, sliding = (report_of(*asked, friction)["mean_turn_error_deg"] for friction in ("0.25", "0"))
+    sticking, sliding = (
+        report_of(*asked, friction)["mean_turn_error_deg"] for friction in ("0.25", "0")
+    )
     assert sticking < 0.01 and sliding > 0.5
 
 
 def test_data_without_a_push_are_a_failure(data, refused) -> None:
-    refused(["replay", "isotropic", "--data", str(data / "cut.json")], "no push could be replayed", 1)
+    refused(
+        ["replay", "isotropic", "--data", str(data / "cut.json")], "no push could be replayed", 1
+    )

@@ -1,4 +1,6 @@
-"""Results are named by their surface and, unless it is MIT's square, by their object: none takes another's place."""
+"""Results are named by their surface and, unless it is MIT's square, by their object: none takes
+another's place.
+"""
 
 import json
 from pathlib import Path
@@ -21,7 +23,10 @@ def test_two_objects_on_one_surface_leave_two_results(here) -> None:
     names = sorted(path.name for path in (here / "made").iterdir())
     on_table = ["cycles_hex_on_table.json", "cycles_lid_on_table.json", "cycles_tri1_on_table.json"]
     assert names == sorted([*on_table, "cycles_table.json"])
-    turns = {json.loads((here / "made" / name).read_text())["cycles"][0]["push_turn_deg"] for name in names}
+    turns = {
+        json.loads((here / "made" / name).read_text())["cycles"][0]["push_turn_deg"]
+        for name in names
+    }
     assert len(turns) == 3
 
 
@@ -38,5 +43,8 @@ def test_a_sweep_of_an_object_is_stored_by_its_name(here, capsys) -> None:
 def test_a_name_borrowed_from_the_square_is_told(name) -> None:
     """An object of another outline that is called rect1, and one without a name."""
     loop = loop_from_settings({"semi_x_mm": 40, "semi_y_mm": 50, "object_name": name})
-    assert result_stem(Path("out"), "portrait", loop).name == f"portrait_{name.replace(' ', '_')}_on_plywood"
+    assert (
+        result_stem(Path("out"), "portrait", loop).name
+        == f"portrait_{name.replace(' ', '_')}_on_plywood"
+    )
     assert result_stem(Path("out"), "portrait", CollectionLoop.mit()).name == "portrait_plywood"

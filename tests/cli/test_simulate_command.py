@@ -19,7 +19,9 @@ def simulate(folder, *more: str) -> int:
 
 def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, report_of) -> None:
     folder = tmp_path / "made"
-    first, second = (report_of("simulate", "plywood", "--cycles", "3", "--out", str(folder)) for _ in range(2))
+    first, second = (
+        report_of("simulate", "plywood", "--cycles", "3", "--out", str(folder)) for _ in range(2)
+    )
     assert list(first) == KEYS
     assert (first["cycles"], first["written"], first["resumed"]) == (3, 3, 0)
     assert second == first | {"written": 0, "resumed": 3}
@@ -30,12 +32,44 @@ def test_json_tells_what_was_written_and_found_and_nothing_else(tmp_path, report
 
 
 def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
-    options = ["--start-deg", "90", "--seed", "5", "--pose-noise-mm", "0.2", "--pose-noise-deg", "0.5"]
-    options += ["--force-noise-n", "0.03", "--speed-mm-s", "50", "--noise-deg", "2", "--wear-to", "isotropic"]
-    assert simulate(tmp_path, *options, "--format", "json", "--set", "push_mm=40", "--set", "noise_deg=3") == 0
+    options = [
+        "--start-deg",
+        "90",
+        "--seed",
+        "5",
+        "--pose-noise-mm",
+        "0.2",
+        "--pose-noise-deg",
+        "0.5",
+    ]
+    options += [
+        "--force-noise-n",
+        "0.03",
+        "--speed-mm-s",
+        "50",
+        "--noise-deg",
+        "2",
+        "--wear-to",
+        "isotropic",
+    ]
+    assert (
+        simulate(
+            tmp_path, *options, "--format", "json", "--set", "push_mm=40", "--set", "noise_deg=3"
+        )
+        == 0
+    )
     found = read_toml(tmp_path / "collection.toml")["simulation"]
-    expected = {"start_rad": math.pi / 2.0, "seed": 5, "speed_m_s": 0.05, "noise_turn_rad": math.radians(2.0)}
-    expected |= {"noise_position_m": 2e-4, "noise_angle_rad": math.radians(0.5), "noise_force_n": 0.03}
+    expected = {
+        "start_rad": math.pi / 2.0,
+        "seed": 5,
+        "speed_m_s": 0.05,
+        "noise_turn_rad": math.radians(2.0),
+    }
+    expected |= {
+        "noise_position_m": 2e-4,
+        "noise_angle_rad": math.radians(0.5),
+        "noise_force_n": 0.03,
+    }
     assert {name: found[name] for name in expected} == pytest.approx(expected)
     assert (found["accuracy"], found["suffix"], found["scans"]) == ("1e-06", ".json", False)
     assert len(list(tmp_path.rglob("*.json"))) == 3
@@ -47,25 +81,44 @@ def test_options_reach_the_collection_in_si_units(tmp_path) -> None:
 
 @pytest.mark.parametrize(
     ("options", "sigma"),
-    [([], DEFAULT_SIGMA), (["--set", "noise_deg=3"], math.radians(3.0)), (["--noise-deg", "0"], 0.0)],
+    [
+        ([], DEFAULT_SIGMA),
+        (["--set", "noise_deg=3"], math.radians(3.0)),
+        (["--noise-deg", "0"], 0.0),
+    ],
 )
-def test_the_scatter_is_the_options_else_the_settings_else_the_packages(tmp_path, options, sigma) -> None:
+def test_the_scatter_is_the_options_else_the_settings_else_the_packages(
+    tmp_path, options, sigma
+) -> None:
     assert simulate(tmp_path, *options) == 0
-    assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(sigma)
+    assert read_toml(tmp_path / "collection.toml")["simulation"]["noise_turn_rad"] == pytest.approx(
+        sigma
+    )
 
 
 def test_a_folder_that_cannot_be_used_is_refused_by_name(here, refused) -> None:
     assert simulate(here / "made") == 0
-    refused(["simulate", "plywood", "--cycles", "3", "--out", "made", "--seed", "7"], "seed is 0 there and 7 here")
+    refused(
+        ["simulate", "plywood", "--cycles", "3", "--out", "made", "--seed", "7"],
+        "seed is 0 there and 7 here",
+    )
     (here / "file").write_text("in the way")
-    refused(["simulate", "plywood", "--out", "file/made"], "file/made cannot be used (Not a directory)", 1)
+    refused(
+        ["simulate", "plywood", "--out", "file/made"],
+        "file/made cannot be used (Not a directory)",
+        1,
+    )
 
 
-def test_a_material_that_knows_its_noise_scatters_by_it_unless_told_otherwise(tmp_path, capsys) -> None:
+def test_a_material_that_knows_its_noise_scatters_by_it_unless_told_otherwise(
+    tmp_path, capsys
+) -> None:
     asked = ["simulate", "plywood-measured", "--cycles", "2", "--out"]
     assert run([*asked, str(tmp_path / "own")]) == 0
     assert run([*asked, str(tmp_path / "told"), "--noise-deg", "2"]) == 0
     own, told = (read_toml(tmp_path / name / "collection.toml") for name in ("own", "told"))
-    assert "LocalNoise" in own["simulation"]["cycle_noise"] and "cycle_noise" not in told["simulation"]
+    assert (
+        "LocalNoise" in own["simulation"]["cycle_noise"] and "cycle_noise" not in told["simulation"]
+    )
     again = cm.protocol.loop_from_file(tmp_path / "own" / "collection.toml")
     assert again.material.noise == cm.load_material("plywood-measured").noise

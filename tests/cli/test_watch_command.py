@@ -1,4 +1,6 @@
-"""`cyclemap watch` from outside: once over a file, and following one that grows until it is interrupted."""
+"""`cyclemap watch` from outside: once over a file, and following one that grows until it is
+interrupted.
+"""
 
 import json
 import math
@@ -34,19 +36,34 @@ def data_file(folder: Path, angles=LOCKED) -> Path:
 def test_one_look_tells_alarm_direction_coverage_and_advice(here, capsys, saved_report) -> None:
     asked = ["watch", str(data_file(here)), "--alarm-rate", "0.1"]
     report = saved_report("out/watch_my_run", *asked)
-    parts = "file pushes alarm_rate alarm evidence rest useful_pushes recent_worth coverage advice multiplier"
+    parts = (
+        "file pushes alarm_rate alarm evidence rest useful_pushes recent_worth coverage "
+        "advice multiplier"
+    )
     assert set(report) == set(parts.split())
     assert (report["file"], report["pushes"], report["alarm_rate"]) == ("my run.csv", 35, 0.1)
     assert report["alarm"]["directions_deg"] == [pytest.approx(60.0, abs=3.0)]
     told = report["multiplier"]
     assert told is None or told["lower"] <= told["value"] <= told["upper"]
     assert report["rest"]["towards_deg"] == [pytest.approx(60.3, abs=0.5)]
-    assert report["evidence"]["rest_log10"] >= report["evidence"]["threshold_log10"] == pytest.approx(math.log10(20.0))
-    assert report["advice"] == {"change_reset": True, "direction_deg": pytest.approx(235.0, abs=10.0)}
+    assert (
+        report["evidence"]["rest_log10"]
+        >= report["evidence"]["threshold_log10"]
+        == pytest.approx(math.log10(20.0))
+    )
+    assert report["advice"] == {
+        "change_reset": True,
+        "direction_deg": pytest.approx(235.0, abs=10.0),
+    }
     assert run(asked) == 0
     shown = capsys.readouterr()
     assert shown.err == ""
-    for part in (f"ALARM at push {report['alarm']['push']}", "θ0 rests near 6", "Change the reset", "watch_my_run.png"):
+    for part in (
+        f"ALARM at push {report['alarm']['push']}",
+        "θ0 rests near 6",
+        "Change the reset",
+        "watch_my_run.png",
+    ):
         assert part in shown.out
 
 
@@ -75,9 +92,16 @@ def append(file: Path, text: str):
 
 
 @pytest.mark.slow
-def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report(here, capsys, monkeypatch) -> None:
+def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report(
+    here, capsys, monkeypatch
+) -> None:
     file = data_file(here, LOCKED[:10])
-    grown(monkeypatch, append(file, rows(LOCKED[10:])[:-3]), append(file, rows(LOCKED)[-3:]), append(file, "1"))
+    grown(
+        monkeypatch,
+        append(file, rows(LOCKED[10:])[:-3]),
+        append(file, rows(LOCKED)[-3:]),
+        append(file, "1"),
+    )
     assert run(["watch", str(file), *FOLLOW, "--json", "-"]) == 130
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line["push"] for line in lines] == list(range(len(LOCKED)))
@@ -88,9 +112,15 @@ def test_following_prints_a_line_of_json_for_each_push_and_keeps_the_last_report
 
 
 @pytest.mark.slow
-def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, capsys, monkeypatch) -> None:
+def test_following_tells_people_what_changes_and_a_file_that_begins_anew(
+    here, capsys, monkeypatch
+) -> None:
     file = data_file(here)
-    grown(monkeypatch, lambda: None, lambda: file.write_text("theta0_deg\n" + rows([10, 100, 190, 280])))
+    grown(
+        monkeypatch,
+        lambda: None,
+        lambda: file.write_text("theta0_deg\n" + rows([10, 100, 190, 280])),
+    )
     assert run(["watch", str(file), *FOLLOW]) == 130
     shown = capsys.readouterr()
     assert shown.out.count("ALARM at push") == 1
@@ -100,13 +130,26 @@ def test_following_tells_people_what_changes_and_a_file_that_begins_anew(here, c
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["pushes"] == 4
 
 
-def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, monkeypatch, report_of) -> None:
-    """Semicolons and decimal commas under another name: the report is that of the same angles in our columns."""
+def test_a_table_of_ones_own_is_watched_like_ours_and_followed(
+    here, capsys, monkeypatch, report_of
+) -> None:
+    """Semicolons and decimal commas under another name: the report is that of the same angles in
+    our columns.
+    """
     own = here / "log.csv"
     lines = [f"{n};{angle:.2f}\n".replace(".", ",") for n, angle in enumerate(LOCKED)]
     own.write_text("Nr;Winkel vorher\n" + "".join(lines))
     ours = report_of("watch", str(data_file(here)))
-    asked = ["watch", "log.csv", "--columns", "theta0=Winkel vorher", "--units", "deg", "--json", "-"]
+    asked = [
+        "watch",
+        "log.csv",
+        "--columns",
+        "theta0=Winkel vorher",
+        "--units",
+        "deg",
+        "--json",
+        "-",
+    ]
     assert run(asked) == 0
     shown = capsys.readouterr()
     assert {**json.loads(shown.out), "file": "my run.csv"} == ours
@@ -122,9 +165,16 @@ def test_a_table_of_ones_own_is_watched_like_ours_and_followed(here, capsys, mon
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("failure", "code"),
-    [(DataFileError("x"), 2), (OSError(5, "disk"), 1), (BrokenPipeError(), None), (ZeroDivisionError(), None)],
+    [
+        (DataFileError("x"), 2),
+        (OSError(5, "disk"), 1),
+        (BrokenPipeError(), None),
+        (ZeroDivisionError(), None),
+    ],
 )
-def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, failure, code) -> None:
+def test_however_following_ends_picture_and_json_are_written(
+    here, monkeypatch, failure, code
+) -> None:
     def fail() -> None:
         raise failure
 
@@ -140,14 +190,28 @@ def test_however_following_ends_picture_and_json_are_written(here, monkeypatch, 
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code
-    assert sorted(path.name for path in (here / "out").iterdir()) == ["watch_fol.json", "watch_fol.png"]
+    assert sorted(path.name for path in (here / "out").iterdir()) == [
+        "watch_fol.json",
+        "watch_fol.png",
+    ]
 
 
 @pytest.mark.slow
 def test_a_real_interrupt_ends_with_130_quietly_and_leaves_the_report(here) -> None:
-    command = [sys.executable, "-m", "cyclemap", "watch", str(data_file(here)), "--follow", "--json", "-"]
+    command = [
+        sys.executable,
+        "-m",
+        "cyclemap",
+        "watch",
+        str(data_file(here)),
+        "--follow",
+        "--json",
+        "-",
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert [json.loads(process.stdout.readline())["push"] for _ in LOCKED] == list(range(len(LOCKED)))
+    assert [json.loads(process.stdout.readline())["push"] for _ in LOCKED] == list(
+        range(len(LOCKED))
+    )
     process.send_signal(signal.SIGINT)
     assert process.communicate(timeout=60) == ("", "") and process.returncode == 130
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["alarm"]["kind"] == "rest"
@@ -159,17 +223,25 @@ MIXTURE = f'[strategy]\norder = "random"\n{ACTION}side = 1\n{ACTION}side = 2\n'
 
 @pytest.mark.slow
 def test_a_protocol_tells_which_action_to_take_next(here, capsys, report_of) -> None:
-    """The landing is that of `cyclemap cycle` from the last direction recorded with the same push."""
+    """The landing is that of `cyclemap cycle` from the last direction recorded with
+    the same push."""
     (here / "mix.toml").write_text(MIXTURE)
     asked = ["watch", str(data_file(here)), "--protocol", "mix.toml", "--material", "plywood"]
     chosen = report_of(*asked)["next_action"]
     assert set(chosen) == {"number", "name", "lands_deg", "crowding"}
-    cycles = report_of("cycle", "plywood", "--protocol", "mix.toml", "--theta0-deg", str(LOCKED[-1]))["cycles"]
+    cycles = report_of(
+        "cycle", "plywood", "--protocol", "mix.toml", "--theta0-deg", str(LOCKED[-1])
+    )["cycles"]
     assert len(cycles) == 2 and len({round(cycle["theta1_deg"]) for cycle in cycles}) == 2
-    assert chosen["lands_deg"] == pytest.approx(cycles[chosen["number"]]["theta1_deg"] % 360.0, abs=0.1)
+    assert chosen["lands_deg"] == pytest.approx(
+        cycles[chosen["number"]]["theta1_deg"] % 360.0, abs=0.1
+    )
     assert chosen["name"] == cycles[chosen["number"]]["action"]["name"]
     assert run(asked) == 0
-    assert f"Next: {chosen['name']}; it brings θ0 to {chosen['lands_deg']:.0f}°" in capsys.readouterr().out
+    assert (
+        f"Next: {chosen['name']}; it brings θ0 to {chosen['lands_deg']:.0f}°"
+        in capsys.readouterr().out
+    )
 
 
 SAMPLED = """[friction]
@@ -181,8 +253,12 @@ samples = [[0.2545, 0.2346, 0.0325], [0.25, 0.25, 0.0]]
 """
 
 
-def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(here, capsys, monkeypatch) -> None:
-    """After every look the forecast of the loop from the last orientation, on maps that are computed once."""
+def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(
+    here, capsys, monkeypatch
+) -> None:
+    """After every look the forecast of the loop from the last orientation, on maps that are
+    computed once.
+    """
     (here / "slate.toml").write_text(SAMPLED)
     file = data_file(here)
     computed = []
@@ -203,7 +279,12 @@ def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(here
     for theta_deg, told in ahead:
         expected = lock_forecast(loop, sigma, 300, math.radians(theta_deg))
         assert told["cycles"] == 300 and told["chance_of_lock_in"] == expected.chance
-        assert [told["orientations_of_36"][key] for key in ("median", "lower", "upper")] == [*expected.orientations]
+        assert [told["orientations_of_36"][key] for key in ("median", "lower", "upper")] == [
+            *expected.orientations
+        ]
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["forecast"] == ahead[-1][1]
     assert run(asked) == 0
-    assert "From 340.0° on, of all that is believed, within 300 pushes the loop locks in" in capsys.readouterr().out
+    assert (
+        "From 340.0° on, of all that is believed, within 300 pushes the loop locks in"
+        in capsys.readouterr().out
+    )

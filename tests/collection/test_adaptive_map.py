@@ -1,4 +1,5 @@
-"""Sampling of circle maps: stated errors hold, kinks and jumps are kept, steep climbs are followed."""
+"""Sampling of circle maps: stated errors hold, kinks and jumps are kept,
+steep climbs are followed."""
 
 import math
 from functools import partial
@@ -40,13 +41,17 @@ def steep(theta):
     turns, base = divmod(theta, FULL_TURN)
     width = 1e-3
     value = 0.5 * base + 0.5 * math.pi * (1.0 + math.tanh((base - 3.0) / width))
-    slope = 0.5 + 0.5 * math.pi / width / math.cosh(max(min((base - 3.0) / width, 300.0), -300.0)) ** 2
+    slope = (
+        0.5 + 0.5 * math.pi / width / math.cosh(max(min((base - 3.0) / width, 300.0), -300.0)) ** 2
+    )
     return value + FULL_TURN * turns, slope
 
 
 def sampled(function, tolerance, **options):
     """The map that a function of one orientation gives."""
-    return sample_circle_map(lambda theta: np.array([function(t) for t in theta.tolist()]).T, tolerance, **options)
+    return sample_circle_map(
+        lambda theta: np.array([function(t) for t in theta.tolist()]).T, tolerance, **options
+    )
 
 
 def worst_error(circle, function, theta):
@@ -75,14 +80,18 @@ def test_jumps_and_kinks_are_kept_and_the_stated_error_holds_within_the_toleranc
 
 
 def test_cubics_grow_with_the_fourth_root_of_the_tolerance_and_samples_slower_than_the_sixth():
-    """10,000 times the accuracy asks for 10 times the cubics, but for less than 4.6 times the samples."""
+    """10,000 times the accuracy asks for 10 times the cubics, but for less than 4.6 times the
+    samples.
+    """
     coarse, fine = sampled(smooth, 1e-5), sampled(smooth, 1e-9)
     assert 5.0 <= len(fine.pieces.knots) / len(coarse.pieces.knots) <= 20.0
     assert fine.samples / coarse.samples < 10_000 ** (1 / 6)
 
 
 def test_noise_that_the_tolerance_cannot_beat_is_confessed():
-    """A sample that wobbles by 1e-5 cannot be interpolated to 1e-7: the stated error says so, and holds."""
+    """A sample that wobbles by 1e-5 cannot be interpolated to 1e-7: the stated error says so, and
+    holds.
+    """
 
     def wobbling(theta):
         value, slope = smooth(theta)
@@ -94,7 +103,9 @@ def test_noise_that_the_tolerance_cannot_beat_is_confessed():
 
 
 def test_waves_in_step_with_the_samples_are_seen():
-    """At 24 places and all that halving them gives the ripple is 0 and level: samples there know nothing of it."""
+    """At 24 places and all that halving them gives the ripple is 0 and level: samples there know
+    nothing of it.
+    """
     waves, height = 24 * 16, 0.3 / (24 * 16)
 
     def rippled(theta):
@@ -107,7 +118,9 @@ def test_waves_in_step_with_the_samples_are_seen():
 
 
 def test_the_stated_error_holds_what_samples_are_off_by():
-    """A sample that is off by a constant is interpolated as well as one that is not; the constant adds to the error."""
+    """A sample that is off by a constant is interpolated as well as one that is not; the constant
+    adds to the error.
+    """
     plain, off = sampled(smooth, 1e-5), sampled(smooth, 1e-5, sample_error=3e-6)
     assert off.max_error == pytest.approx(plain.max_error + 3e-6, rel=1e-12)
 
@@ -122,7 +135,9 @@ def test_progress_rises_to_one_and_a_tolerance_that_is_no_positive_number_is_ref
 
 @pytest.mark.parametrize("beside", [-9e-11, -3e-11, 3e-11, 9e-11])
 def test_a_jump_beside_a_sample_leaves_a_sliver_whose_error_is_known(beside):
-    """Between the jump and a first sample there is too little room to be halved: its ends bound what it may hide."""
+    """Between the jump and a first sample there is too little room to be halved: its ends bound
+    what it may hide.
+    """
     lift = partial(jumping, place=FULL_TURN * 8 / 24 + beside)
     found = sampled(lift, 1e-6)
     assert found.breaks == pytest.approx([FULL_TURN * 8 / 24 + beside], abs=2e-10)

@@ -1,4 +1,6 @@
-"""The numerical experiment: batches end at the map's stable point; in the object's frame isotropic paths are one."""
+"""The numerical experiment: batches end at the map's stable point; in the object's frame isotropic
+paths are one.
+"""
 
 import math
 from dataclasses import replace
@@ -8,7 +10,13 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.collection import BatchExperiment, BatchRun, CollectionLoop, DynamicLoop, batch_experiment
+from cyclemap.collection import (
+    BatchExperiment,
+    BatchRun,
+    CollectionLoop,
+    DynamicLoop,
+    batch_experiment,
+)
 from cyclemap.collection.batch_experiment import REST, run_batches
 from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.mechanics import EllipseFriction, Material
@@ -78,7 +86,9 @@ def test_directions_join_ends_across_the_turn_and_part_those_that_differ(shift):
     theta = np.stack([ends - 1e-5, ends], axis=1)
     run = BatchRun(theta, np.zeros((4, 1, 3, 2)))
     first, second = sorted((np.array(run.directions()) - shift + 0.5) % (2 * math.pi) - 0.5)
-    assert math.degrees(first) == pytest.approx(-0.067, abs=1e-3) and second == pytest.approx(math.pi)
+    assert math.degrees(first) == pytest.approx(-0.067, abs=1e-3) and second == pytest.approx(
+        math.pi
+    )
     moving = BatchRun(np.stack([ends - 0.01, ends], axis=1), run.path)
     assert moving.directions() == ()
 
@@ -89,7 +99,9 @@ def made(*rows: list[float] | np.ndarray) -> BatchRun:
 
 
 def test_a_bottleneck_without_a_fixed_point_is_no_direction_anywhere_on_its_way():
-    """theta + epsilon + min(theta^2, 0.01) turns least at 0, by epsilon: for long by less than 0.1 degrees a cycle."""
+    """theta + epsilon + min(theta^2, 0.01) turns least at 0, by epsilon: for long by less than 0.1
+    degrees a cycle.
+    """
     slow = 0
     for epsilon_deg in (0.01, 0.03, 0.06):
         theta = [-0.1]
@@ -112,7 +124,9 @@ def test_geometric_steps_count_once_what_they_leave_is_small_and_it_is_what_they
         if rate > 0.0:
             np.testing.assert_allclose(left[moving], distance[moving], rtol=1e-6)
         assert np.all(left[moving] >= 0.999 * distance[moving])
-        assert made(theta[:6]).directions() == () and made(theta).directions() == pytest.approx((1.0,), abs=1e-3)
+        assert made(theta[:6]).directions() == () and made(theta).directions() == pytest.approx(
+            (1.0,), abs=1e-3
+        )
 
 
 def test_rest_counts_even_where_steps_at_the_level_of_the_errors_grow():

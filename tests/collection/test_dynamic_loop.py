@@ -1,4 +1,6 @@
-"""The dynamic loop: cycles as the quasi-static loop's, the difference that inertia makes, and its isotropic twin."""
+"""The dynamic loop: cycles as the quasi-static loop's, the difference that inertia makes, and its
+isotropic twin.
+"""
 
 import math
 import pickle
@@ -14,7 +16,8 @@ from cyclemap.collection.dynamic_loop import on_points
 from cyclemap.mechanics import DragBack, PatchFootprint, Slider, corner_footprint
 from cyclemap.protocol import loop_from_settings
 
-# Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0 and 270.
+# Four orientations: on plywood the push ends by distance at 60 and 150 degrees, the rod leaves at 0
+# and 270.
 THETA = np.radians([0.0, 60.0, 150.0, 270.0])
 
 
@@ -39,7 +42,9 @@ def test_at_20_mm_a_second_inertia_changes_a_cycle_by_less_than_a_fifth_of_a_deg
 def test_a_cycle_adds_up_is_the_one_of_many_and_knows_whole_turns_by_the_lift_alone():
     loop = DynamicLoop(CollectionLoop.mit())
     cycle, many = loop.cycle(THETA[1], samples=1), compared(False).dynamic
-    assert cycle.theta_next == pytest.approx(cycle.theta + cycle.push_turn + cycle.drag_turn, abs=1e-12)
+    assert cycle.theta_next == pytest.approx(
+        cycle.theta + cycle.push_turn + cycle.drag_turn, abs=1e-12
+    )
     assert (cycle.push_turn, cycle.theta_next) == (many.push_turn[1], many.theta_next[1])
     np.testing.assert_array_equal(cycle.push_displacement, many.push_displacement[1])
     assert cycle.drag_length == many.drag_length[1]
@@ -80,7 +85,9 @@ PRESSED = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRESSED)
 def test_both_routes_stand_on_points_that_carry_the_patchs_pressure(name):
-    """The quasi-static cycle on them is the patch's about as nearly as the even grid's is the even patch's, 0.25°."""
+    """The quasi-static cycle on them is the patch's about as nearly as the even grid's is the even
+    patch's, 0.25°.
+    """
     loop = PRESSED[name]
     found = compare_dynamics(DynamicLoop(loop), THETA)
     assert np.abs(np.degrees(found.difference("theta_next"))).max() < 0.2

@@ -1,4 +1,6 @@
-"""Five numbers of the protocol: exact, as good a prediction as they say; what has no prediction is refused by name."""
+"""Five numbers of the protocol: exact, as good a prediction as they say; what has no prediction is
+refused by name.
+"""
 
 import math
 from dataclasses import replace
@@ -58,7 +60,9 @@ def full_turns(loop, surface, angles=ANGLES):
 
 
 def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> None:
-    """The same ellipse with axes exchanged, φ turned by a half turn, or all coefficients doubled has one anisotropy."""
+    """The same ellipse with axes exchanged, φ turned by a half turn, or all coefficients doubled
+    has one anisotropy.
+    """
     given = EllipseFriction(0.3, 0.2, 0.04, -0.03, 0.7)
     seen = Anisotropy.of(given).seen_from(0.3)
     quarter = EllipseFriction(0.2, 0.3, -0.03, -0.04, 0.7 + np.pi / 2)
@@ -68,12 +72,18 @@ def test_an_anisotropy_gives_back_its_ellipse_whatever_its_axes_are_called() -> 
     back = Anisotropy.of(given).friction(math.sqrt(0.06))
     values = [(law.mu_a, law.mu_b, law.m0, law.n0, law.phi) for law in (back, given)]
     assert values[0] == pytest.approx(values[1], abs=1e-15)
-    assert Anisotropy.of_components(Anisotropy.of(given).seen_from(0.0)).friction().phi == pytest.approx(0.7)
+    assert Anisotropy.of_components(
+        Anisotropy.of(given).seen_from(0.0)
+    ).friction().phi == pytest.approx(0.7)
 
 
 @pytest.mark.parametrize("name", PROTOCOLS)
-def test_differences_of_whole_cycles_over_sixteen_orientations_have_the_fingerprints_harmonics(name) -> None:
-    """The second route: the answer to an offset is a pure first harmonic, to an ellipticity a pure second one."""
+def test_differences_of_whole_cycles_over_sixteen_orientations_have_the_fingerprints_harmonics(
+    name,
+) -> None:
+    """The second route: the answer to an offset is a pure first harmonic, to an ellipticity a pure
+    second one.
+    """
     loop = loop_from_settings(PROTOCOLS[name])
     found, step, psi, phi = fingerprint(loop).cycle, 5e-4, 0.4, 1.1
     cases = (
@@ -100,7 +110,9 @@ def test_the_fingerprint_belongs_to_the_protocol_not_to_the_surface(mit) -> None
 
 
 def test_the_error_of_the_turn_falls_with_the_square_of_the_anisotropy(plywood, mit) -> None:
-    """From plywood itself to a 32nd: slope 2 overall; and with the cube when the second order is taken along."""
+    """From plywood itself to a 32nd: slope 2 overall; and with the cube when the second order is
+    taken along.
+    """
     surface = Anisotropy.of(plywood.material.friction)
     scales = 2.0 ** -np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0])
     errors = []
@@ -116,28 +128,38 @@ def test_the_error_of_the_turn_falls_with_the_square_of_the_anisotropy(plywood, 
 
 
 def test_plywoods_directions_lie_within_the_error_that_is_stated(plywood, prediction) -> None:
-    """The exact patch's own: 63.168° stable and 199.876° unstable; the second order comes nearer."""
+    """The exact patch's own: 63.168° stable and 199.876° unstable;
+    the second order comes nearer."""
     truth = {True: 63.168, False: 199.876}
     assert sorted(direction.stable for direction in prediction.directions) == [False, True]
     for direction in prediction.directions:
         miss = abs(math.degrees(direction.theta) - truth[direction.stable])
         assert miss <= math.degrees(direction.error) < 90.0
-        assert abs(math.degrees(direction.second_order.points[0]) - truth[direction.stable]) < 0.5 * miss
+        assert (
+            abs(math.degrees(direction.second_order.points[0]) - truth[direction.stable])
+            < 0.5 * miss
+        )
     assert prediction.verdict == LOCKS and prediction.trusted
     checked = check_prediction(prediction, plywood, tolerance=1e-4)
-    assert len(checked.directions) == 2 and all(direction.within_error for direction in checked.directions)
+    assert len(checked.directions) == 2 and all(
+        direction.within_error for direction in checked.directions
+    )
     assert math.degrees(checked.stable_points[0].points[0]) == pytest.approx(63.168, abs=0.02)
     assert math.degrees(checked.directions[0].miss) == pytest.approx(3.77, abs=0.05)
 
 
 def test_most_random_surfaces_lie_within_their_errors_and_no_verdict_is_wrong(plywood, mit) -> None:
-    """Where a verdict is given the full map agrees; of the directions at least nine in ten are within their errors."""
+    """Where a verdict is given the full map agrees; of the directions at least nine in ten are
+    within their errors.
+    """
     rng = np.random.default_rng(5)
     angles = 2.0 * np.pi * np.arange(24) / 24
     held, decided = [], 0
     coarse = replace(plywood, accuracy=1e-6)
     for _ in range(8):
-        surface = Anisotropy(rng.uniform(0, 0.15), rng.uniform(0, 7), rng.uniform(0, 0.08), rng.uniform(0, 7))
+        surface = Anisotropy(
+            rng.uniform(0, 0.15), rng.uniform(0, 7), rng.uniform(0, 0.08), rng.uniform(0, 7)
+        )
         predicted = predict(mit, surface)
         zeros = falling_zeros(full_turns(coarse, surface, angles))
         if predicted.verdict != UNDECIDED:
@@ -157,7 +179,9 @@ def falling_zeros(turn):
     return (2.0 * np.pi / 2400 * (falls + 0.5)).tolist()
 
 
-def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_order_law_says_so(mit) -> None:
+def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_order_law_says_so(
+    mit,
+) -> None:
     """Isotropic ones by Ω, weak ones slower, slowest where their turn is least."""
     nothing = predict(mit, Anisotropy(0.0, 0.0, 0.0, 0.0))
     assert nothing.directions == () and nothing.verdict == DRIFTS and nothing.trusted
@@ -165,7 +189,11 @@ def test_surfaces_without_a_direction_drift_and_one_too_anisotropic_for_a_first_
     assert nothing.lock_in.scale == np.inf and nothing.lock_in_range == (np.inf, np.inf)
     weak = predict(mit, Anisotropy(0.03, 1.0, 0.01, 0.5))
     least = float(weak.turn(weak.slowest))
-    assert weak.directions == () and weak.verdict == DRIFTS and 0.0 < least < weak.mean_turn < mit.cycle.turn
+    assert (
+        weak.directions == ()
+        and weak.verdict == DRIFTS
+        and 0.0 < least < weak.mean_turn < mit.cycle.turn
+    )
     assert least == pytest.approx(weak.turn(np.linspace(0, 7, 3000)).min(), abs=1e-5)
     strong = predict(mit, EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
     assert strong.anisotropy == Anisotropy.of(EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7))
@@ -186,18 +214,24 @@ def test_fixed_points_appear_exactly_at_the_predicted_scale(mit) -> None:
 
 
 def test_the_edge_of_lock_in_is_off_by_the_square_of_the_anisotropy_it_takes(plywood) -> None:
-    """Rings further out make Ω smaller and so the edge nearer: its error falls with the square, within its range."""
+    """Rings further out make Ω smaller and so the edge nearer: its error falls with the square,
+    within its range.
+    """
     surface, (x, y) = Anisotropy.of(plywood.material.friction), plywood.slider.hitch
     scales, errors = [], []
     for lever in (1.3, 1.38):
-        loop = replace(plywood, accuracy=1e-7, slider=replace(plywood.slider, hitch=(lever * x, lever * y)))
+        loop = replace(
+            plywood, accuracy=1e-7, slider=replace(plywood.slider, hitch=(lever * x, lever * y))
+        )
         predicted = predict(fingerprint(loop), surface)
         full = full_lock_in(loop, surface, predicted.lock_in)
         low, high = predicted.lock_in_range
         assert low < full.scale < high and low < predicted.lock_in.scale < high
         scales.append(predicted.lock_in.scale)
         errors.append(abs(full.scale - predicted.lock_in.scale))
-    assert np.log(errors[0] / errors[1]) / np.log(scales[0] / scales[1]) == pytest.approx(2.0, abs=0.2)
+    assert np.log(errors[0] / errors[1]) / np.log(scales[0] / scales[1]) == pytest.approx(
+        2.0, abs=0.2
+    )
 
 
 RESPONSE = TurnResponse(0.1, [2.0, 0.5, 0.4, 1.0], np.zeros((4, 4)))
@@ -214,18 +248,39 @@ def test_what_is_no_surface_no_protocol_or_no_number_is_refused_by_name(plywood,
     for surface, told in (
         (Anisotropy(1e200, 0.0, 0.1, 0.0), "offset 1e[+]200 reaches out"),
         (Anisotropy(2.0, 0.0, 0.0, 0.0), "offset 2 reaches out.*choose less than 1$"),
-        (Anisotropy(0.0, 0.0, 5.1, 0.0), "ellipticity 5.1 is more than any surface has.*choose at most 5"),
+        (
+            Anisotropy(0.0, 0.0, 5.1, 0.0),
+            "ellipticity 5.1 is more than any surface has.*choose at most 5",
+        ),
         (Anisotropy(1e200, 0.0, 1e200, 0.0), "ellipticity 1e[+]200"),
     ):
         refused(predict, FOUND, surface, told=told)
-    refused(TurnResponse, 0.0, [1.0, 2.0, 3.0], np.zeros((4, 4)), told=r"gradient of a turn has shape \(3,\)")
+    refused(
+        TurnResponse,
+        0.0,
+        [1.0, 2.0, 3.0],
+        np.zeros((4, 4)),
+        told=r"gradient of a turn has shape \(3,\)",
+    )
     refused(Anisotropy, -0.1, 0.0, 0.0, 0.0, told="offset must not be negative")
     fixed = loop_from_settings({"way_points_mm": [[0.0, 50.0]]})
     refused(fingerprint, fixed, told="way-points of the reset.*fixed in the world.*way_points_mm")
     coarse, near = replace(plywood, accuracy=1e-5), first_order_lock_in(mit.cycle, flat)
-    refused(full_lock_in, coarse, flat.scaled(0.1), near, told="no lock-in between", kind=ConvergenceError)
+    refused(
+        full_lock_in,
+        coarse,
+        flat.scaled(0.1),
+        near,
+        told="no lock-in between",
+        kind=ConvergenceError,
+    )
     predicted = predict(FOUND, Anisotropy(0.1, 0.0, 0.02, 0.0))
-    for law in (predicted.turn, predicted.second_order_turn, predicted.turn_error, predicted.anisotropy.seen_from):
+    for law in (
+        predicted.turn,
+        predicted.second_order_turn,
+        predicted.turn_error,
+        predicted.anisotropy.seen_from,
+    ):
         for theta in (math.nan, [0.0, math.inf], "abc"):
             refused(law, theta, told="theta must")
     for law in (RESPONSE.first_order, RESPONSE.second_order):
@@ -236,11 +291,18 @@ def test_what_is_no_surface_no_protocol_or_no_number_is_refused_by_name(plywood,
 
 @pytest.mark.parametrize("ellipticity", [0.0, 0.3, MOST_ELLIPTICITY])
 @pytest.mark.parametrize("away", [0.0, 0.7, 0.5 * np.pi, 2.4])
-def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(ellipticity, away) -> None:
-    """The edge in polar form: along `away` from the axis of greater friction it lies at |cos/e^v, sin e^v|^-1."""
+def test_offsets_are_refused_exactly_where_the_friction_ellipse_leaves_zero_out(
+    ellipticity, away
+) -> None:
+    """The edge in polar form: along `away` from the axis of greater friction it lies at |cos/e^v,
+    sin e^v|^-1.
+    """
     stretch = math.exp(ellipticity)
     edge = 1.0 / math.hypot(math.cos(away) / stretch, math.sin(away) * stretch)
-    inside, outside = (Anisotropy(factor * edge, 0.4 + away, ellipticity, 0.4) for factor in (1.0 - 1e-9, 1.0 + 1e-9))
+    inside, outside = (
+        Anisotropy(factor * edge, 0.4 + away, ellipticity, 0.4)
+        for factor in (1.0 - 1e-9, 1.0 + 1e-9)
+    )
     assert predict(FOUND, inside).anisotropy is inside
     assert isinstance(inside.friction(), EllipseFriction)
     for asked in (lambda: predict(FOUND, outside), outside.friction):
@@ -251,38 +313,54 @@ def test_the_first_order_law_may_be_scaled_beyond_any_surface() -> None:
     """Rays of unit length, and ranges of lock-in beyond scale 10, need no surface that has them."""
     edge = lock_in_boundary(RESPONSE, 0.0, 0.0, [0.0, 0.5 * np.pi])
     assert edge[0, 0] == pytest.approx(0.1 / math.hypot(2.0, 0.5))
-    slow = Fingerprint(TurnResponse(3.0, RESPONSE.gradient, np.zeros((4, 4))), FOUND.drag, 0.0, 0.01)
+    slow = Fingerprint(
+        TurnResponse(3.0, RESPONSE.gradient, np.zeros((4, 4))), FOUND.drag, 0.0, 0.01
+    )
     found = predict(slow, Anisotropy(0.1, 0.0, 0.02, 0.0))
     assert 10.0 < found.lock_in_range[0] < found.lock_in.scale
 
 
 def test_a_prediction_is_checked_on_its_own_surface_only(plywood, monkeypatch) -> None:
-    """Another material is refused before any cycle; the same ellipse under exchanged axes or twice the friction not."""
+    """Another material is refused before any cycle; the same ellipse under exchanged axes or twice
+    the friction not.
+    """
     monkeypatch.setattr(CollectionLoop, "circle_map", lambda loop, **how: CircleMap.rigid(0.3))
     law = plywood.material.friction
     prediction = predict(FOUND, law)
-    doubled = EllipseFriction(2 * law.mu_a, 2 * law.mu_b, 2 * law.m0, 2 * law.n0, law.phi + 2 * np.pi)
+    doubled = EllipseFriction(
+        2 * law.mu_a, 2 * law.mu_b, 2 * law.m0, 2 * law.n0, law.phi + 2 * np.pi
+    )
     exchanged = EllipseFriction(law.mu_b, law.mu_a, -law.n0, law.m0, law.phi - np.pi / 2)
     for same in (law, exchanged, doubled, prediction.anisotropy.friction()):
         loop = replace(plywood, material=replace(plywood.material, friction=same))
         assert check_prediction(prediction, loop).fixed_points == ()
     other = CollectionLoop.mit(material="isotropic")
-    refused(check_prediction, prediction, other, told="offset 0.13.*but isotropic has offset 0.0000.*own friction")
+    refused(
+        check_prediction,
+        prediction,
+        other,
+        told="offset 0.13.*but isotropic has offset 0.0000.*own friction",
+    )
     refused(check_prediction, None, plywood, told="needs a Prediction and a CollectionLoop")
 
 
 def test_without_a_friction_on_the_rod_the_second_order_is_not_found() -> None:
-    """Differences of a jump: the hessian's asymmetry is far beyond that of the MIT rod, whose second order is found."""
+    """Differences of a jump: the hessian's asymmetry is far beyond that of the MIT rod, whose
+    second order is found.
+    """
     loop = loop_from_settings({"pusher_mu": 0.0})
     slippery = predict(fingerprint(loop), loop.material.friction)
     assert not slippery.second_order_found and not slippery.trusted
-    assert slippery.fingerprint.hessian_error > 0.02 * np.abs(slippery.fingerprint.cycle.hessian).max()
+    assert (
+        slippery.fingerprint.hessian_error > 0.02 * np.abs(slippery.fingerprint.cycle.hessian).max()
+    )
     usual = CollectionLoop.mit()
     assert predict(fingerprint(usual), usual.material.friction).second_order_found
 
 
 def test_the_floors_bow_adds_a_second_harmonic_whose_size_and_place_two_routes_tell():
-    # One route is the engine's derivatives by the bow at one orientation, the other the harmonics of a bowed map.
+    # One route is the engine's derivatives by the bow at one orientation, the other the harmonics
+    # of a bowed map.
     loop = replace(CollectionLoop.mit(), accuracy=1e-10)
     response, small = fingerprint(loop).cycle, 0.01
     bowed = with_anisotropy(with_bow(loop, small), Anisotropy(0.0, 0.0, 0.0, 0.0))

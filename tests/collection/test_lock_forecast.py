@@ -1,4 +1,6 @@
-"""What the next pushes will bring, against what must be: of rotations, of a loop that locks in, of samples of both."""
+"""What the next pushes will bring, against what must be: of rotations, of a loop that locks in, of
+samples of both.
+"""
 
 import math
 from dataclasses import replace
@@ -27,7 +29,8 @@ LOCKS, TURNS = (0.2545, 0.2346, 0.0325), (0.25, 0.25, 0.0)
 
 
 def test_isotropic_friction_turns_the_object_all_around_and_never_locks_in() -> None:
-    """Every cycle turns by 8.0 degrees: no 50 pushes stay within 30, and 45 see the whole circle."""
+    """Every cycle turns by 8.0 degrees: no 50 pushes stay within 30,
+    and 45 see the whole circle."""
     found = lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60)
     assert found.chance == 0.0 and found.directions == ()
     assert found.orientations == (36.0, 36.0, 36.0)
@@ -38,8 +41,15 @@ def test_a_loop_that_locks_does_so_where_its_stable_direction_is() -> None:
     found = lock_forecast(loop, SIGMA, 400, seed=3)
     (theta, share, within), *rest = found.directions
     stable = direction_uncertainty(loop).directions[0].theta
-    assert found.chance == 1.0 and share > 0.9 and sum(part for _, part, _ in rest) < 0.1 and within < 0.3
-    assert stable is not None and math.remainder(theta - stable, 2.0 * math.pi) == pytest.approx(0.0, abs=0.1)
+    assert (
+        found.chance == 1.0
+        and share > 0.9
+        and sum(part for _, part, _ in rest) < 0.1
+        and within < 0.3
+    )
+    assert stable is not None and math.remainder(theta - stable, 2.0 * math.pi) == pytest.approx(
+        0.0, abs=0.1
+    )
     assert found.orientations[2] < 36.0
 
 
@@ -63,22 +73,35 @@ def test_portraits_and_staircases_tell_it_where_there_are_samples() -> None:
 
 
 def test_what_cannot_be_foretold_is_refused() -> None:
-    refused(lock_forecast, cm.CollectionLoop.mit("plywood"), SIGMA, 100, told="plywood has no samples")
+    refused(
+        lock_forecast, cm.CollectionLoop.mit("plywood"), SIGMA, 100, told="plywood has no samples"
+    )
     refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 20, told="at least 50, not 20")
     refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 10**6, told="forecast fewer pushes")
-    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, math.nan, told="start must be a finite number")
-    refused(lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, seed=-1, told="seed must be at least 0")
+    refused(
+        lock_forecast,
+        on_samples(TURNS, TURNS),
+        SIGMA,
+        100,
+        math.nan,
+        told="start must be a finite number",
+    )
+    refused(
+        lock_forecast, on_samples(TURNS, TURNS), SIGMA, 100, seed=-1, told="seed must be at least 0"
+    )
 
 
 def test_the_sentence_tells_chance_directions_and_orientations() -> None:
     told = ahead_sentence(lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60))
     assert told == (
-        "Of all that is believed, within 60 pushes the loop locks in with a chance of 0%; 36 of 36 orientations will "
-        "have been seen (36 to 36)."
+        "Of all that is believed, within 60 pushes the loop locks in with a chance of 0%; 36 of 36 "
+        "orientations will have been seen (36 to 36)."
     )
-    locked = ahead_sentence(LockForecast(300, 0.75, ((1.0, 0.7, 0.1), (3.0, 0.05, 2.0)), (20.0, 9.0, 36.0), 40))
+    locked = ahead_sentence(
+        LockForecast(300, 0.75, ((1.0, 0.7, 0.1), (3.0, 0.05, 2.0)), (20.0, 9.0, 36.0), 40)
+    )
     assert (
-        "within 300 pushes the loop locks in with a chance of 75%, at 57° ± 6° (70%) and any direction (5%); 20 of 36"
-        in locked
+        "within 300 pushes the loop locks in with a chance of 75%, at 57° ± 6° (70%) and any "
+        "direction (5%); 20 of 36" in locked
     )
     assert ahead_sentence(None) == ""

@@ -1,4 +1,6 @@
-"""The collection loop: its cycles, one by one and many, their derivatives, and where their map comes to rest."""
+"""The collection loop: its cycles, one by one and many, their derivatives, and where their map
+comes to rest.
+"""
 
 import math
 from dataclasses import fields, replace
@@ -23,7 +25,9 @@ def test_a_cycle_starts_and_ends_with_its_ring_at_the_target():
         assert cycle.push.start.theta == theta
         assert cycle.theta_next == cycle.drag.end.theta
         assert abs(theta + cycle.push_turn + cycle.drag_turn - cycle.theta_next) < 1e-14
-        assert abs(MIT.cycle(theta + 6 * math.pi).theta_next - cycle.theta_next - 6 * math.pi) < 1e-8
+        assert (
+            abs(MIT.cycle(theta + 6 * math.pi).theta_next - cycle.theta_next - 6 * math.pi) < 1e-8
+        )
 
 
 def test_the_drawn_trajectory_is_the_cycles_own_only_finer():
@@ -48,7 +52,8 @@ def test_values_that_fit_no_loop_are_refused():
 
 
 def plywood(ring_mm=15.0, grid=None):
-    """MIT's loop on plywood with the ring at a distance from the centre, towards the same corner."""
+    """MIT's loop on plywood with the ring at a distance from the centre,
+    towards the same corner."""
     lever = ring_mm * 1e-3 / math.sqrt(2.0)
     slider = Slider.mit("rect1", hitch=(-lever, lever))
     footprint = grid_footprint(slider.outline, grid) if grid else None
@@ -67,7 +72,9 @@ def test_fixed_points_of_the_8x8_grid(ring_mm, stable_deg, unstable_deg, within_
     """On the paper's grid the fixed points lie where the independent solver found them."""
     loop = replace(plywood(ring_mm, grid=8), accuracy=1e-6)
     for expected in (stable_deg, unstable_deg):
-        found = brentq(lambda theta: turn_deg(loop, theta), expected - 3.0, expected + 3.0, xtol=1e-4)
+        found = brentq(
+            lambda theta: turn_deg(loop, theta), expected - 3.0, expected + 3.0, xtol=1e-4
+        )
         assert found == pytest.approx(expected, abs=within_deg)
 
 
@@ -85,7 +92,9 @@ THETA = np.array([-4.0, 0.5, 2.0, 7.0])
 
 def same(one: Cycles, other: Cycles) -> None:
     for field in fields(Cycles):
-        np.testing.assert_allclose(getattr(one, field.name), getattr(other, field.name), rtol=0.0, atol=1e-11)
+        np.testing.assert_allclose(
+            getattr(one, field.name), getattr(other, field.name), rtol=0.0, atol=1e-11
+        )
 
 
 def taken(cycles: Cycles, *index) -> Cycles:
@@ -93,13 +102,19 @@ def taken(cycles: Cycles, *index) -> Cycles:
 
 
 def test_orientations_are_each_loops_own_or_everyones():
-    loops, order = [MIT, CollectionLoop.mit("delrin", pusher=Pusher(0.0), accuracy=1e-7)], [3, 0, 2, 1]
+    loops, order = (
+        [MIT, CollectionLoop.mit("delrin", pusher=Pusher(0.0), accuracy=1e-7)],
+        [3, 0, 2, 1],
+    )
     common = run_cycles(loops, THETA)
     assert common.push_displacement.shape == (2, 4, 2) and common.left.dtype == bool
     for number, loop in enumerate(loops):
         same(taken(common, number), loop.cycles(THETA))
         one = loop.cycle(THETA[1])
-        assert (common.theta_next[number, 1], common.left[number, 1]) == (one.theta_next, one.ended == "left")
+        assert (common.theta_next[number, 1], common.left[number, 1]) == (
+            one.theta_next,
+            one.ended == "left",
+        )
     same(run_cycles(loops, np.stack([THETA, THETA])), common)
     crossed = run_cycles(loops, np.stack([THETA, THETA[order]]))
     same(taken(crossed, 0), taken(common, 0))

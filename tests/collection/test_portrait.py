@@ -1,4 +1,6 @@
-"""Portrait and forecast of a loop: every number checked on maps whose answers are known in closed form."""
+"""Portrait and forecast of a loop: every number checked on maps whose answers are known in closed
+form.
+"""
 
 import math
 
@@ -15,7 +17,8 @@ TURN = 2 * np.pi
 
 
 def sawtooth() -> CircleMap:
-    """The turn climbs from -1 at the jump, θ = 1, to π - 1 just before it a turn later: slope 3/2."""
+    """The turn climbs from -1 at the jump, θ = 1, to π - 1 just before it a turn later:
+    slope 3/2."""
 
     def lift(theta):
         phase = np.mod(theta - 1.0, TURN)
@@ -34,7 +37,9 @@ def test_statistics_do_not_smooth_a_jump() -> None:
 
 def sampled(count):
     theta = np.linspace(0.0, TURN, count)
-    return CircleMap.from_samples(theta, theta + 0.3 + 0.2 * np.sin(theta), 1.0 + 0.2 * np.cos(theta))
+    return CircleMap.from_samples(
+        theta, theta + 0.3 + 0.2 * np.sin(theta), 1.0 + 0.2 * np.cos(theta)
+    )
 
 
 @pytest.mark.parametrize("count", [25, 200])
@@ -46,10 +51,13 @@ def test_the_mean_over_cubics_is_exact(count) -> None:
     whole = np.sum(width * (turn[:-1] + turn[1:]) / 2 + width**2 * (slope[:-1] - slope[1:]) / 12)
     found = turn_statistics(circle_map)
     assert found.mean == pytest.approx(whole / TURN, abs=1e-14)
-    # The extremes lie between nodes at most π/150 apart, here and there: 0.2 (π/300)^2 / 2 at most is missed.
+    # The extremes lie between nodes at most π/150 apart, here and there: 0.2 (π/300)^2 / 2 at most
+    # is missed.
     assert found.minimum == pytest.approx(0.1, abs=2e-5)
     assert found.maximum == pytest.approx(0.5, abs=2e-5)
-    assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(1.2, abs=1e-3)
+    assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(
+        1.2, abs=1e-3
+    )
 
 
 def test_portrait_without_fixed_points_draws_the_cycle_from_zero(loop_of) -> None:
@@ -66,7 +74,11 @@ def test_of_two_stable_points_the_more_visited_comes_first(loop_of) -> None:
     found = portrait(loop_of(uneven), sigma=0.3, cycles=50)
     places = [float(orbit.points[0]) for orbit in found.stable_points]
     assert places == [pytest.approx(0.0, abs=1e-9), pytest.approx(np.pi, abs=1e-9)]
-    assert found.cycle.theta == places[0] and found.rotation.locked == 0 and len(found.fixed_points) == 4
+    assert (
+        found.cycle.theta == places[0]
+        and found.rotation.locked == 0
+        and len(found.fixed_points) == 4
+    )
     assert found.stable_points[0].multiplier == pytest.approx(0.5)
 
 
@@ -105,7 +117,9 @@ def test_scene_moves_the_outline_rigidly_and_brings_the_ring_home(real_loop) -> 
     """Forces push the object along, and the reach holds everything drawn."""
     scene = real_loop.cycle(0.7).scene()
     for stroke in (scene.push, scene.drag):
-        lengths = [np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)]
+        lengths = [
+            np.hypot(*np.diff(outline, axis=0).T) for outline in (stroke.before, stroke.after)
+        ]
         assert np.allclose(*lengths, atol=1e-12)
         assert np.array_equal(stroke.before[0], stroke.before[-1])
         assert len(stroke.force) >= 2
@@ -129,7 +143,9 @@ def test_residences_that_a_float_can_hold_are_told_alike_by_their_logarithm(loop
 
 @pytest.mark.slow
 def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
-    """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T; whole turns move no direction."""
+    """Freidlin and Wentzell: σ² ln T tends to a constant of the map, however long T; whole turns
+    move no direction.
+    """
     wide, narrow, turning = (
         staircase_forecast(loop_of(CircleMap.arnold(omega, 0.9)), sigma=sigma, cycles=10)
         for omega, sigma in ((0.1, 0.056), (0.1, 0.028), (1.1, 0.028))
@@ -142,11 +158,16 @@ def test_long_residences_grow_as_one_over_the_noise_squared(loop_of) -> None:
 
 
 def test_the_steps_of_a_run_past_a_ghost_are_whole_turns_of_the_predicted_length(loop_of) -> None:
-    found = staircase_forecast(loop_of(CircleMap.arnold(0.0955, 0.6)), sigma=0.03, cycles=20_000, seed=3)
+    found = staircase_forecast(
+        loop_of(CircleMap.arnold(0.0955, 0.6)), sigma=0.03, cycles=20_000, seed=3
+    )
     assert found.prediction.step == pytest.approx(2 * np.pi)
     assert found.steps.count > 50
     assert np.median(found.steps.heights) == pytest.approx(2 * np.pi, abs=0.05)
-    assert abs(found.comparison.net_steps - found.comparison.expected_steps) < 4 * found.comparison.net_error
+    assert (
+        abs(found.comparison.net_steps - found.comparison.expected_steps)
+        < 4 * found.comparison.net_error
+    )
 
 
 @pytest.mark.slow

@@ -1,4 +1,5 @@
-"""Cycles drawn from everything that can be asked for are done, their forces balanced, or refused for a stated reason.
+"""Cycles drawn from everything that can be asked for are done, their forces balanced, or refused
+for a stated reason.
 
 `python -m tests.benchmarks.random_cases` runs any number of them.
 """

@@ -1,4 +1,6 @@
-"""Intervals of stable directions hold the directions of further draws, and say which way they were found."""
+"""Intervals of stable directions hold the directions of further draws, and say which way they were
+found.
+"""
 
 import math
 import pickle
@@ -10,7 +12,14 @@ import pytest
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.maps import fixed_points
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, MaterialPosterior, PlatePressure, load_material
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    Material,
+    MaterialPosterior,
+    PlatePressure,
+    load_material,
+)
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.protocol import loop_from_settings
 
@@ -45,10 +54,16 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
 
 @pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
-    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not seen."""
+    """Truth by Newton's method on the cycle itself,
+    for 800 draws that the interval has not seen."""
     plywood = load_material("plywood")
     found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
-    assert (found.method, found.chance, found.is_posterior, found.samples) == ("first order", 1.0, True, 400)
+    assert (found.method, found.chance, found.is_posterior, found.samples) == (
+        "first order",
+        1.0,
+        True,
+        400,
+    )
     assert pickle.loads(pickle.dumps(found)) == found
     loops = loops_of(on(drawn(plywood, 0.5, 800, 2)))
     theta = np.full((len(loops), 1), found.directions[0].theta)
@@ -68,7 +83,9 @@ def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> Non
     assert found.method == "samples" and 0.0 < found.chance < 1.0
     assert found.first_order_error is not None and found.first_order_error > math.radians(1.0)
     maps = [loop.circle_map(1e-3) for loop in loops_of(on(drawn(plywood, 1.0, 240, 2), 0.72))]
-    stable = [[float(orbit.points[0]) for orbit in fixed_points(one) if orbit.stable] for one in maps]
+    stable = [
+        [float(orbit.points[0]) for orbit in fixed_points(one) if orbit.stable] for one in maps
+    ]
     locked = [row[0] for row in stable if row]
     # Two shares of 240 each: three standard errors of their difference.
     assert len(locked) / 240 == pytest.approx(found.chance, abs=3.0 * math.sqrt(0.5 / 240))
@@ -76,7 +93,9 @@ def test_near_the_saddle_node_samples_are_run_and_tell_how_many_lock_in() -> Non
 
 
 @pytest.mark.slow
-def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_a_circle(monkeypatch) -> None:
+def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_a_circle(
+    monkeypatch,
+) -> None:
     round_floor = Material("round", EllipseFriction(0.2501, 0.25, 0.04, 0.01, 0.3))
     for material in (load_material("plywood"), round_floor):
         loop = on(drawn(material, 0.1, 60, 3))
@@ -94,7 +113,10 @@ def test_both_ways_agree_where_errors_are_small_and_where_the_ellipse_is_nearly_
 def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     material = drawn(load_material("plywood"), 1.0, 3, 5)
     place = material.posterior.parameters.index("pusher_mu")
-    assert sampled_loop(CollectionLoop.mit(material), 1).pusher.friction == material.posterior.samples[1][place]
+    assert (
+        sampled_loop(CollectionLoop.mit(material), 1).pusher.friction
+        == material.posterior.samples[1][place]
+    )
     loop = loop_from_settings({"pusher_mu": 0.3, "rim_share": 0.7}, CollectionLoop.mit(material))
     sample = sampled_loop(loop, 1)
     assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)

@@ -3,13 +3,14 @@
 Blocks of one page run in order, in one temporary folder and with one set of Python names:
 
 ```` ```python ```` or ```` ```pycon ````: with `>>>` a doctest; without, a program that must run.
-```` ```console ```` or ```` ```sh ````: each line `$ cyclemap ...` is run in this process and must succeed; what
-follows it, up to the next `$`, must be what is printed, `...` standing for anything.
-```` ```toml ````: parsed. ```` ```text ````: shown. Both, with a caption, are written to the file that the caption
-names, for the blocks after them.
+```` ```console ```` or ```` ```sh ````: each line `$ cyclemap ...` is run in this process and must
+succeed; what follows it, up to the next `$`, must be what is printed, `...` standing for anything.
+```` ```toml ````: parsed. ```` ```text ````: shown. Both, with a caption, are written to the file
+that the caption names, for the blocks after them.
 
-A block of another kind is an error. One is left out only with a reason, `% not run: why` on the line before the fence;
-what it names must then be there: commands with their options, modules, tools of run.py.
+A block of another kind is an error. One is left out only with a reason, `% not run: why` on the
+line before the fence; what it names must then be there: commands with their options, modules, tools
+of run.py.
 """
 
 import contextlib
@@ -30,7 +31,8 @@ from cyclemap.cli.main import cli, run
 REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "docs"
 FENCE = re.compile(
-    r"^(?P<indent> *)(?P<ticks>`{3,}|:{3,})(?P<braced>\{code-block\} ?)?(?P<kind>[\w{}-]*) *(?P<rest>.*)$"
+    r"^(?P<indent> *)(?P<ticks>`{3,}|:{3,})(?P<braced>\{code-block\} ?)?(?P<kind>[\w{}-]*) "
+    r"*(?P<rest>.*)$"
 )
 REASON = re.compile(r"^% not run: (?P<why>\S.*)$")
 PYTHON, COMMANDS, FILES = {"python", "pycon"}, {"console", "sh"}, {"toml", "text"}
@@ -40,7 +42,9 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 @dataclass(frozen=True)
 class Block:
-    """kind : the fence's first word. text : what stands in it. line : where it begins. why : it is not run, or None."""
+    """kind : the fence's first word. text : what stands in it. line : where it begins. why : it is
+    not run, or None.
+    """
 
     kind: str
     text: str
@@ -56,7 +60,9 @@ def pages() -> dict[Path, list[Block]]:
 
 
 def blocks(text: str) -> Iterator[Block]:
-    """The code blocks of a page, also those inside `:::` directives; a directive in backticks holds no code."""
+    """The code blocks of a page, also those inside `:::` directives; a directive in backticks holds
+    no code.
+    """
     lines = text.splitlines()
     number = 0
     while number < len(lines):
@@ -64,7 +70,11 @@ def blocks(text: str) -> Iterator[Block]:
         if not fence or fence["ticks"][0] == ":":
             number += 1
             continue
-        ends = (i for i, line in enumerate(lines) if i > number and line.rstrip() == fence["indent"] + fence["ticks"])
+        ends = (
+            i
+            for i, line in enumerate(lines)
+            if i > number and line.rstrip() == fence["indent"] + fence["ticks"]
+        )
         end = next(ends, len(lines))
         if not fence["kind"].startswith("{"):
             why, caption = REASON.match(lines[number - 1]) if number else None, None
@@ -79,7 +89,9 @@ def blocks(text: str) -> Iterator[Block]:
 
 
 def run_block(block: Block, names: dict[str, Any], place: str) -> None:
-    """Run a block in the current folder, with Python's names; AssertionError tells the place and what went wrong."""
+    """Run a block in the current folder, with Python's names; AssertionError tells the place and
+    what went wrong.
+    """
     if block.why is not None:
         check_named(block, place)
     elif block.kind in PYTHON:
@@ -92,7 +104,9 @@ def run_block(block: Block, names: dict[str, Any], place: str) -> None:
             tomllib.loads(block.text)
         if block.caption:
             path = Path(block.caption)
-            assert not path.is_absolute() and ".." not in path.parts, f"a caption {block.caption!r} outside the folder"
+            assert not path.is_absolute() and ".." not in path.parts, (
+                f"a caption {block.caption!r} outside the folder"
+            )
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(block.text, encoding="utf-8")
 
@@ -106,7 +120,9 @@ def run_python(block: Block, names: dict[str, Any], place: str) -> None:
     test = doctest.DocTestParser().get_doctest(block.text, names, place, place, block.line)
     assert test.examples, f"{place}: no example"
     words = io.StringIO()
-    outcome = doctest.DocTestRunner(optionflags=FLAGS, verbose=False).run(test, out=words.write, clear_globs=False)
+    outcome = doctest.DocTestRunner(optionflags=FLAGS, verbose=False).run(
+        test, out=words.write, clear_globs=False
+    )
     names.update(test.globs)
     assert outcome.failed == 0, f"{place}\n{words.getvalue()}"
 
@@ -128,14 +144,18 @@ def run_commands(block: Block, place: str) -> None:
 
 
 def commands_in(text: str) -> Iterator[tuple[str, str]]:
-    """Pairs of a command and what is said to be printed; a backslash at a line's end goes on with the command."""
+    """Pairs of a command and what is said to be printed; a backslash at a line's end goes on with
+    the command.
+    """
     for part in re.split(r"^\$ ", text.replace("\\\n", " "), flags=re.MULTILINE)[1:]:
         command, _, wanted = part.partition("\n")
         yield command, wanted.strip("\n") + "\n" if wanted.strip() else ""
 
 
 def check_named(block: Block, place: str) -> None:
-    """What is not run must at least be there: commands with their options, tools of run.py, modules."""
+    """What is not run must at least be there: commands with their options, tools of run.py,
+    modules.
+    """
     commands = [command for command, _ in commands_in(block.text)]
     assert commands, f"{place}: no line `$ ...`"
     for command in commands:
@@ -147,7 +167,9 @@ def check_named(block: Block, place: str) -> None:
                     check_command(name, words, f"{place}: {command}")
             case ["python", "-m", module, *_]:
                 found = REPOSITORY.joinpath(*module.split("."))
-                assert found.with_suffix(".py").exists() or (found / "__main__.py").exists(), f"{place}: no {module}"
+                assert found.with_suffix(".py").exists() or (found / "__main__.py").exists(), (
+                    f"{place}: no {module}"
+                )
             case _:
                 raise AssertionError(f"{place}: {command!r} is no command of this project")
 

@@ -1,4 +1,6 @@
-"""Every code block of the site runs and gives what stands beside it; `code_blocks.py` tells the convention."""
+"""Every code block of the site runs and gives what stands beside it; `code_blocks.py` tells the
+convention.
+"""
 
 import re
 from pathlib import Path
@@ -13,8 +15,12 @@ PAGES = pages()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [page for page in PAGES if PAGES[page]], ids=lambda page: str(page.relative_to(DOCS)))
-def test_blocks_of_a_page_run_and_give_what_the_page_says(page: Path, tmp_path, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if PAGES[page]], ids=lambda page: str(page.relative_to(DOCS))
+)
+def test_blocks_of_a_page_run_and_give_what_the_page_says(
+    page: Path, tmp_path, monkeypatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "100")
     names = {"__name__": "page"}
@@ -24,18 +30,27 @@ def test_blocks_of_a_page_run_and_give_what_the_page_says(page: Path, tmp_path, 
 
 def test_the_pages_that_teach_by_example_have_examples() -> None:
     """A page whose blocks were not found would pass in silence."""
-    taught = [page for page in PAGES if page.parent.name == "how-to" or page.name == "quick-start.md"]
+    taught = [
+        page for page in PAGES if page.parent.name == "how-to" or page.name == "quick-start.md"
+    ]
     few = {page.name for page in taught if len(PAGES[page]) < 2}
     assert len(taught) >= 6 and few <= {"index.md"}
 
 
 def test_blocks_are_found_with_their_captions_and_reasons() -> None:
     page = (
-        "```{toctree}\na\n```\ntext\n```python\n>>> 1\n1\n```\n:::{note}\n```sh\n$ cyclemap --version\n```\n:::\n"
-        "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n% not run: it takes long\n```sh\n$ cyclemap x\n```\n"
+        "```{toctree}\na\n```\ntext\n```python\n>>> 1\n1\n```\n:::{note}\n```sh\n$ cyclemap "
+        "--version\n```\n:::\n"
+        "```{code-block} toml\n:caption: a.toml\n\nx = 1\n```\n% not run: it takes "
+        "long\n```sh\n$ cyclemap x\n```\n"
     )
     assert [(one.kind, one.caption, one.why) for one in blocks(page)] == [
-        *(("python", None, None), ("sh", None, None), ("toml", "a.toml", None), ("sh", None, "it takes long"))
+        *(
+            ("python", None, None),
+            ("sh", None, None),
+            ("toml", "a.toml", None),
+            ("sh", None, "it takes long"),
+        )
     ]
     assert [one.text for one in blocks(page)][2] == "x = 1\n"
 
@@ -58,14 +73,18 @@ def test_blocks_are_found_with_their_captions_and_reasons() -> None:
         ("console", "text\n", "it takes long"),
     ],
 )
-def test_a_block_fails_that_says_something_wrong_or_names_what_is_not_there(kind, text, why, here) -> None:
+def test_a_block_fails_that_says_something_wrong_or_names_what_is_not_there(
+    kind, text, why, here
+) -> None:
     with pytest.raises((AssertionError, ImportError, ValueError, click.NoSuchOption)):
         run_block(Block(kind, text, 1, why=why), {}, "here")
 
 
 def test_commands_that_pages_name_in_passing_exist() -> None:
     named = {
-        name for page in PAGES for name in re.findall(r"`cyclemap ([a-z][a-z-]*)", page.read_text(encoding="utf-8"))
+        name
+        for page in PAGES
+        for name in re.findall(r"`cyclemap ([a-z][a-z-]*)", page.read_text(encoding="utf-8"))
     }
     assert {"cycle", "portrait", "identify"} <= named | set(cli.commands)
     assert len(named) >= 5

@@ -1,4 +1,6 @@
-"""The gallery's page shows what figures.json lists, says how to make what is not there, and warns of a lost file."""
+"""The gallery's page shows what figures.json lists, says how to make what is not there, and warns
+of a lost file.
+"""
 
 import json
 import re
@@ -10,8 +12,18 @@ import pytest
 from PIL import Image
 
 EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
-MOVING = {"name": "moving", "title": "It moves", "source": "not in the paper", "caption": "Round and round."}
-PICTURE = {"name": "first-look", "title": "A first look", "source": "figure 1", "caption": "It shows 3 mm."}
+MOVING = {
+    "name": "moving",
+    "title": "It moves",
+    "source": "not in the paper",
+    "caption": "Round and round.",
+}
+PICTURE = {
+    "name": "first-look",
+    "title": "A first look",
+    "source": "figure 1",
+    "caption": "It shows 3 mm.",
+}
 TABLE = {"name": "numbers", "title": "Some numbers", "source": "Table I", "caption": "Two rows."}
 
 
@@ -20,7 +32,10 @@ def sources(tmp_path) -> Path:
     """A site of one page with the gallery, and one with a single picture."""
     folder = tmp_path / "source"
     (folder / "gallery").mkdir(parents=True)
-    conf = f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = ['gallery']\nhtml_theme = 'basic'\n"
+    conf = (
+        f"import sys\nsys.path.insert(0, {str(EXTENSIONS)!r})\nextensions = "
+        "['gallery']\nhtml_theme = 'basic'\n"
+    )
     (folder / "conf.py").write_text(conf, encoding="utf-8")
     page = "Gallery\n=======\n\n.. gallery-picture:: moving.gif\n\n.. gallery::\n"
     (folder / "index.rst").write_text(page, encoding="utf-8")
@@ -28,7 +43,9 @@ def sources(tmp_path) -> Path:
 
 
 def listed(folder: Path, *lines: dict) -> None:
-    (folder / "gallery" / "figures.json").write_text(json.dumps({"figures": lines}), encoding="utf-8")
+    (folder / "gallery" / "figures.json").write_text(
+        json.dumps({"figures": lines}), encoding="utf-8"
+    )
 
 
 def told(page: str) -> str:
@@ -46,10 +63,14 @@ def built(folder: Path) -> tuple[str, str]:
 
 
 @pytest.mark.slow
-def test_what_is_there_is_shown_with_source_caption_and_anchor_and_what_is_lost_is_a_warning(sources):
+def test_what_is_there_is_shown_with_source_caption_and_anchor_and_what_is_lost_is_a_warning(
+    sources,
+):
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "first-look.png")
     Image.new("RGB", (4, 4)).save(sources / "gallery" / "moving.gif")
-    (sources / "gallery" / "numbers.csv").write_text('surface,mean\nplywood,"0.25"\n', encoding="utf-8")
+    (sources / "gallery" / "numbers.csv").write_text(
+        'surface,mean\nplywood,"0.25"\n', encoding="utf-8"
+    )
     listed(
         sources,
         {**PICTURE, "file": "first-look.png", "measured": "turns.csv"},

@@ -1,4 +1,6 @@
-"""What the pages promise to list is all there: settings, materials, commands; and no page needs the network."""
+"""What the pages promise to list is all there: settings, materials, commands; and no page needs the
+network.
+"""
 
 import json
 import re
@@ -15,7 +17,9 @@ from cyclemap.protocol.setting_table import SETTINGS
 TESTS = Path(__file__).parents[1]
 DOCS = TESTS.parent / "docs"
 SOURCES = [
-    path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst", ".py", ".css"} and "_build" not in path.parts
+    path
+    for path in DOCS.rglob("*")
+    if path.suffix in {".md", ".rst", ".py", ".css"} and "_build" not in path.parts
 ]
 
 
@@ -31,27 +35,41 @@ def test_the_guide_shows_the_table_of_every_setting() -> None:
 
 
 def test_the_page_of_materials_tells_every_built_in_one() -> None:
-    rows = re.findall(r"^\| (`.*`) \| ", words("materials.md").split("## A file of your own")[0], re.MULTILINE)
-    assert {name for row in rows for name in re.findall(r"`([\w-]+)`", row)} == set(material_names())
+    rows = re.findall(
+        r"^\| (`.*`) \| ", words("materials.md").split("## A file of your own")[0], re.MULTILINE
+    )
+    assert {name for row in rows for name in re.findall(r"`([\w-]+)`", row)} == set(
+        material_names()
+    )
 
 
 def test_every_function_in_the_table_of_rooms_exists() -> None:
-    rows = re.findall(r"^\| `cm\.(\w+)`(?:: \w+)? \| (.*) \|$", words("reference/index.md"), re.MULTILINE)
+    rows = re.findall(
+        r"^\| `cm\.(\w+)`(?:: \w+)? \| (.*) \|$", words("reference/index.md"), re.MULTILINE
+    )
     assert len(rows) == 11
     for room, functions in rows:
         for name in re.findall(r"`(\w+)`", functions):
-            assert hasattr(getattr(cm, room), name) or hasattr(cm.CircleMap, name), f"cm.{room}.{name}"
+            assert hasattr(getattr(cm, room), name) or hasattr(cm.CircleMap, name), (
+                f"cm.{room}.{name}"
+            )
 
 
 def test_every_key_of_a_strategy_is_in_the_guide_and_nothing_else_is() -> None:
-    section = words("how-to/own-protocol.md").split("\n## Cycles that differ\n")[1].split("\n## ")[0]
+    section = (
+        words("how-to/own-protocol.md").split("\n## Cycles that differ\n")[1].split("\n## ")[0]
+    )
     rows = [line for line in section.splitlines() if line.startswith("| `")]
     found = {key for line in rows for key in re.findall(r"`([\w-]+)`", line.split("|")[1])}
     assert found == {*STRATEGY_KEYS, *ACTION_KEYS}
 
 
 def test_every_command_is_named_where_its_use_is_shown() -> None:
-    guides = [*(DOCS / "how-to").glob("*.md"), *(DOCS / "concepts").glob("*.md"), DOCS / "quick-start.md"]
+    guides = [
+        *(DOCS / "how-to").glob("*.md"),
+        *(DOCS / "concepts").glob("*.md"),
+        DOCS / "quick-start.md",
+    ]
     text = " ".join(page.read_text(encoding="utf-8") for page in guides)
     assert len(cli.commands) >= 8
     assert [name for name in cli.commands if f"cyclemap {name}" not in text] == []
@@ -73,20 +91,26 @@ def test_no_source_names_an_address() -> None:
 def test_the_gallery_shows_every_figure_and_table_under_its_present_title() -> None:
     gallery = DOCS / "gallery"
     lines = json.loads((gallery / "figures.json").read_text(encoding="utf-8"))["figures"]
-    assert [(line["name"], line["title"]) for line in lines] == [(entry.name, entry.title) for entry in entries()]
+    assert [(line["name"], line["title"]) for line in lines] == [
+        (entry.name, entry.title) for entry in entries()
+    ]
     assert len(lines) == len(entries()) > 20
     assert all((gallery / line["file"]).is_file() for line in lines)
 
 
 def test_every_claim_on_accuracy_names_a_test_that_is_there() -> None:
-    """Rows of tables name one or more as `file::function`; what is run by hand is a module that can be run."""
+    """Rows of tables name one or more as `file::function`; what is run by hand is a module that can
+    be run.
+    """
     page = words("accuracy.md")
     tables = re.findall(r"^\| .* \| test \|\n\|[-|]+\|\n((?:\|.*\n)+)", page, re.MULTILINE)
     rows = [row for table in tables for row in table.splitlines()]
     named = re.findall(r"`([\w/]+\.py)::(\w+)`", page)
     assert len(rows) >= 35 and len(named) > len(rows)
     for row in rows:
-        assert re.search(r"`[\w/]+\.py::test_\w+`", row.rsplit("|", 2)[1]), f"no test stands beside: {row}"
+        assert re.search(r"`[\w/]+\.py::test_\w+`", row.rsplit("|", 2)[1]), (
+            f"no test stands beside: {row}"
+        )
     for file, function in named:
         source = (TESTS / file).read_text(encoding="utf-8")
         assert f"\ndef {function}(" in source, f"{file} has no {function}"

@@ -1,4 +1,6 @@
-"""The site builds with its warnings as errors, without a network, and everything that its pages point to is there."""
+"""The site builds with its warnings as errors, without a network, and everything that its pages
+point to is there.
+"""
 
 import inspect
 import os
@@ -46,7 +48,17 @@ class PageReader(HTMLParser):
 def site(tmp_path_factory) -> Path:
     """The site, built as `python3 run.py docs` does, but elsewhere; Sphinx has nothing to say."""
     folder = tmp_path_factory.mktemp("site")
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-E", "-d", str(folder / "doctrees")]
+    command = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-W",
+        "--keep-going",
+        "-q",
+        "-E",
+        "-d",
+        str(folder / "doctrees"),
+    ]
     # Nothing listens at this address: a build that asks the network for something fails.
     blocked = dict.fromkeys(("https_proxy", "http_proxy", "all_proxy"), "127.0.0.1:9")
     done = subprocess.run(
@@ -64,7 +76,9 @@ def site(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def pages(site) -> dict[Path, PageReader]:
     """Every page, read."""
-    return {path: PageReader(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
+    return {
+        path: PageReader(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))
+    }
 
 
 def inside(pages: dict[Path, PageReader]) -> Iterator[tuple[Path, str, Path, str]]:
@@ -79,13 +93,17 @@ def inside(pages: dict[Path, PageReader]) -> Iterator[tuple[Path, str, Path, str
 
 def test_every_source_page_is_built(pages, site):
     sources = [path for path in DOCS.rglob("*") if path.suffix in {".md", ".rst"}]
-    wanted = {path.relative_to(DOCS).with_suffix(".html") for path in sources if not is_left_out(path)}
+    wanted = {
+        path.relative_to(DOCS).with_suffix(".html") for path in sources if not is_left_out(path)
+    }
     assert len(wanted) >= 30
     assert wanted <= {page.relative_to(site) for page in pages}
 
 
 def is_left_out(path: Path) -> bool:
-    return bool({"_build", "_extensions", "_figures", "gallery"} & set(path.relative_to(DOCS).parts[:-1]))
+    return bool(
+        {"_build", "_extensions", "_figures", "gallery"} & set(path.relative_to(DOCS).parts[:-1])
+    )
 
 
 def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
@@ -95,7 +113,11 @@ def test_every_link_anchor_picture_and_file_inside_the_site_is_there(pages):
     assert lost == set()
     anchored = [one for one in checked if one[3] and one[2] in pages]
     assert len(anchored) > 1000
-    astray = {(page.name, reference) for page, reference, target, name in anchored if name not in pages[target].anchors}
+    astray = {
+        (page.name, reference)
+        for page, reference, target, name in anchored
+        if name not in pages[target].anchors
+    }
     assert astray == set()
 
 
@@ -107,7 +129,11 @@ def test_pages_and_style_sheets_load_nothing_from_elsewhere(pages, site):
     assert [reference for reference in asked if reference.scheme or reference.netloc] == []
     sheets = {sheet.name: sheet.read_text(encoding="utf-8") for sheet in site.rglob("*.css")}
     assert len(sheets) >= 3
-    assert [name for name, text in sheets.items() if re.search(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", text)] == []
+    assert [
+        name
+        for name, text in sheets.items()
+        if re.search(r"(?:@import|url\()\s*['\"]?(?:https?:)?//", text)
+    ] == []
 
 
 def test_every_public_name_and_command_is_in_the_reference(pages):
@@ -116,7 +142,11 @@ def test_every_public_name_and_command_is_in_the_reference(pages):
     assert len(rooms) == 8
     paths = {f"cyclemap.{name}" for name in cm.__all__ if name not in rooms}
     for room in rooms - {"views"}:
-        paths |= {f"cyclemap.{room}.{name}" for name in getattr(cm, room).__all__ if name not in cm.__all__}
+        paths |= {
+            f"cyclemap.{room}.{name}"
+            for name in getattr(cm, room).__all__
+            if name not in cm.__all__
+        }
     assert len(paths) > 250
     assert len(cli.commands) >= 8
     assert sorted((paths | {f"cyclemap-{name}" for name in cli.commands}) - anchors) == []
@@ -129,7 +159,9 @@ def test_a_name_has_a_page_of_its_own_and_its_room_leads_to_it_in_the_rooms_orde
         wanted = [name for names in told for name in names.split(", ")]
         page = site / "reference" / "api" / f"{room}.html"
         links = [link.partition("#")[0] for link in pages[page].links if link.startswith("names/")]
-        shown = [link.removeprefix("names/").removesuffix(".html").rpartition(".")[2] for link in links]
+        shown = [
+            link.removeprefix("names/").removesuffix(".html").rpartition(".")[2] for link in links
+        ]
         assert [name for name in dict.fromkeys(shown) if name in wanted] == wanted
         assert all((page.parent / link).is_file() for link in links)
 
@@ -138,7 +170,10 @@ def test_formulas_are_well_formed_and_no_role_or_formula_comes_through_as_text(s
     formulas = []
     for page in site.rglob("*.html"):
         text = page.read_text(encoding="utf-8")
-        formulas += [ElementTree.fromstring(one) for one in re.findall(r"<math .*?</math>", text, flags=re.DOTALL)]
+        formulas += [
+            ElementTree.fromstring(one)
+            for one in re.findall(r"<math .*?</math>", text, flags=re.DOTALL)
+        ]
         words = re.sub(r"<(script|pre|style)\b.*?</\1>|<[^>]+>", " ", text, flags=re.DOTALL)
         assert not re.search(r":py:\w+:|\{py:|\{doc\}|\$\$|``", words), page
     assert len(formulas) > 100 and all(formula.tag.endswith("math") for formula in formulas)

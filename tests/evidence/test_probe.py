@@ -24,7 +24,9 @@ RUNS = 12
 
 def pushes(ratio: float, phi: float, offset: float = 0.0) -> np.ndarray:
     root = math.sqrt(ratio)
-    surface = Material("planted", EllipseFriction(0.25 * root, 0.25 / root, 0.25 * offset, 0.0, phi))
+    surface = Material(
+        "planted", EllipseFriction(0.25 * root, 0.25 / root, 0.25 * offset, 0.0, phi)
+    )
     made = replace(ISOTROPIC, material=surface).cycles(THETA)
     return np.column_stack([made.push_displacement, made.push_turn])
 
@@ -34,12 +36,19 @@ def pushes(ratio: float, phi: float, offset: float = 0.0) -> np.ndarray:
 def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
     random = np.random.default_rng(seed)
     phi = float(random.uniform(0.0, math.pi))
-    planted = probe_pushes(THETA, pushes(1.03, phi) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)
+    planted = probe_pushes(
+        THETA, pushes(1.03, phi) + NOISE * random.normal(size=(72, 3)), ISOTROPIC
+    )
     assert planted.found and planted.ratio[1] <= 1.03 <= planted.ratio[2] < 1.04
     assert math.cos(2.0 * (planted.anisotropy.ellipse_direction - phi)) > 0.9
     assert planted.offset[1] < 0.002
     none = probe_pushes(THETA, pushes(1.0, 0.0) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)
-    assert not none.found and none.ratio[1] == 1.0 and none.ratio[2] < 1.01 and "No sign" in probe_sentences(none)[0]
+    assert (
+        not none.found
+        and none.ratio[1] == 1.0
+        and none.ratio[2] < 1.01
+        and "No sign" in probe_sentences(none)[0]
+    )
 
 
 @pytest.mark.slow
@@ -53,22 +62,38 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
     found = probe(push, ISOTROPIC, 36)
     assert found.found and found.explained > 0.999
     assert found.ratio[0] == pytest.approx(0.2545 / 0.2346, abs=1e-4)
-    assert found.offset[0] == pytest.approx(math.hypot(0.0325, 0.0082) / math.sqrt(0.2545 * 0.2346), abs=1e-4)
+    assert found.offset[0] == pytest.approx(
+        math.hypot(0.0325, 0.0082) / math.sqrt(0.2545 * 0.2346), abs=1e-4
+    )
     assert np.degrees(found.stable) == pytest.approx([63.2], abs=0.3)
-    assert "orientation 63." in probe_sentences(found)[2] and "pushed towards −26." in probe_sentences(found)[2]
+    assert (
+        "orientation 63." in probe_sentences(found)[2]
+        and "pushed towards −26." in probe_sentences(found)[2]
+    )
     assert render(probe_page(found)).startswith(b"\x89PNG")
 
 
-def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> None:
-    """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a simulator's, wrapped."""
+def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> (
+    None
+):
+    """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a
+    simulator's, wrapped.
+    """
     plywood = CollectionLoop.mit("plywood", accuracy=1e-6)
     (x, y), way = first_contact(plywood.slider, plywood.push, plywood.pusher.radius)
 
-    def end_pose(theta: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float, float]:
+    def end_pose(
+        theta: float, start: tuple[float, float], end: tuple[float, float]
+    ) -> tuple[float, float, float]:
         assert start == pytest.approx(Pose(theta=theta).to_world(x, y))
-        assert np.subtract(end, start) == pytest.approx(0.15 * np.array(Pose(theta=theta).to_world(*way)))
+        assert np.subtract(end, start) == pytest.approx(
+            0.15 * np.array(Pose(theta=theta).to_world(*way))
+        )
         cycle = plywood.cycle(theta)
-        return (*Pose(theta=theta).to_world(*cycle.push_displacement), (theta + cycle.push_turn) % (2.0 * math.pi))
+        return (
+            *Pose(theta=theta).to_world(*cycle.push_displacement),
+            (theta + cycle.push_turn) % (2.0 * math.pi),
+        )
 
     push = simulated_push(plywood, end_pose)
     for theta in (0.0, 1.0, 3.0, 6.0):
@@ -81,7 +106,9 @@ def test_what_no_ellipse_can_mimic_is_found_and_said_to_be_unexplained() -> None
     """A fourth harmonic, as a pyramidal friction cone makes it."""
     change = np.zeros((72, 3)) + np.array([0.04, -0.07, 1.3])
     change[:, 2] += 0.05 * np.cos(4.0 * THETA)
-    found = probe_pushes(THETA, change + NOISE * np.random.default_rng(0).normal(size=(72, 3)), ISOTROPIC)
+    found = probe_pushes(
+        THETA, change + NOISE * np.random.default_rng(0).normal(size=(72, 3)), ISOTROPIC
+    )
     assert found.found and found.explained < 0.1
     turn = {one.order: one for one in found.harmonics if one.outcome == "dtheta"}
     assert turn[4].lower <= 0.05 <= turn[4].upper and turn[1].lower < 1e-3
@@ -97,7 +124,9 @@ def test_a_program_is_asked_line_by_line(tmp_path) -> None:
     assert push(math.radians(30.0)) == pytest.approx((0.030, -0.070, math.radians(74.5)))
     assert push(math.radians(60.0))[0] == pytest.approx(0.060)
     program.write_text("print('hello', flush=True)\ninput()\n")
-    refused(command_push([sys.executable, str(program)]), 0.0, told=r"answered 'hello': for each line")
+    refused(
+        command_push([sys.executable, str(program)]), 0.0, told=r"answered 'hello': for each line"
+    )
 
 
 def test_pushes_that_cannot_tell_are_refused() -> None:

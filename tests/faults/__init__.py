@@ -1,1 +1,3 @@
-"""Damage done on purpose: `python -m tests.faults` at full size, a seeded sample of it among the tests."""
+"""Damage done on purpose: `python -m tests.faults` at full size, a seeded sample of it among the
+tests.
+"""

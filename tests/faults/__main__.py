@@ -1,4 +1,6 @@
-"""Damage at full size: 5,000 files over every reader and 150 kills; `python -m tests.faults --help` for less."""
+"""Damage at full size: 5,000 files over every reader and 150 kills; `python -m tests.faults --help`
+for less.
+"""
 
 import argparse
 import json
@@ -15,12 +17,16 @@ GOOD = {"read", "refused", "killed", "done before", "went on", "files", "peak_by
 
 
 def damaged_files(folder: Path, count: int, seed: int) -> dict[str, int]:
-    """Read damaged files in another process, which a reader may take down: the counts of how they ended."""
+    """Read damaged files in another process, which a reader may take down: the counts of how they
+    ended.
+    """
     write_samples(folder)
     command = [sys.executable, "-m", "tests.faults.mutations", str(folder), str(count), str(seed)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     print(done.stderr, end="", file=sys.stderr)
-    found: dict[str, int] = json.loads(done.stdout) if done.returncode == 0 else {"crash": done.returncode}
+    found: dict[str, int] = (
+        json.loads(done.stdout) if done.returncode == 0 else {"crash": done.returncode}
+    )
     return found | ({"too much memory": 1} if found.get("peak_bytes", 0) > LARGEST_BYTES else {})
 
 
@@ -43,7 +49,9 @@ def main() -> int:
         for command in COMMANDS:
             folder = Path(place) / command
             folder.mkdir()
-            outcome = kill_and_go_on(command, folder, asked.kills // len(COMMANDS), asked.seed, print)
+            outcome = kill_and_go_on(
+                command, folder, asked.kills // len(COMMANDS), asked.seed, print
+            )
             print(f"{command}: {dict(outcome)}", flush=True)
             bad |= faults(outcome)
     return 1 if bad else 0

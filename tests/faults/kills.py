@@ -1,4 +1,6 @@
-"""Commands killed at random moments, and run again: what they leave is what an undisturbed one leaves."""
+"""Commands killed at random moments, and run again: what they leave is what an undisturbed one
+leaves.
+"""
 
 import os
 import random
@@ -11,10 +13,21 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-LONGEST_SECONDS = 120.0  # and ten times what an undisturbed run takes: other work may have slowed the machine
+LONGEST_SECONDS = (
+    120.0  # and ten times what an undisturbed run takes: other work may have slowed the machine
+)
 COMMANDS = {
     "simulate": ("simulate", "plywood", "--cycles", "150", "--pose-noise-mm", "0.1"),
-    "sweep": ("sweep", "plywood", "--over", "hitch_x_mm=-12:-9:4", "--quantities", "rotation", "--workers", "1"),
+    "sweep": (
+        "sweep",
+        "plywood",
+        "--over",
+        "hitch_x_mm=-12:-9:4",
+        "--quantities",
+        "rotation",
+        "--workers",
+        "1",
+    ),
     "figures": ("figures", "setup-and-cycle", "table-friction", "limit-ellipse-and-patch"),
 }
 
@@ -23,10 +36,14 @@ def start(command: str, folder: Path) -> subprocess.Popen[str]:
     """Begin a command that writes to `folder`."""
     line = [sys.executable, "-m", "cyclemap", *COMMANDS[command], "--out", str(folder)]
     quiet = os.environ | {"CYCLEMAP_DATA": str(folder.parent)}
-    return subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=quiet)
+    return subprocess.Popen(
+        line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=quiet
+    )
 
 
-def finish(command: str, folder: Path, longest: float = 5 * LONGEST_SECONDS) -> tuple[int, str, float]:
+def finish(
+    command: str, folder: Path, longest: float = 5 * LONGEST_SECONDS
+) -> tuple[int, str, float]:
     """Run a command to its end: its exit code, its complaints, its seconds."""
     begun, process = time.monotonic(), start(command, folder)
     try:
@@ -50,8 +67,12 @@ def left(command: str, folder: Path) -> dict[str, object]:
     return found
 
 
-def kill_and_go_on(command: str, folder: Path, kills: int, seed: int, said: Callable[[str], None]) -> Counter[str]:
-    """Kill a command `kills` times in all, in runs of up to three kills that go on with one another."""
+def kill_and_go_on(
+    command: str, folder: Path, kills: int, seed: int, said: Callable[[str], None]
+) -> Counter[str]:
+    """Kill a command `kills` times in all, in runs of up to three kills that go on with one
+    another.
+    """
     chance, outcomes = random.Random(seed), Counter[str]()
     code, told, seconds = finish(command, folder / "undisturbed")
     if code:
@@ -74,7 +95,9 @@ def kill_and_go_on(command: str, folder: Path, kills: int, seed: int, said: Call
         if code or "Traceback" in told:
             outcomes["hang" if code == -1 else "traceback"] += 1
             said(f"{command} in {place}: {told}")
-        elif {name: part for name, part in left(command, place).items() if name not in hidden} != wanted:
+        elif {
+            name: part for name, part in left(command, place).items() if name not in hidden
+        } != wanted:
             outcomes["changed"] += 1
             said(f"{command} in {place}: left other files than an undisturbed run")
         else:

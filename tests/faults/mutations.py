@@ -45,7 +45,10 @@ def readers() -> dict[str, tuple[Reader, ...]]:
         "sweep.sqlite": (load_sweep,),
         "figures.json": (_read_index,),
         "collection.toml": (loop_from_file,),
-        **{f"log{end}": (read_own_table,) for end in (".tsv", ".xlsx", ".parquet", ".db3", ".mcap", ".bag")},
+        **{
+            f"log{end}": (read_own_table,)
+            for end in (".tsv", ".xlsx", ".parquet", ".db3", ".mcap", ".bag")
+        },
         **{f"tee{end}": (read_outline,) for end in (".svg", ".dxf", ".stl", ".urdf", ".csv")},
     }
 
@@ -61,13 +64,22 @@ def mutated(content: bytes, chance: random.Random) -> bytes:
         end = min(len(damaged), place + chance.choice([1, 1, 10, 1000]))
         piece = bytes(damaged[place:end])
         damaged[place:end] = chance.choice(
-            [bytes(chance.randrange(256) for _ in piece), b"", 2 * piece, chance.choice(vile), piece[::-1], b"-", b","]
+            [
+                bytes(chance.randrange(256) for _ in piece),
+                b"",
+                2 * piece,
+                chance.choice(vile),
+                piece[::-1],
+                b"-",
+                b",",
+            ]
         )
     return bytes(damaged)
 
 
 def read_mutations(folder: Path, count: int, seed: int) -> Counter[str]:
-    """Give `count` damaged files to their readers; how they ended, faults by a line each on stderr."""
+    """Give `count` damaged files to their readers; how they ended,
+    faults by a line each on stderr."""
     from cyclemap.errors import CycleMapError
 
     chance, outcomes = random.Random(seed), Counter[str]()

@@ -26,19 +26,34 @@ def write_samples(folder: Path) -> None:
     poses = "".join(f"{n},0.1,0.2,{n / 7:.4f},0.3,0.4,1.5\n" for n in range(20))
     (folder / "poses.csv").write_text(f"rep,x0,y0,theta0,x1,y1,theta1\n{poses}")
     rows = "".join(f"{n},{3 * n},{3 * n % 360},{3 if n < 99 else ''},\n" for n in range(100))
-    (folder / "staircase.csv").write_text(f"rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n{rows}")
-    (folder / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{n},{n + 2.5}\n" for n in range(50)))
-    (folder / "support.csv").write_text("x_mm,y_mm,weight\n40,40,1\n-40,40,1\n-40,-40,1.5\n40,-40,0.5\n")
+    (folder / "staircase.csv").write_text(
+        f"rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n{rows}"
+    )
+    (folder / "pairs.csv").write_text(
+        "theta0_deg,theta_next_deg\n" + "".join(f"{n},{n + 2.5}\n" for n in range(50))
+    )
+    (folder / "support.csv").write_text(
+        "x_mm,y_mm,weight\n40,40,1\n-40,40,1\n-40,-40,1.5\n40,-40,0.5\n"
+    )
     (folder / "material.toml").write_text(material_toml(load_material("plywood-measured")))
     coin = ResetStrategy(tuple(CycleAction(push=SidePush(side)) for side in (1, 2)))
     write_protocol(folder / "protocol.toml", loop, coin)
     write_schedule(folder / "schedule.csv", loop, coin, 20)
     (folder / "collection.toml").write_text(collection_text(loop))
     plan = SweepPlan.grid(
-        "isotropic", {"noise_deg": (1.0, 2.0)}, numbers=PortraitNumbers(("rotation",), tolerance=1e-2)
+        "isotropic",
+        {"noise_deg": (1.0, 2.0)},
+        numbers=PortraitNumbers(("rotation",), tolerance=1e-2),
     )
     run_sweep(plan, folder / "sweep.sqlite", workers=1)
-    line = {"name": "x", "title": "t", "source": "s", "caption": "c", "file": "x.png", "measured": None}
+    line = {
+        "name": "x",
+        "title": "t",
+        "source": "s",
+        "caption": "c",
+        "file": "x.png",
+        "measured": None,
+    }
     (folder / "figures.json").write_text(json.dumps({"figures": [line]}))
     _write_outlines(folder)
     # What these are read with need not be installed; without them their kinds are left out.
@@ -56,7 +71,9 @@ def _write_tables(folder: Path) -> None:
     import pandas
 
     frame = pandas.DataFrame({"push": range(30), "yaw_before_deg": [3.0 * n for n in range(30)]})
-    frame = frame.assign(yaw_after_deg=frame["yaw_before_deg"] + 2.0, x_before_mm=0.0, x_after_mm=40.0)
+    frame = frame.assign(
+        yaw_after_deg=frame["yaw_before_deg"] + 2.0, x_before_mm=0.0, x_after_mm=40.0
+    )
     frame = frame.assign(y_before_mm=0.0, y_after_mm=1.5)
     frame.to_csv(folder / "log.tsv", sep="\t", index=False)
     frame.to_excel(folder / "log.xlsx", index=False)
@@ -76,7 +93,11 @@ def _write_bags(folder: Path) -> None:
         Writer2(folder / "made.db3", version=9) as stored,
         Writer2(folder / "made.mcap", version=9, storage_plugin=StoragePlugin.MCAP) as new,
     ):
-        for writer, version in ((old, Stores.ROS1_NOETIC), (stored, Stores.LATEST), (new, Stores.LATEST)):
+        for writer, version in (
+            (old, Stores.ROS1_NOETIC),
+            (stored, Stores.LATEST),
+            (new, Stores.LATEST),
+        ):
             store = get_typestore(version)
             made, topic = store.types, writer.add_connection("/box", kind, typestore=store)
             for tick in range(120):
@@ -105,14 +126,17 @@ def _write_outlines(folder: Path) -> None:
     points = " ".join(f"{x},{y}" for x, y in _CORNERS)
     (folder / "tee.svg").write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="8cm" height="8cm" viewBox="0 0 80 80">'
-        f'<g transform="translate(0,80) scale(1,-1)"><polygon points="{points}"/></g><path d="M0 0L9 0L9 9Z"/></svg>'
+        f'<g transform="translate(0,80) scale(1,-1)"><polygon points="{points}"/></g><path d="M0 '
+        '0L9 0L9 9Z"/></svg>'
     )
     bottom = [[(*_CORNERS[a], z) for a in part] for z in (0, 9) for part in ((0, 1, 2), (0, 2, 3))]
-    flat = b"".join(struct.pack("<12fH", 0, 0, 0, *(n for corner in one for n in corner), 0) for one in bottom)
+    flat = b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(n for corner in one for n in corner), 0) for one in bottom
+    )
     (folder / "tee.stl").write_bytes(b"\0" * 80 + struct.pack("<I", len(bottom)) + flat)
     (folder / "tee.urdf").write_text(
-        '<robot name="t"><link name="base"/><link name="box"><collision><origin rpy="0 0 0.3" xyz="0.1 0 0"/>'
-        '<geometry><box size="0.1 0.2 0.05"/></geometry></collision></link></robot>'
+        '<robot name="t"><link name="base"/><link name="box"><collision><origin rpy="0 0 0.3" '
+        'xyz="0.1 0 0"/><geometry><box size="0.1 0.2 0.05"/></geometry></collision></link></robot>'
     )
     (folder / "tee.csv").write_text("x_mm;y_mm\n" + "".join(f"{x};{y}\n" for x, y in _CORNERS))
 

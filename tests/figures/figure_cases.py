@@ -1,4 +1,6 @@
-"""What the tests of figures share: small simulated runs, folders of recorded pushes, and what every drawing must be."""
+"""What the tests of figures share: small simulated runs, folders of recorded pushes, and what every
+drawing must be.
+"""
 
 import re
 from functools import cache
@@ -40,12 +42,26 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "table-law-errors": _SAMPLED,
     "anisotropic-against-isotropic": {"batches": 3, "cycles": 5},
     "dynamic-against-quasi-static": {"orientations": 3, "speeds": (0.01, 0.02, 0.04), "fewer": 1},
-    "fingerprint": {"scales": np.array([1.0, 1 / 8, 1 / 16, 1 / 32]), "rays": np.radians([0.0, 90.0])},
+    "fingerprint": {
+        "scales": np.array([1.0, 1 / 8, 1 / 16, 1 / 32]),
+        "rays": np.radians([0.0, 90.0]),
+    },
     "saddle-node": {"nodes": 6, "angles": 48, "count": 8, "counted": (5e-4,)},
-    "phase-diagram": {"nodes": (6, 4), "angles": 16, "shape": (15, 7), "scales": 2, "fingerprints": 6},
+    "phase-diagram": {
+        "nodes": (6, 4),
+        "angles": 16,
+        "shape": (15, 7),
+        "scales": 2,
+        "fingerprints": 6,
+    },
     "staircase-bottleneck": {"cycles": 8_000, "tolerance": 1e-4},
     "wear-drift": {"points": 5},
-    "locking-in": {"start": np.radians(38.0), "locked": np.radians(3.0), "pace": ((1, 3, 2),), "slow": (2, 2)},
+    "locking-in": {
+        "start": np.radians(38.0),
+        "locked": np.radians(3.0),
+        "pace": ((1, 3, 2),),
+        "slow": (2, 2),
+    },
 }
 UNIT = re.compile(r"\((mm|mm/s|°|1|N|per degree|mean pressures)\)")
 DIMENSIONLESS = ("coefficient", "cycle", "harmonic")
@@ -64,7 +80,9 @@ def _made(place: Path) -> MeasuredFolder:
 
 
 def recorded_folder(tmp_path_factory) -> MeasuredFolder:
-    """24 pushes on abs, 20 on plywood with its 144 friction scans: simulated, in files as a robot leaves them."""
+    """24 pushes on abs, 20 on plywood with its 144 friction scans: simulated, in files as a robot
+    leaves them.
+    """
     return _made(tmp_path_factory.getbasetemp() / "recorded collections")
 
 
@@ -75,23 +93,31 @@ def small(name: str, measured: MeasuredFolder = NOWHERE) -> Any:
 
 
 def recorded_plywood(factory: pytest.TempPathFactory) -> MeasuredFolder:
-    """Recorded pushes on "plywood", as the MIT dataset names them, made by the mechanics without noise.
+    """Recorded pushes on "plywood", as the MIT dataset names them, made by the mechanics without
+    noise.
 
     All tests of a run share them: a collection that is complete is not made again.
     """
-    loop, folder = CollectionLoop.mit("plywood", accuracy=1e-6), factory.getbasetemp() / "recorded_pushes"
+    loop, folder = (
+        CollectionLoop.mit("plywood", accuracy=1e-6),
+        factory.getbasetemp() / "recorded_pushes",
+    )
     simulate_collection(loop, folder, RECORDED, noise=RecordingNoise(turn=0.0))
     return MeasuredFolder(folder)
 
 
 def assert_drawn(figure: Figure, panels: int) -> None:
-    """A picture comes out; so many panels, bars of shades among them, none empty, all with units, words apart."""
+    """A picture comes out; so many panels, bars of shades among them, none empty, all with units,
+    words apart.
+    """
     assert render(figure, "png", 60).startswith(b"\x89PNG")
     assert len(figure.axes) == panels
     for axes in figure.axes:
         assert axes.lines or axes.collections or axes.patches, "an empty panel"
         for label in (axes.get_xlabel(), axes.get_ylabel()):
-            assert not label or UNIT.search(label) or any(word in label for word in DIMENSIONLESS), label
+            assert (
+                not label or UNIT.search(label) or any(word in label for word in DIMENSIONLESS)
+            ), label
         assert axes.get_xlabel() or axes.get_ylabel()
     assert_words_apart(figure)
 

@@ -1,4 +1,6 @@
-"""What the caption of anisotropic-against-isotropic claims: batches draw together, isotropic paths are one."""
+"""What the caption of anisotropic-against-isotropic claims: batches draw together, isotropic paths
+are one.
+"""
 
 import numpy as np
 import pytest

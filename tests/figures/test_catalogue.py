@@ -16,7 +16,8 @@ NAMES = [entry.name for entry in CATALOGUE]
 
 def test_every_exhibit_is_in_the_catalogue_once_and_is_a_figure_a_table_or_an_animation() -> None:
     modules = [
-        import_module(f"cyclemap.figures.{path.stem}") for path in Path(cyclemap.figures.__file__).parent.glob("*.py")
+        import_module(f"cyclemap.figures.{path.stem}")
+        for path in Path(cyclemap.figures.__file__).parent.glob("*.py")
     ]
     exhibits = {module for module in modules if hasattr(module, "compute")}
     assert {load_exhibit(name) for name in NAMES} == exhibits and len(exhibits) == len(NAMES) == 22
@@ -48,8 +49,8 @@ def test_an_unknown_name_is_refused_with_the_nearest() -> None:
 
 def test_the_catalogue_imports_no_exhibit_and_no_matplotlib() -> None:
     code = (
-        "import sys; from cyclemap.figures.catalogue import entries; entries();"
-        "assert 'cyclemap.figures.saddle_node' not in sys.modules; print('matplotlib' in sys.modules)"
+        "import sys; from cyclemap.figures.catalogue import entries; entries();assert "
+        "'cyclemap.figures.saddle_node' not in sys.modules; print('matplotlib' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

@@ -1,4 +1,6 @@
-"""What the caption of dynamic-against-quasi-static claims: small differences that fall with the speed squared."""
+"""What the caption of dynamic-against-quasi-static claims: small differences that fall with the
+speed squared.
+"""
 
 import math
 

@@ -5,8 +5,8 @@ from figure_cases import assert_drawn, small, words_of
 
 from cyclemap.figures.catalogue import NO_DATA, load_exhibit
 
-# Panels, bars of shades among them, and whether measured data are drawn where there are some. The figures of four
-# materials and the paths of pushes are drawn in tests of their own.
+# Panels, bars of shades among them, and whether measured data are drawn where there are some. The
+# figures of four materials and the paths of pushes are drawn in tests of their own.
 FIGURES = {
     "anisotropic-against-isotropic": (4, False),
     "dynamic-against-quasi-static": (3, False),
@@ -22,10 +22,17 @@ FIGURES = {
     "wear-drift": (3, True),
 }
 QUICK = 4
-# Of setup-and-cycle an independent solver has +72.409 and -49.512 degrees at θ0 = 270 degrees on Table I's plywood.
+# Of setup-and-cycle an independent solver has +72.409 and -49.512 degrees at θ0 = 270 degrees on
+# Table I's plywood.
 TOLD = {
     "setup-and-cycle": ("90 mm", "150 mm", "18 mm", "15 mm", "270°", "72.4°", "-49.5°", "292.9°"),
-    "fingerprint": ("Ω 8.00°", "59.4° ± 21.1°", "3.8° away, within that error", "power 2.0", "21.3 mm"),
+    "fingerprint": (
+        "Ω 8.00°",
+        "59.4° ± 21.1°",
+        "3.8° away, within that error",
+        "power 2.0",
+        "21.3 mm",
+    ),
     "saddle-node": ("9.793 mm", "13 mm", "162.", "square root"),
     "floor-shape": ("8.0°", "16.0°", "2.9° to 27.5°", "12.2°", "half a turn further"),
     "locking-in": ("38°", "63°", "20 cycles"),
@@ -33,7 +40,8 @@ TOLD = {
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (k >= QUICK)) for k, name in enumerate(FIGURES)]
+    "name",
+    [pytest.param(name, marks=[pytest.mark.slow] * (k >= QUICK)) for k, name in enumerate(FIGURES)],
 )
 def test_a_figure_is_drawn_without_measured_data_and_its_caption_tells_so(name) -> None:
     panels, measured = FIGURES[name]

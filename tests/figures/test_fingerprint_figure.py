@@ -1,4 +1,6 @@
-"""The figure's caption holds: within the stated error, the square of the anisotropy, an edge that is nearly right."""
+"""The figure's caption holds: within the stated error, the square of the anisotropy, an edge that
+is nearly right.
+"""
 
 import math
 
@@ -16,7 +18,9 @@ def test_the_predicted_direction_lies_within_the_error_it_states(result) -> None
     assert math.degrees(stable.full.points[0]) == pytest.approx(63.168, abs=0.02)
 
 
-def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_first(result) -> None:
+def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_first(
+    result,
+) -> None:
     assert figure.order(result.scales, result.turn_error) == pytest.approx(2.0, abs=0.1)
     assert figure.order(result.scales, result.direction_error) == pytest.approx(1.0, abs=0.05)
     small = result.scales <= figure.ASYMPTOTIC
@@ -24,9 +28,16 @@ def test_the_error_of_the_turn_is_of_second_order_and_that_of_the_direction_of_f
     assert np.all(result.second_turn_error < result.turn_error)
 
 
-def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_inside(result) -> None:
+def test_the_edge_is_omega_over_the_amplitude_and_the_full_maps_lies_a_little_inside(
+    result,
+) -> None:
     found = result.prediction.fingerprint.cycle
-    expected = [[found.turn / found.offset_amplitude, 0.0], [0.0, found.turn / found.ellipse_amplitude]]
+    expected = [
+        [found.turn / found.offset_amplitude, 0.0],
+        [0.0, found.turn / found.ellipse_amplitude],
+    ]
     assert result.predicted_edge == pytest.approx(np.array(expected), abs=1e-12)
-    shares = np.linalg.norm(result.full_edge, axis=1) / np.linalg.norm(result.predicted_edge, axis=1)
+    shares = np.linalg.norm(result.full_edge, axis=1) / np.linalg.norm(
+        result.predicted_edge, axis=1
+    )
     assert np.all((shares > 0.8) & (shares < 1.0))

@@ -37,7 +37,9 @@ def test_the_trough_explains_more_of_the_measured_turns_than_the_ellipse() -> No
 
 
 def test_shapes_identified_from_pushes_and_drags_tell_half_of_what_the_staircase_turns() -> None:
-    """plywood-floor knows of no cycle: pushes of 50 mm and drag-backs. Its slow directions are where θ0 was slow."""
+    """plywood-floor knows of no cycle: pushes of 50 mm and drag-backs. Its slow directions are
+    where θ0 was slow.
+    """
     path = MeasuredFolder.found().find("plywood_rect1_theta0_2000.csv")
     if path is None:
         pytest.skip("no measured data: set CYCLEMAP_DATA")

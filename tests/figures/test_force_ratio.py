@@ -1,4 +1,6 @@
-"""The predicted ratio sits at the friction coefficient while the rod slides and between while it sticks."""
+"""The predicted ratio sits at the friction coefficient while the rod slides and between while it
+sticks.
+"""
 
 import shutil
 
@@ -23,14 +25,18 @@ NAME = "force-ratio"
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory) -> MeasuredFolder:
-    """Two recorded pushes of rect1 by the mechanics: a short one that only slides, and a long one."""
+    """Two recorded pushes of rect1 by the mechanics: a short one that only slides,
+    and a long one."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / FOLDER).mkdir()
     loop = CollectionLoop.mit("plywood")
     push = loop.strokes(0.5, loop.push.distance / 60)[0]
     for fraction, noise in ((0.7, 0.01), (0.8, 5.0)):
         record = record_push(
-            push, loop.push.distance, Recording(noise=RecordingNoise(force=noise)), np.random.default_rng(2)
+            push,
+            loop.push.distance,
+            Recording(noise=RecordingNoise(force=noise)),
+            np.random.default_rng(2),
         )
         facts = PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, fraction, 0.0)
         write_push_file(folder / FOLDER / f"{push_name(facts)}.h5", record)
@@ -58,7 +64,9 @@ def test_the_ratio_does_not_depend_on_the_weight_or_the_level_of_friction() -> N
     ratios = []
     for mu in (0.2, 0.4):
         loop = loop_from_settings({"mu_a": mu, "mu_b": mu, "m0": 0.0, "n0": 0.0})
-        course = loop.model.push(loop.start_pose(0.3), loop.push, loop.push.distance / 40).trajectory
+        course = loop.model.push(
+            loop.start_pose(0.3), loop.push, loop.push.distance / 40
+        ).trajectory
         found = predicted_ratio(course, loop.pusher.radius, 0.15)
         ratios.append(np.interp(np.linspace(0.001, 0.14, 30), found.travel, found.ratio))
     assert np.allclose(*ratios, atol=1e-4)
@@ -78,7 +86,9 @@ def test_a_recorded_push_gives_back_the_friction_that_made_it(recorded) -> None:
     assert np.median(np.abs(found.ratio - expected)) < 0.01
 
 
-def test_the_noisy_push_is_not_chosen_and_a_damaged_file_is_passed_over_and_told(recorded, tmp_path) -> None:
+def test_the_noisy_push_is_not_chosen_and_a_damaged_file_is_passed_over_and_told(
+    recorded, tmp_path
+) -> None:
     shutil.copytree(recorded.path / FOLDER, tmp_path / FOLDER)
     facts = PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.9, 0.0)
     (tmp_path / FOLDER / f"{push_name(facts)}.h5").write_bytes(b"no push")
@@ -92,14 +102,21 @@ def test_the_noisy_push_is_not_chosen_and_a_damaged_file_is_passed_over_and_told
 
 @pytest.mark.slow
 def test_the_recorded_push_of_the_data_slides_near_a_fifth_and_sticks_below(measured_data) -> None:
-    """hex on abs at 50 mm/s, pushed at 20 degrees: the coefficient is that of the whole estimator on this file."""
+    """hex on abs at 50 mm/s, pushed at 20 degrees: the coefficient is that of the whole estimator
+    on this file.
+    """
     found = compute(MeasuredFolder(measured_data))
     assert found.recorded is not None and found.recorded.files == 51
     assert found.recorded.name == "hex on abs, 50 mm/s"
     name = "motion_surface=abs_shape=hex_a=0_v=50_i=4.000_s=0.700_t=0.349.h5"
-    forces = sliding_forces([(read_push_file(measured_data / FOLDER / name), Slider.mit("hex").outline_points(360))])
+    forces = sliding_forces(
+        [(read_push_file(measured_data / FOLDER / name), Slider.mit("hex").outline_points(360))]
+    )
     assert forces.samples == found.recorded.forces.samples
     whole = identify([force_ratio_block(forces)], ["pusher_friction"], starts=1)["pusher_friction"]
     assert found.recorded.friction == pytest.approx(whole.value, abs=0.02)
-    assert np.mean(np.abs(found.recorded.ratio[found.recorded.sticking]) < found.recorded.friction) > 0.8
+    assert (
+        np.mean(np.abs(found.recorded.ratio[found.recorded.sticking]) < found.recorded.friction)
+        > 0.8
+    )
     assert_drawn(draw(found), 2)

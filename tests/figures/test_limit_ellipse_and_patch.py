@@ -1,4 +1,6 @@
-"""The limit curve as drawn, scans and their fit where there are any, and a patch that balances the rod."""
+"""The limit curve as drawn, scans and their fit where there are any, and a patch that balances the
+rod.
+"""
 
 import math
 
@@ -19,7 +21,9 @@ def test_the_limit_curve_is_the_ellipse_of_equation_1(result) -> None:
         x, y = limit_curve(law).T
         c, s = math.cos(law.phi), math.sin(law.phi)
         m, n = c * x + s * y, -s * x + c * y
-        assert np.allclose(((m - law.m0) / law.mu_a) ** 2 + ((n - law.n0) / law.mu_b) ** 2, 1.0, atol=1e-12)
+        assert np.allclose(
+            ((m - law.m0) / law.mu_a) ** 2 + ((n - law.n0) / law.mu_b) ** 2, 1.0, atol=1e-12
+        )
 
 
 def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(result) -> None:
@@ -30,7 +34,8 @@ def test_the_lean_of_an_isotropic_law_is_zero_and_the_captions_is_the_sketchs(re
 
 
 def test_the_patch_balances_the_rod_by_a_second_route(result) -> None:
-    """The twist comes from the slope of the course alone; the rod's force from the contact solver."""
+    """The twist comes from the slope of the course alone;
+    the rod's force from the contact solver."""
     patch = result.patch
     assert patch.force.shape == (GRID**2, 2)
     assert np.allclose(patch.wrench, -patch.rod, rtol=0.0, atol=1e-4 * np.hypot(*patch.rod[:2]))
@@ -44,5 +49,9 @@ def test_scans_give_back_the_ellipse_that_made_them(tmp_path_factory) -> None:
     assert apart < 1e-5
     told, figure = limit_ellipse_and_patch.caption(found), limit_ellipse_and_patch.draw(found)
     assert f"Dots: {SCANS} friction scans" in told and f"at most {apart:.4f} from Table I" in told
-    assert NO_DATA not in told and "friction scans" in words_of(figure) and "fitted" in words_of(figure)
+    assert (
+        NO_DATA not in told
+        and "friction scans" in words_of(figure)
+        and "fitted" in words_of(figure)
+    )
     assert_drawn(figure, 3)

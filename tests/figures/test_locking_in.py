@@ -1,4 +1,6 @@
-"""The animation of locking in: what its frames show, and that pixels and durations of a GIF come back."""
+"""The animation of locking in: what its frames show, and that pixels and durations of a GIF come
+back.
+"""
 
 import io
 import math
@@ -18,7 +20,9 @@ from cyclemap.figures.locking_in import animated_gif
 NAME = "locking-in"
 
 
-def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(result) -> None:
+def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_brings_it_nearer(
+    result,
+) -> None:
     assert math.degrees(result.stable) == pytest.approx(63.2, abs=0.2)
     off = np.abs(result.theta - result.stable)
     assert np.all(np.diff(off) < 0.0)
@@ -28,7 +32,9 @@ def test_the_run_ends_near_the_stable_direction_at_63_degrees_and_every_cycle_br
 
 def test_there_is_a_picture_for_every_moment_that_was_asked_for(result) -> None:
     assert len(result.moments) == 5 + 4 + (result.cycles - 2)
-    assert [moment.cycle for moment in result.moments] == sorted(moment.cycle for moment in result.moments)
+    assert [moment.cycle for moment in result.moments] == sorted(
+        moment.cycle for moment in result.moments
+    )
     assert result.moments[-1].seconds > 1.0
 
 
@@ -48,7 +54,9 @@ def test_every_moment_is_a_frame_that_differs_from_the_one_before_it(result) -> 
     frames = list(locking_in.frames(result))
     assert [frame.seconds for frame in frames] == [moment.seconds for moment in result.moments]
     assert {frame.pixels.shape for frame in frames} == {(410, 720, 3)}
-    assert all(np.ptp(one.pixels.astype(int) - other.pixels) > 50 for one, other in pairwise(frames))
+    assert all(
+        np.ptp(one.pixels.astype(int) - other.pixels) > 50 for one, other in pairwise(frames)
+    )
 
 
 def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
@@ -57,7 +65,9 @@ def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
     return Frame(pixels, seconds)
 
 
-def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hundredths_two_at_least() -> None:
+def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hundredths_two_at_least() -> (
+    None
+):
     given = [_frame(place, seconds) for place, seconds in enumerate((0.0, 0.034, 0.05, 0.07))]
     picture = Image.open(io.BytesIO(animated_gif(given)))
     assert (picture.n_frames, picture.size, picture.info["loop"]) == (4, (12, 8), 0)
@@ -67,8 +77,16 @@ def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hund
         assert np.abs(np.asarray(picture.convert("RGB"), dtype=int) - frame.pixels).max() <= 6
 
 
-def test_no_frames_frames_of_two_sizes_and_a_run_that_does_not_lock_in_are_refused(monkeypatch) -> None:
+def test_no_frames_frames_of_two_sizes_and_a_run_that_does_not_lock_in_are_refused(
+    monkeypatch,
+) -> None:
     refused(animated_gif, [], told="at least one frame")
     refused(animated_gif, [_frame(0), _frame(0, height=9)], told="one size")
     monkeypatch.setattr(locking_in, "MOST_CYCLES", 2)
-    refused(locking_in.compute, NOWHERE, math.radians(120.0), told="do not lock in", kind=ConvergenceError)
+    refused(
+        locking_in.compute,
+        NOWHERE,
+        math.radians(120.0),
+        told="do not lock in",
+        kind=ConvergenceError,
+    )

@@ -1,4 +1,6 @@
-"""Interpolated families of loops: exact at their nodes, close between them, and one function in all their forms."""
+"""Interpolated families of loops: exact at their nodes, close between them, and one function in all
+their forms.
+"""
 
 import math
 from dataclasses import replace
@@ -36,7 +38,9 @@ def test_at_its_nodes_the_family_is_the_cycles_that_were_run(family) -> None:
     assert max(errors) < 1e-10
 
 
-def test_between_its_nodes_the_family_is_within_a_twentieth_of_a_degree_and_nearer_with_more_angles(family) -> None:
+def test_between_its_nodes_the_family_is_within_a_twentieth_of_a_degree_and_nearer_with_more_angles(
+    family,
+) -> None:
     theta = np.linspace(0.1, 6.2, 13)
     coarse = loop_family(RINGS, ((0.0095, 0.0105),), (3,), 12).error_at(theta, 0.0098).max()
     assert family.error_at(theta, 0.0098).max() < 0.5 * coarse < 0.5 * math.radians(0.05)
@@ -56,7 +60,10 @@ def test_array_scalar_slope_and_parametric_form_are_one_function(family) -> None
 
 def test_two_parameters_agree_with_one(family) -> None:
     both = loop_family(
-        lambda radius, scale: with_anisotropy_times(RINGS(radius), scale), ((0.0095, 0.0105), (0.5, 1.0)), (3, 2), 24
+        lambda radius, scale: with_anisotropy_times(RINGS(radius), scale),
+        ((0.0095, 0.0105), (0.5, 1.0)),
+        (3, 2),
+        24,
     )
     theta = np.linspace(0.0, 6.0, 7)
     assert both.coefficients.shape == (3, 2, 13)
@@ -74,7 +81,9 @@ def test_the_ring_moves_on_its_ray_and_no_anisotropy_leaves_a_rotation() -> None
 
 
 def test_a_fold_of_the_mechanics_is_a_touch_of_the_diagonal() -> None:
-    """At the fold cycles move by nothing to first order, and its bend and rate are those of cycles beside it."""
+    """At the fold cycles move by nothing to first order, and its bend and rate are those of cycles
+    beside it.
+    """
     exact = partial(with_ring_at, CollectionLoop.mit(material="plywood"))
     fold = ring_fold(exact, math.radians(160.0), 0.0099)
     assert 1000 * fold.radius == pytest.approx(9.7932, abs=2e-4)

@@ -1,4 +1,6 @@
-"""Figs. 5 to 7 and the staircases, a panel a material: densities, laws and climbs are what the captions say."""
+"""Figs. 5 to 7 and the staircases, a panel a material: densities, laws and climbs are what the
+captions say.
+"""
 
 from functools import cache
 
@@ -35,15 +37,24 @@ def climbs(measured=NOWHERE):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", LABELS)
-def test_recorded_pushes_are_drawn_where_there_are_any_and_missed_by_name(name, tmp_path_factory) -> None:
-    what, recorded = "pushes" if name.startswith("turn") else "θ0", recorded_folder(tmp_path_factory)
+def test_recorded_pushes_are_drawn_where_there_are_any_and_missed_by_name(
+    name, tmp_path_factory
+) -> None:
+    what, recorded = (
+        "pushes" if name.startswith("turn") else "θ0",
+        recorded_folder(tmp_path_factory),
+    )
     for measured, absent in ((NOWHERE, "plywood, abs, delrin and pu"), (recorded, "delrin and pu")):
         module, result = load_exhibit(name), small(name, measured)
         figure, told = module.draw(result), module.caption(result)
         assert told.endswith(f"Recorded {what} on {absent}: {NO_DATA}.")
         assert {(axes.get_xlabel(), axes.get_ylabel()) for axes in figure.axes} <= LABELS[name]
         names = [text.get_text() for text in figure.axes[1].get_legend().get_texts()]
-        assert ("measured" in names) == (measured is recorded) and len(figure.axes) == 4 and figure.texts == []
+        assert (
+            ("measured" in names) == (measured is recorded)
+            and len(figure.axes) == 4
+            and figure.texts == []
+        )
         assert_words_apart(figure)
 
 
@@ -89,23 +100,34 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 
-def test_histograms_count_every_push_as_the_law_does_which_is_nearer_with_its_scatter_than_alone() -> None:
+def test_histograms_count_every_push_as_the_law_does_which_is_nearer_with_its_scatter_than_alone() -> (
+    None
+):
     result = small("turn-histograms")
     assert [panel.surface for panel in result.panels] == NAMES == list(result.absent)
     for panel in result.panels:
         found = panel.histogram
         assert not panel.recorded and not panel.whole_cycle
-        assert found.count == SMALL.pushes and np.sum(found.predicted) == pytest.approx(SMALL.pushes)
+        assert found.count == SMALL.pushes and np.sum(found.predicted) == pytest.approx(
+            SMALL.pushes
+        )
         assert found.total_variation < found.law_alone_total_variation, panel.surface
 
 
 @pytest.mark.slow
 def test_of_measured_plywood_only_whole_cycles_are_at_hand_and_it_says_so(measured_data) -> None:
     found = small("turn-histograms", MeasuredFolder(measured_data))
-    cycle, told, figure = found.panels[-1], turn_histograms.caption(found), turn_histograms.draw(found)
+    cycle, told, figure = (
+        found.panels[-1],
+        turn_histograms.caption(found),
+        turn_histograms.draw(found),
+    )
     assert [panel.whole_cycle for panel in found.panels] == [False] * 4 + [True]
     assert cycle.recorded and cycle.surface == "plywood" and cycle.histogram.count == 1996
-    assert "Of 1996 whole cycles recorded (push and drag together, since only θ0 is at hand, not Δθ) on plywood" in told
+    assert (
+        "Of 1996 whole cycles recorded (push and drag together, since only θ0 is at hand, not "
+        "Δθ) on plywood" in told
+    )
     assert told.endswith(f"Recorded pushes on plywood, abs, delrin and pu: {NO_DATA}.")
     assert figure.axes[-1].get_xlabel() == "turn of the whole cycle, push and drag (°)"
     assert_words_apart(figure)
@@ -120,8 +142,12 @@ def test_curves_are_the_turns_of_the_mechanics() -> None:
         assert np.max(np.abs(one.curves[0][places] - direct)) < np.deg2rad(0.3)
 
 
-def test_the_law_follows_the_mechanics_on_pu_where_pushes_start_all_round_and_not_on_delrin() -> None:
-    """Where all pushes start on a narrow arc, the law beyond it is a guess: the bias of the collection."""
+def test_the_law_follows_the_mechanics_on_pu_where_pushes_start_all_round_and_not_on_delrin() -> (
+    None
+):
+    """Where all pushes start on a narrow arc, the law beyond it is a guess: the bias of the
+    collection.
+    """
     result = small("turn-over-theta0")
     misses = {one.run.surface: np.degrees(one.worst_miss) for one in result}
     arcs = {one.run.surface: np.degrees(one.arc) for one in result}
@@ -143,14 +169,20 @@ def test_the_caption_tells_the_error_of_each_law_beside_the_papers() -> None:
 
 
 @pytest.mark.slow
-def test_recorded_pushes_have_a_law_of_their_own_and_the_measured_data_none(tmp_path_factory, measured_data) -> None:
+def test_recorded_pushes_have_a_law_of_their_own_and_the_measured_data_none(
+    tmp_path_factory, measured_data
+) -> None:
     recorded = small("turn-over-theta0", recorded_folder(tmp_path_factory))
     panel = recorded[1]
     assert panel.measured.pushes.count == RECORDED_ABS
     assert np.array_equal(panel.law.value, panel.measured.pushes.dtheta)
     rmse = np.degrees(panel.law.law.rmse)
-    assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in turn_over_theta0.caption(recorded)
-    assert [one.measured for one in small("turn-over-theta0", MeasuredFolder(measured_data))] == [None] * 4
+    assert f"abs ({RECORDED_ABS} pushes, law within {rmse:.2f}° RMS)" in turn_over_theta0.caption(
+        recorded
+    )
+    assert [one.measured for one in small("turn-over-theta0", MeasuredFolder(measured_data))] == [
+        None
+    ] * 4
 
 
 def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
@@ -160,7 +192,9 @@ def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
     assert turn_over_theta0.shortest_arc(angles, 1.0) == pytest.approx(3.0)
 
 
-def test_plywood_climbs_in_steps_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> None:
+def test_plywood_climbs_in_steps_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> (
+    None
+):
     plywood, one_abs, delrin, pu = (one.climb for one in climbs())
     assert plywood.steps.count > 5
     assert np.degrees(np.median(plywood.steps.heights)) == pytest.approx(360.0, abs=5.0)
@@ -178,14 +212,19 @@ def test_the_range_of_runs_holds_most_of_each_drawn_run() -> None:
         assert one.turns.size == RUNS and one.lower.size == LONG.pushes
 
 
-def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(measured_data) -> None:
+def test_measured_plywood_climbs_18_turns_in_steps_of_360_as_the_caption_says(
+    measured_data,
+) -> None:
     measured = climbs(MeasuredFolder(measured_data))
     recorded, told = measured[0].recorded, staircases.caption(measured)
     assert recorded.turns == pytest.approx(18.0, abs=0.1)
     assert np.degrees(np.median(recorded.steps.heights)) == pytest.approx(360.0, abs=1.0)
     assert f"The recorded path of 2000 pushes makes {recorded.steps.count} steps of 360°" in told
     assert "ends +18.0 turns from its start" in told
-    assert f"first whole one in {recorded.turn_pushes[0]} pushes and the last in {recorded.turn_pushes[-1]}" in told
+    assert (
+        f"first whole one in {recorded.turn_pushes[0]} pushes and the last in "
+        f"{recorded.turn_pushes[-1]}" in told
+    )
     assert recorded.turn_pushes[0] > 4 * recorded.turn_pushes[-1]
     assert "that agreement is a fit, not a test" in told
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")

@@ -1,4 +1,6 @@
-"""Recorded sets are found by the names of their files, the paper's protocol alone, and missing ones are named."""
+"""Recorded sets are found by the names of their files, the paper's protocol alone, and missing ones
+are named.
+"""
 
 import shutil
 
@@ -21,7 +23,10 @@ def recorded(tmp_path_factory):
 
 def test_sets_are_found_wherever_they_lie_below_the_folder(recorded) -> None:
     counts = {name: measured_run(recorded, name) for name in ("plywood", "abs", "delrin", "pu")}
-    assert counts["abs"].pushes.count == RECORDED_ABS and counts["plywood"].pushes.count == RECORDED_PLYWOOD
+    assert (
+        counts["abs"].pushes.count == RECORDED_ABS
+        and counts["plywood"].pushes.count == RECORDED_PLYWOOD
+    )
     assert counts["delrin"] is None and counts["pu"] is None
     assert counts["abs"].unreadable == 0
     pairs = measured_theta0(recorded, "abs")

@@ -61,13 +61,18 @@ def test_the_first_order_edge_is_missed_by_the_square_of_the_anisotropy(result) 
         start = float(np.interp(-scale, -first.scale[ahead], first.radius[ahead]))
         theta = float(grid[np.argmin(with_ring_at(surface, start).next_theta(grid) - grid)])
         fold = ring_fold(partial(with_ring_at, surface), theta, start)
-        misses.append(float(np.interp(fold.radius, first.radius[ahead], first.scale[ahead])) - scale)
+        misses.append(
+            float(np.interp(fold.radius, first.radius[ahead], first.scale[ahead])) - scale
+        )
     assert misses[0] / misses[1] == pytest.approx(4.0, rel=0.35)
 
 
 def test_the_mit_ring_locks_on_plywood_and_from_the_scale_that_the_caption_tells(result) -> None:
     assert result.mit == pytest.approx(0.015)
     for scale, count in ((result.mit_scale - 0.03, 0), (result.mit_scale + 0.03, 2)):
-        assert len(fixed_points(with_anisotropy_times(PLYWOOD, scale).circle_map(tolerance=1e-4))) == count
+        assert (
+            len(fixed_points(with_anisotropy_times(PLYWOOD, scale).circle_map(tolerance=1e-4)))
+            == count
+        )
     assert f"{result.mit_scale:.2f} times Table I" in phase_diagram.caption(result)
     assert "one stable direction" in phase_diagram.caption(result)

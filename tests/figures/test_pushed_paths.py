@@ -1,4 +1,6 @@
-"""Paths of pushes are those of the mechanics, in both frames, simulated and read back from recorded files."""
+"""Paths of pushes are those of the mechanics, in both frames, simulated and read back from recorded
+files.
+"""
 
 import math
 import shutil
@@ -23,7 +25,9 @@ def assert_ends(paths, loop: CollectionLoop, pushes) -> None:
         cycle = loop.cycle(float(paths.theta0[push]))
         assert paths.turn[push] == pytest.approx(cycle.push_turn, abs=1e-4)
         assert np.allclose(paths.object_frame[push, -1], cycle.push_displacement, atol=1e-5)
-        assert np.allclose(paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5)
+        assert np.allclose(
+            paths.robot_frame[push, -1], (cycle.push.end.x, cycle.push.end.y), atol=1e-5
+        )
 
 
 @pytest.mark.parametrize("number", [1, 3])
@@ -73,7 +77,9 @@ def test_pushes_of_another_kind_in_the_folder_are_left_out(tmp_path, tmp_path_fa
     assert paths is not None and len(paths.theta0) == len(paths.orientations) == RECORDED
 
 
-def test_measured_orientations_are_pushed_on_the_floor_as_worn_as_it_then_was(measured_data) -> None:
+def test_measured_orientations_are_pushed_on_the_floor_as_worn_as_it_then_was(
+    measured_data,
+) -> None:
     paths = paths_from_measured_theta0(MeasuredFolder(measured_data), "plywood", 5)
     assert paths is not None and paths.origin == "from measured θ0"
     loop = CollectionLoop.mit("plywood-measured")
@@ -90,7 +96,10 @@ def test_chords_of_a_circle_cross_exactly_when_their_ends_alternate() -> None:
     low, high = np.sort(angle, axis=1).T
     between = (angle[None] > low[:, None, None]) & (angle[None] < high[:, None, None])
     alternate = between[..., 0] != between[..., 1]
-    assert crossing_pairs(chords, np.ones((24, 24), dtype=bool)) == (int(np.triu(alternate, 1).sum()), 276)
+    assert crossing_pairs(chords, np.ones((24, 24), dtype=bool)) == (
+        int(np.triu(alternate, 1).sum()),
+        276,
+    )
 
 
 def test_paths_that_start_at_one_point_do_not_cross_there() -> None:

@@ -11,7 +11,9 @@ from cyclemap.figures.loop_family import with_ring_at
 NAME = "saddle-node"
 
 
-def test_the_pair_stands_where_an_independent_solver_found_it_and_meets_above_9_8_mm(result) -> None:
+def test_the_pair_stands_where_an_independent_solver_found_it_and_meets_above_9_8_mm(
+    result,
+) -> None:
     for radius, stable, unstable in ((0.013, 99.9, 193.1), (0.010, 152.6, 171.4)):
         assert np.degrees(result.directions(radius)) == pytest.approx((stable, unstable), abs=0.6)
     assert 1000 * result.fold.radius == pytest.approx(9.7932, abs=1e-3)
@@ -26,7 +28,9 @@ def test_nothing_repeats_inside_the_fold_and_the_turn_touches_zero_on_it(result)
     assert beyond.min() > 1.0
 
 
-def test_the_passage_lengthens_as_one_over_the_root_of_the_distance_and_cycles_that_are_run_agree(result) -> None:
+def test_the_passage_lengthens_as_one_over_the_root_of_the_distance_and_cycles_that_are_run_agree(
+    result,
+) -> None:
     near, far = result.cycles_a_turn[0], result.cycles_a_turn[-1]
     assert near > 5 * far
     # A turn is the bottleneck's passage and a rest that hardly depends on the distance.
@@ -35,7 +39,9 @@ def test_the_passage_lengthens_as_one_over_the_root_of_the_distance_and_cycles_t
     slope = np.polyfit(np.log(result.distances), np.log(result.passage), 1)[0]
     assert slope == pytest.approx(-0.5, abs=1e-9)
     distance, cycles = result.counted[0]
-    interpolated = np.exp(np.interp(np.log(distance), np.log(result.distances), np.log(result.cycles_a_turn)))
+    interpolated = np.exp(
+        np.interp(np.log(distance), np.log(result.distances), np.log(result.cycles_a_turn))
+    )
     assert cycles == pytest.approx(interpolated, rel=0.05)
 
 

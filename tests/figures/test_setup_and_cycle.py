@@ -15,17 +15,23 @@ def test_the_second_cycle_starts_from_the_pose_in_which_the_first_one_ends(resul
     assert np.allclose(*ends, atol=1e-9)
 
 
-def test_the_ring_is_at_the_target_before_and_after_each_cycle_and_the_centre_is_elsewhere(result) -> None:
+def test_the_ring_is_at_the_target_before_and_after_each_cycle_and_the_centre_is_elsewhere(
+    result,
+) -> None:
     for scene in result.scenes:
         assert np.allclose([scene.push.ring_before, scene.drag.ring_after], 0.0, atol=1e-12)
         assert np.hypot(*scene.drag.centre[-1]) == pytest.approx(0.015, abs=1e-9)
     starts = [scene.push.centre[0] for scene in result.scenes]
     turned = result.cycles[1].theta - result.cycles[0].theta
-    assert np.hypot(*(starts[1] - starts[0])) == pytest.approx(2 * 0.015 * math.sin(turned / 2), abs=1e-9)
+    assert np.hypot(*(starts[1] - starts[0])) == pytest.approx(
+        2 * 0.015 * math.sin(turned / 2), abs=1e-9
+    )
 
 
 def test_both_pushes_are_the_same_in_the_objects_frame_before_the_push(result) -> None:
-    """Where the rod first touches, turned back by θ0 about the centre, is the contact of the protocol."""
+    """Where the rod first touches, turned back by θ0 about the centre, is the contact of the
+    protocol.
+    """
     places = []
     for cycle, scene in zip(result.cycles, result.scenes, strict=True):
         x, y = scene.push.rod[0] - scene.push.centre[0]

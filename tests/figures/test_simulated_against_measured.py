@@ -1,4 +1,6 @@
-"""Simulated turns are those of the loop, and stand as far from the measured ones as the caption says."""
+"""Simulated turns are those of the loop, and stand as far from the measured ones as the caption
+says.
+"""
 
 import numpy as np
 import pytest
@@ -34,14 +36,17 @@ def test_without_data_the_caption_says_so(result) -> None:
     assert f"{NO_DATA} of Δθ" in told and f"{NO_DATA} of θ0" in told
     assert np.isnan(result.recorded_error(0))
     mean, spread = np.degrees(result.push_statistics(0))
-    assert mean == pytest.approx(np.degrees(result.simulated[0].push.turn(result.simulated[0].theta).mean()))
+    assert mean == pytest.approx(
+        np.degrees(result.simulated[0].push.turn(result.simulated[0].theta).mean())
+    )
     assert f"simulated over all θ0: Table I, 8 x 8 points {mean:.1f}° ± {spread:.1f}°" in told
     assert "69.1° ± 4.7° (Table II)" in told
 
 
 @pytest.mark.slow
 def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_factory) -> None:
-    """Made on Table I with the exact patch: off the 8 x 8 points by the grid's quarter of a degree."""
+    """Made on Table I with the exact patch:
+    off the 8 x 8 points by the grid's quarter of a degree."""
     found = compute(recorded_plywood(tmp_path_factory), NODES)
     assert found.recorded is not None and found.recorded.pushes.count == RECORDED
     errors = [float(np.degrees(found.recorded_error(number))) for number in range(3)]
@@ -54,7 +59,9 @@ def test_recorded_pushes_lie_on_the_curve_of_the_law_that_made_them(tmp_path_fac
 
 
 @pytest.mark.slow
-def test_the_measured_cycles_are_carried_by_plywood_measured_and_not_by_table_i(measured_data) -> None:
+def test_the_measured_cycles_are_carried_by_plywood_measured_and_not_by_table_i(
+    measured_data,
+) -> None:
     found = compute(MeasuredFolder(measured_data), NODES)
     assert len(found.cycles) == 3 and found.recorded is None
     errors = [float(np.degrees(one.agreement.bin_rms)) for one in found.cycles]
@@ -64,5 +71,7 @@ def test_the_measured_cycles_are_carried_by_plywood_measured_and_not_by_table_i(
     for simulated, error in zip(found.simulated, errors, strict=True):
         assert f"{simulated.name} {error:.1f}°" in told
     mean, spread = np.degrees(found.push_statistics(0))
-    assert f"simulated at the measured θ0: Table I, 8 x 8 points {mean:.1f}° ± {spread:.1f}°" in told
+    assert (
+        f"simulated at the measured θ0: Table I, 8 x 8 points {mean:.1f}° ± {spread:.1f}°" in told
+    )
     assert_drawn(draw(found), 2)

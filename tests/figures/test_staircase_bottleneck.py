@@ -1,4 +1,6 @@
-"""The staircase and its bottleneck: what the caption claims, on a small version and on measured data."""
+"""The staircase and its bottleneck: what the caption claims, on a small version and on measured
+data.
+"""
 
 import math
 
@@ -34,22 +36,30 @@ def test_steps_sampled_last_as_long_as_predicted_and_about_as_passage_theory_say
 
 
 def test_the_passage_law_fits_the_predicted_directions_at_the_bottleneck(result) -> None:
-    """Where a cycle moves by v, a path is 1/v as often: the density's peak is that of the passage law."""
+    """Where a cycle moves by v, a path is 1/v as often: the density's peak is that of the passage
+    law.
+    """
     one = result.computed
     law = float(one.prediction.mean_turn) / (2 * np.pi) / one.passage.gap
     assert one.density.max() == pytest.approx(law, rel=0.15)
-    assert np.trapezoid(one.density, np.linspace(0.0, 2 * np.pi, 721)) == pytest.approx(1.0, abs=1e-6)
+    assert np.trapezoid(one.density, np.linspace(0.0, 2 * np.pi, 721)) == pytest.approx(
+        1.0, abs=1e-6
+    )
 
 
 @pytest.mark.slow
-def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_shorten(result, measured_data) -> None:
+def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_shorten(
+    result, measured_data
+) -> None:
     found = measured_bottleneck(measured_data / THETA0_FILE)
     assert math.degrees(found.passage.theta) == pytest.approx(95.0, abs=5.0)
     first, second = np.array_split(found.lengths, 2)
     assert found.lengths.size >= 10
     assert first.mean() > 1.5 * second.mean()
     mean, spread = found.visit
-    assert abs(found.lengths.mean() - mean) < 2 * found.lengths.std() / math.sqrt(found.lengths.size)
+    assert abs(found.lengths.mean() - mean) < 2 * found.lengths.std() / math.sqrt(
+        found.lengths.size
+    )
     assert found.lengths.std() > 1.3 * spread
     assert found.run is not None
     assert found.run.shape == found.path.shape
@@ -60,7 +70,12 @@ def test_the_measured_staircase_has_a_bottleneck_near_95_degrees_and_its_steps_s
 
 
 def test_measured_pairs_without_an_order_and_a_map_without_bottleneck_are_refused(tmp_path) -> None:
-    (tmp_path / "pairs.csv").write_text("theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50)))
+    (tmp_path / "pairs.csv").write_text(
+        "theta0_deg,theta_next_deg\n" + "".join(f"{k},{k + 2}\n" for k in range(50))
+    )
     refused(measured_bottleneck, tmp_path / "pairs.csv", told="no known order")
-    turn, path = CircleMap.rigid(0.1), sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta
+    turn, path = (
+        CircleMap.rigid(0.1),
+        sample_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1), 100).theta,
+    )
     refused(bottleneck, "a rotation", turn, 0.1, path, told="no bottleneck", kind=ConvergenceError)

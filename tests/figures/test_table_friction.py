@@ -17,7 +17,12 @@ NAME = "table-friction"
 def test_the_plywood_row_is_the_papers(result) -> None:
     first = dict(zip(HEADER, rows(result)[0], strict=True))
     assert (first["material"], first["source"]) == ("plywood", "paper")
-    assert [first[name] for name in ("μa", "μb", "m0", "n0")] == ["0.2545", "0.2346", "0.0325", "0.0082"]
+    assert [first[name] for name in ("μa", "μb", "m0", "n0")] == [
+        "0.2545",
+        "0.2346",
+        "0.0325",
+        "0.0082",
+    ]
     assert float(first["φ (°)"]) == pytest.approx(math.degrees(2.6175), abs=0.005)
     assert "φ = 2.6175 rad" in caption(result)
 
@@ -30,7 +35,9 @@ def test_every_built_in_surface_has_a_row_and_wear_has_two(result) -> None:
 
 
 def test_derived_numbers_are_those_of_the_traction_in_all_directions(result) -> None:
-    """Tractions of opposite slides have the offset for a mean; less it, they lie on the centred ellipse's curve."""
+    """Tractions of opposite slides have the offset for a mean; less it, they lie on the centred
+    ellipse's curve.
+    """
     angle = np.linspace(0.0, 2 * np.pi, 7200, endpoint=False)
     ways = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     for row in result.rows:
@@ -46,10 +53,16 @@ def test_derived_numbers_are_those_of_the_traction_in_all_directions(result) -> 
 
 
 @pytest.mark.slow
-def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(tmp_path_factory) -> None:
+def test_recorded_friction_scans_give_back_the_ellipse_they_were_made_with(
+    tmp_path_factory,
+) -> None:
     found = compute(recorded_folder(tmp_path_factory))
     scanned = [row for row in found.rows if row.source == f"{SCANS} recorded scans"]
-    assert [row.surface for row in scanned] == ["plywood"] and found.absent == ("abs", "delrin", "pu")
+    assert [row.surface for row in scanned] == ["plywood"] and found.absent == (
+        "abs",
+        "delrin",
+        "pu",
+    )
     assert (scanned[0].mean, scanned[0].axis_ratio, scanned[0].offset) == pytest.approx(
         (found.rows[0].mean, found.rows[0].axis_ratio, found.rows[0].offset), rel=1e-5
     )

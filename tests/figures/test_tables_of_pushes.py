@@ -1,4 +1,6 @@
-"""Tables II and III: the paper's rows as printed, and simulated and recorded ones that are their pushes' own."""
+"""Tables II and III: the paper's rows as printed, and simulated and recorded ones that are their
+pushes' own.
+"""
 
 import numpy as np
 import pytest
@@ -8,7 +10,8 @@ from cyclemap.figures import table_deviations, table_law_errors
 from cyclemap.figures.catalogue import NO_DATA
 from cyclemap.figures.simulated_collections import sampled_run
 
-# As printed, of Δθ (°), Δx (mm), Δy (mm): standard deviation and percentage in Table II, RMSE and percentage in III.
+# As printed, of Δθ (°), Δx (mm), Δy (mm): standard deviation and percentage in Table II, RMSE and
+# percentage in III.
 SPREADS = {
     "plywood": ("4.74", "6.86", "2.84", "7.75", "8.57", "9.09"),
     "abs": ("3.21", "4.30", "1.59", "3.97", "5.31", "7.86"),
@@ -35,7 +38,9 @@ def errors():
 
 
 def test_the_papers_rows_are_those_it_prints(deviations, errors) -> None:
-    """Every row fills the header; three cells a quantity, of which the printed two come after a mean, or first."""
+    """Every row fills the header; three cells a quantity, of which the printed two come after a
+    mean, or first.
+    """
     for module, result, printed, free in (
         (table_deviations, deviations, SPREADS, 0),
         (table_law_errors, errors, ERRORS, 2),
@@ -44,9 +49,14 @@ def test_the_papers_rows_are_those_it_prints(deviations, errors) -> None:
         paper = {row[0]: row[3:] for row in told if row[1] == "paper"}
         assert list(paper) == list(printed)
         for name, cells in paper.items():
-            assert tuple(cell for place, cell in enumerate(cells) if place % 3 != free) == printed[name]
+            assert (
+                tuple(cell for place, cell in enumerate(cells) if place % 3 != free)
+                == printed[name]
+            )
         assert len(told) == 9 and {len(row) for row in told} == {len(module.HEADER)} == {12}
-    (plywood,) = [row for row in table_deviations.rows(deviations) if row[:2] == ("plywood", "paper")]
+    (plywood,) = [
+        row for row in table_deviations.rows(deviations) if row[:2] == ("plywood", "paper")
+    ]
     assert plywood[3:10:3] == ("69.1", "36.6", "94.3")
 
 
@@ -66,12 +76,21 @@ def test_simulated_rows_are_the_statistics_of_their_pushes_in_the_papers_signs(d
     assert row[2] == str(SMALL.pushes)
     for place, value in enumerate((np.degrees(pushes.dtheta), 1e3 * pushes.dx, -1e3 * pushes.dy)):
         mean, std = np.mean(value), np.std(value, ddof=1)
-        assert row[3 + 3 * place : 6 + 3 * place] == (f"{mean:.1f}", f"{std:.2f}", f"{100 * std / mean:.2f}")
+        assert row[3 + 3 * place : 6 + 3 * place] == (
+            f"{mean:.1f}",
+            f"{std:.2f}",
+            f"{100 * std / mean:.2f}",
+        )
 
 
 def simulated_laws(errors):
     """Published statistics, and source and laws of each simulated set."""
-    return [(each.published, source, laws) for each, sets in errors for source, laws in sets if source != "recorded"]
+    return [
+        (each.published, source, laws)
+        for each, sets in errors
+        for source, laws in sets
+        if source != "recorded"
+    ]
 
 
 def test_simulated_errors_are_the_residuals_of_the_laws(errors) -> None:
@@ -86,8 +105,12 @@ def test_simulated_errors_are_the_residuals_of_the_laws(errors) -> None:
             assert row[5 + 3 * place] == str(one.law.harmonics)
 
 
-def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_but_on_plywood(errors) -> None:
-    """Of plywood the law is of one harmonic over pushes that wear: what it leaves is no scatter alone."""
+def test_scatter_of_friction_explains_dy_on_pu_and_less_than_half_of_dtheta_but_on_plywood(
+    errors,
+) -> None:
+    """Of plywood the law is of one harmonic over pushes that wear: what it leaves is no scatter
+    alone.
+    """
     _, *found = simulated_laws(errors)
     for published, _, laws in found:
         assert (laws.dtheta.law.rmse < 0.5 * published.rmse[0]) == (published.material != "plywood")

@@ -1,4 +1,6 @@
-"""In the object's frame paths spread as the caption says; in the robot's frame those of different θ0 do not cross."""
+"""In the object's frame paths spread as the caption says; in the robot's frame those of different
+θ0 do not cross.
+"""
 
 import math
 
@@ -37,12 +39,17 @@ def test_the_spreads_of_the_caption_are_those_of_the_paths_beside_table_ii(objec
     told = trajectories_object_frame.caption(objects)
     printed = (4.7, 2.8, 8.6), (3.2, 1.6, 5.3), (1.3, 1.0, 3.2), (4.5, 2.9, 11.4)
     for paths, (a, b, c) in zip(objects, printed, strict=True):
-        turn, (dx, dy) = np.degrees(np.std(paths.turn)), 1000.0 * np.std(paths.object_frame[:, -1], axis=0)
+        turn, (dx, dy) = (
+            np.degrees(np.std(paths.turn)),
+            1000.0 * np.std(paths.object_frame[:, -1], axis=0),
+        )
         assert f"{paths.surface} {turn:.1f}° ({a}), {dx:.1f} mm ({b}), {dy:.1f} mm ({c})" in told
 
 
 def test_on_table_i_a_run_stays_in_one_direction_as_the_caption_says(objects) -> None:
-    """500 noisy cycles from 0 settle within 25 degrees of the stable direction; plywood-measured climbs."""
+    """500 noisy cycles from 0 settle within 25 degrees of the stable direction; plywood-measured
+    climbs.
+    """
     table = CollectionLoop.mit("plywood", accuracy=1e-6).circle_map(1e-3)
     run = sample_staircase(table, WrappedNormal(math.radians(1.1)), 500, 0.0, seed=4).theta[100:]
     assert np.ptp(run) < math.radians(50.0)
@@ -57,7 +64,9 @@ def test_paths_seldom_cross_in_the_robots_frame_but_often_in_the_objects(robots)
     assert here == 0
     assert there > 0.2 * pairs
     told = trajectories_robot_frame.caption(robots)
-    assert f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in told
+    assert (
+        f"Of {pairs} pairs of paths from orientations 5° or more apart, {here} cross here" in told
+    )
     assert f"{there} in the object's frame" in told
 
 
@@ -78,21 +87,35 @@ def test_arcs_are_found_across_zero_and_nowhere_where_all_directions_are_alike()
 @pytest.mark.slow
 @pytest.mark.parametrize("origin", ["simulated", "recorded", "from measured θ0"])
 @pytest.mark.parametrize("name", [OBJECT, ROBOT])
-def test_captions_and_panels_tell_where_pushes_come_from(name, origin, tmp_path_factory, request) -> None:
+def test_captions_and_panels_tell_where_pushes_come_from(
+    name, origin, tmp_path_factory, request
+) -> None:
     if origin == "recorded":
         measured = recorded_plywood(tmp_path_factory)
     else:
-        measured = NOWHERE if origin == "simulated" else MeasuredFolder(request.getfixturevalue("measured_data"))
+        measured = (
+            NOWHERE
+            if origin == "simulated"
+            else MeasuredFolder(request.getfixturevalue("measured_data"))
+        )
     module, found = load_exhibit(name), small(name, measured)
     told, figure = module.caption(found), module.draw(found)
     titles = {f"plywood, {origin}", "abs, simulated", "delrin, simulated", "pu, simulated"}
     assert titles <= set(words_of(figure).replace(",\n", ", ").split(" | "))
     absent = "abs, delrin and pu" if origin == "recorded" else "plywood, abs, delrin and pu"
     assert f"Recorded pushes on {absent}: {NO_DATA}." in told
-    assert ("Recorded pushes: plywood." in told) == ("with Table I" not in told) == (origin == "recorded")
-    assert (f"from {DRAWN} of the 2000 measured orientations of plywood" in told) == (origin == "from measured θ0")
+    assert (
+        ("Recorded pushes: plywood." in told)
+        == ("with Table I" not in told)
+        == (origin == "recorded")
+    )
+    assert (f"from {DRAWN} of the 2000 measured orientations of plywood" in told) == (
+        origin == "from measured θ0"
+    )
     assert_drawn(figure, 5)
     if origin == "from measured θ0":
         plywood = (found if name == OBJECT else found.surfaces)[0]
         assert plywood.orientations.shape == (2000,) and plywood.theta0.shape == (DRAWN,)
-        assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(np.degrees(plywood.orientations[[0, -1]]))
+        assert np.degrees(plywood.theta0[[0, -1]]) == pytest.approx(
+            np.degrees(plywood.orientations[[0, -1]])
+        )

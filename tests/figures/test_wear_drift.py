@@ -28,7 +28,10 @@ def test_the_least_turn_grows_and_passes_zero_at_the_cycle_told(result) -> None:
 
 def test_before_that_cycle_a_direction_holds_the_robot_and_after_it_none_does(result) -> None:
     loop = CollectionLoop.mit(material=MATERIAL)
-    counts = [len(fixed_points(worn_loop(loop, result.opened + off).circle_map(tolerance=1e-4))) for off in (-200, 200)]
+    counts = [
+        len(fixed_points(worn_loop(loop, result.opened + off).circle_map(tolerance=1e-4)))
+        for off in (-200, 200)
+    ]
     assert counts == [2, 0]
 
 
@@ -44,7 +47,9 @@ def test_a_turn_takes_fewer_and_fewer_cycles_about_as_many_as_the_robot_took_lat
     assert result.cycles_a_turn[-1] == pytest.approx(60, abs=15)
     noise = WrappedNormal(DEFAULT_SIGMA)
     worn = worn_loop(CollectionLoop.mit(material=MATERIAL), 2000.0).circle_map(tolerance=1e-4)
-    assert result.mean_turn[-1] == pytest.approx(2 * np.pi * transfer_operator(worn, noise).rotation_number, rel=0.05)
+    assert result.mean_turn[-1] == pytest.approx(
+        2 * np.pi * transfer_operator(worn, noise).rotation_number, rel=0.05
+    )
     assert 15 < result.expected_turns < 22
 
 
@@ -59,4 +64,7 @@ def test_the_robot_took_257_cycles_a_turn_early_on_and_45_late(measured_data, re
     assert np.isnan(found.measured_turns[0]).mean() > 0.5
     assert np.isnan(found.measured_turns[2]).mean() < 0.1
     assert_drawn(wear_drift.draw(found), 4)
-    assert f"took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late" in wear_drift.caption(found)
+    assert (
+        f"took {pace.measured[0]:.0f} cycles early on and {pace.measured[-1]:.0f} late"
+        in wear_drift.caption(found)
+    )

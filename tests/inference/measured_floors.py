@@ -1,9 +1,11 @@
-"""Infer the floors of the MIT push dataset and the shapes of its plates, and judge them on what was left out.
+"""Infer the floors of the MIT push dataset and the shapes of its plates, and judge them on what was
+left out.
 
-`python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from pushes at 10 and 20 mm/s
-and drags of seven plates, `... plates FOLDER` the plates' shapes of that file. `... judge` prints how far fits to
-10 mm/s lie from 20 mm/s, plate by plate, beside isotropic friction; `... left-out PLATE` the same of a plate that the
-floor's fit did not see; `... staircase` fits pushes, drags and cycles of rect1 on plywood at once.
+`python -m tests.inference.measured_floors make FOLDER plywood` writes plywood-floor.toml from
+pushes at 10 and 20 mm/s and drags of seven plates, `... plates FOLDER` the plates' shapes of that
+file. `... judge` prints how far fits to 10 mm/s lie from 20 mm/s, plate by plate, beside isotropic
+friction; `... left-out PLATE` the same of a plate that the floor's fit did not see; `... staircase`
+fits pushes, drags and cycles of rect1 on plywood at once.
 """
 
 import json
@@ -31,8 +33,18 @@ from cyclemap.evidence import (
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
 from cyclemap.evidence.identification.data_block import SESSION_KINDS, session_block, usual_beliefs
-from cyclemap.evidence.identification.known_floor import held_values, known_beliefs, known_shapes, known_spread
-from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES, SURFACE, SurfaceParameters
+from cyclemap.evidence.identification.known_floor import (
+    held_values,
+    known_beliefs,
+    known_shapes,
+    known_spread,
+)
+from cyclemap.evidence.identification.surface_parameters import (
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
@@ -46,20 +58,25 @@ from cyclemap.text_files import read_csv_table
 
 FLOORS = ("plywood", "abs")
 PLATES = ("rect1", "rect2", "tri1", "tri3", "hex", "ellip1", "ellip2")
-PUSHES = {10: ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v10_more.csv"), 20: ("mit_push_endpoints_v20.csv",)}
+PUSHES = {
+    10: ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v10_more.csv"),
+    20: ("mit_push_endpoints_v20.csv",),
+}
 DRAGS, CYCLES = "mit_dragback_v10.csv", "plywood_rect1_theta0_2000.csv"
 # Strokes of a session that take part, evenly spread.
 MOST, MOST_MADE, MOST_JUDGED = 40, 60, 90
 STUDENT = 4.0
-# The ring turns about the rod, steel on steel: the lever of its friction (m) is the rod's friction times its radius.
-# Left free it comes out as 3 mm, which holds every fourth drag from turning and takes the map 9 degrees off.
+# The ring turns about the rod, steel on steel: the lever of its friction (m) is the rod's friction
+# times its radius. Left free it comes out as 3 mm, which holds every fourth drag from turning and
+# takes the map 9 degrees off.
 PIN = 0.8e-3
-# How far domes of the floor lie apart from session to session, kPa. Data tell the sum of a plate's dome and the floor's
-# alone, so that an estimate of it climbs from fit to fit without end.
+# How far domes of the floor lie apart from session to session, kPa. Data tell the sum of a plate's
+# dome and the floor's alone, so that an estimate of it climbs from fit to fit without end.
 DOME_SPREAD = 2.0
 PLATES_PROVENANCE = (
-    "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, its fit believing what abs says "
-    "of them (plywood-floor); made by python -m tests.inference.measured_floors plates FOLDER"
+    "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, its fit "
+    "believing what abs says of them (plywood-floor); made by python -m "
+    "tests.inference.measured_floors plates FOLDER"
 )
 # Where the robot drags to.
 TARGET = (0.35, -0.03)
@@ -89,15 +106,24 @@ def fitted(
     begin: Material | None = None,
     other: Material | None = None,
 ) -> Floor:
-    """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse gains nothing.
+    """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse
+    gains nothing.
 
-    known : as of `--floor`. shapes : as of `--plate`. begin : at whose shapes the search begins. other : another floor,
-    whose plates are believed to have the shapes that they have there, to within what is known of them.
+    known : as of `--floor`. shapes : as of `--plate`. begin :
+        at whose shapes the search begins. other : another floor, whose plates are believed to have
+        the shapes that they have there, to
+        within what is known of them.
     """
-    data = [folder() / name for speed in speeds for name in PUSHES[speed]] + ([folder() / DRAGS] if drags else [])
+    data = [folder() / name for speed in speeds for name in PUSHES[speed]] + (
+        [folder() / DRAGS] if drags else []
+    )
     loop = CollectionLoop.mit("isotropic")
-    chosen: dict[str, str | float] = {"surface": floor} | ({"object": plates[0]} if len(plates) == 1 else {})
-    collected = collected_blocks(data, loop, chosen, most=most, population=known is not None, target=TARGET)
+    chosen: dict[str, str | float] = {"surface": floor} | (
+        {"object": plates[0]} if len(plates) == 1 else {}
+    )
+    collected = collected_blocks(
+        data, loop, chosen, most=most, population=known is not None, target=TARGET
+    )
     blocks = of_plates(collected.blocks, plates)
     free = telling_parameters(blocks, believed=())
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
@@ -108,15 +134,27 @@ def fitted(
     blocks, space = begun(blocks, begin, plates[0])
     held = {SESSION_KINDS[0]: DOME_SPREAD} if len(blocks) > 2 else {}
     noise = held | known_spread(known, blocks)
-    found = identify(blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=noise, space=space)
+    found = identify(
+        blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=noise, space=space
+    )
     odd = [f"; {note}" for note in collected.notes if "odd session" in note]
-    told = "" if other is None else f"; plates believed to be as on {other.name}, to within what is known of them there"
-    sources = [f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"]
+    told = (
+        ""
+        if other is None
+        else f"; plates believed to be as on {other.name}, to within what is known of them there"
+    )
+    sources = [
+        f"the MIT push dataset (Yu et al. 2016), {', '.join(f'{speed} mm/s' for speed in speeds)}"
+    ]
     sources[0] += "".join(odd) + told
-    return Floor(found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known))
+    return Floor(
+        found, identified_material(found, f"{floor}-floor", sources, plate=plates[0], floor=known)
+    )
 
 
-def begun(blocks: Sequence[DataBlock], begin: Material | None, plate: str) -> tuple[list[DataBlock], ParameterSpace]:
+def begun(
+    blocks: Sequence[DataBlock], begin: Material | None, plate: str
+) -> tuple[list[DataBlock], ParameterSpace]:
     """Let the search begin at the shapes of a material."""
     if begin is None:
         return list(blocks), SURFACE
@@ -132,7 +170,9 @@ def begun(blocks: Sequence[DataBlock], begin: Material | None, plate: str) -> tu
             at = shapes.get(owner.rstrip("]") or plate, np.zeros(3))[PLATE_NAMES.index(plain)]
         return replace(one, start=float(at))
 
-    changed = [replace(block, own_parameters=tuple(map(started, block.own_parameters))) for block in blocks]
+    changed = [
+        replace(block, own_parameters=tuple(map(started, block.own_parameters))) for block in blocks
+    ]
     return changed, ParameterSpace(tuple(map(started, SURFACE.parameters)))
 
 
@@ -152,15 +192,24 @@ def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[Measur
         table = read_csv_table(folder() / name)
         rows = selected_rows(table, RowSelection((plate,), {"surface": floor}))[0]
         pushes += read_measured_pushes(table, rows) if rows else ()
-    return [pushes[k] for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))]
+    return [
+        pushes[k]
+        for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))
+    ]
 
 
-def errors(material: Material, plate: str, pushes: Sequence[MeasuredPush], session: str = "") -> tuple[float, float]:
-    """Mean distance (mm) and turn (degrees) by which pushes miss; in the shape of a session that was seen."""
+def errors(
+    material: Material, plate: str, pushes: Sequence[MeasuredPush], session: str = ""
+) -> tuple[float, float]:
+    """Mean distance (mm) and turn (degrees) by which pushes miss; in the shape of a session that
+    was seen.
+    """
     slider, known = Slider.mit(plate), material.pressure_of(plate)
     floor = next((one.shape for one in material.sessions if one.name == session), material.floor)
     shapes = dict(zip(FLOOR_NAMES, floor.bend.tolist(), strict=True))
-    shapes |= {} if known is None else dict(zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True))
+    shapes |= (
+        {} if known is None else dict(zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True))
+    )
     rod = material.found_with.pusher_friction or 0.15
     surface = SurfaceParameters.from_friction(material.friction, pusher_friction=rod, **shapes)
     shift = next(((one.x, one.y) for one in material.frames if one.plate == plate), (0.0, 0.0))
@@ -171,7 +220,9 @@ def errors(material: Material, plate: str, pushes: Sequence[MeasuredPush], sessi
             end = predicted_push_ends(model, [push], shift, (), TARGET)[0][0]
             rows.append(end - (push.end.x, push.end.y, push.end.theta))
     off = np.array(rows)
-    return float(1e3 * np.mean(np.hypot(off[:, 0], off[:, 1]))), float(np.degrees(np.mean(np.abs(off[:, 2]))))
+    return float(1e3 * np.mean(np.hypot(off[:, 0], off[:, 1]))), float(
+        np.degrees(np.mean(np.abs(off[:, 2])))
+    )
 
 
 def report(title: str, rows: dict[str, tuple[float, float]]) -> None:
@@ -181,7 +232,9 @@ def report(title: str, rows: dict[str, tuple[float, float]]) -> None:
 
 
 def on_both(floor: str, other: str, plates: Sequence[str] = PLATES) -> Material:
-    """Fit a floor to 10 mm/s, its plates believed to be what the other floor's pushes at 10 mm/s tell."""
+    """Fit a floor to 10 mm/s, its plates believed to be what the other floor's pushes at 10 mm/s
+    tell.
+    """
     alone, there = fitted(floor, (10,), plates).material, fitted(other, (10,)).material
     begin = replace(alone, plates=there.plates, posterior=None)
     return fitted(floor, (10,), plates, most=MOST_JUDGED, begin=begin, other=there).material
@@ -193,15 +246,26 @@ def judge() -> None:
         found = on_both(floor, other)
         flat = Material("flat", found.friction, found_with=found.found_with, frames=found.frames)
         pushes = {plate: measured(floor, plate, 20) for plate in PLATES}
-        report(f"{floor}, isotropic and flat", {plate: errors(flat, plate, pushes[plate]) for plate in PLATES})
-        report(f"{floor}, floor's mean", {plate: errors(found, plate, pushes[plate]) for plate in PLATES})
-        at_ten = {plate: errors(found, plate, pushes[plate], session_name(plate, 0.01)) for plate in PLATES}
+        report(
+            f"{floor}, isotropic and flat",
+            {plate: errors(flat, plate, pushes[plate]) for plate in PLATES},
+        )
+        report(
+            f"{floor}, floor's mean",
+            {plate: errors(found, plate, pushes[plate]) for plate in PLATES},
+        )
+        at_ten = {
+            plate: errors(found, plate, pushes[plate], session_name(plate, 0.01))
+            for plate in PLATES
+        }
         report(f"{floor}, that plate's session", at_ten)
         print(material_toml(replace(found, posterior=None)), flush=True)
 
 
 def left_out(plate: str) -> None:
-    """Leave a plate out of a floor's fit: with its shape from the other floor, and with ten of its own pushes, too."""
+    """Leave a plate out of a floor's fit: with its shape from the other floor, and with ten of its
+    own pushes, too.
+    """
     others = [name for name in PLATES if name != plate]
     for floor, other in zip(FLOORS, FLOORS[::-1], strict=True):
         there, pushes = fitted(other, (10,)).material, measured(floor, plate, 20)
@@ -209,29 +273,46 @@ def left_out(plate: str) -> None:
         assert shape is not None
         carried = fitted(floor, (10,), (plate,), most=10, known=known, shapes=(shape,)).material
         own = fitted(floor, (10,), (plate,), most=10, known=known, other=there).material
-        report(f"{floor}, shape from {other}, frame from ten pushes", {plate: errors(carried, plate, pushes)})
+        report(
+            f"{floor}, shape from {other}, frame from ten pushes",
+            {plate: errors(carried, plate, pushes)},
+        )
         report(f"{floor}, ten pushes", {plate: errors(own, plate, pushes)})
 
 
 def staircase() -> None:
-    """Fit rect1 on plywood to pushes, drags and every second block of 100 cycles at once; judge what was left out."""
+    """Fit rect1 on plywood to pushes, drags and every second block of 100 cycles at once; judge
+    what was left out.
+    """
     data = [folder() / name for name in (PUSHES[10][0], DRAGS, CYCLES)]
     loop = CollectionLoop.mit("isotropic")
-    collected = collected_blocks(data, loop, {"surface": "plywood", "object": "rect1"}, wear=True, most=MOST)
+    collected = collected_blocks(
+        data, loop, {"surface": "plywood", "object": "rect1"}, wear=True, most=MOST
+    )
     blocks, space = begun(collected.blocks, load_material("plywood-floor"), "rect1")
     (place,) = (number for number, block in enumerate(blocks) if block.curve is not None)
-    cycles, pushes = blocks[place], next(block for block in blocks if block.name.endswith("push ends"))
+    cycles, pushes = (
+        blocks[place],
+        next(block for block in blocks if block.name.endswith("push ends")),
+    )
     seen = np.arange(len(cycles.groups)) // 100 % 2 == 0
     blocks[place] = cycles.subset(seen)
     free = telling_parameters(blocks)
-    found = identify(blocks, free, priors=usual_beliefs(free), starts=1, student=STUDENT, space=space)
+    found = identify(
+        blocks, free, priors=usual_beliefs(free), starts=1, student=STUDENT, space=space
+    )
     off = np.degrees(cycles.residuals(found.values)[0])
     assert cycles.motions is not None
     theta, late = cycles.motions[:, 0] % (2.0 * np.pi), np.arange(len(off)) >= 500
     bins = (theta // np.radians(10.0)).astype(int)
     by_bins = [np.mean(off[late & (bins == index)]) for index in np.unique(bins[late])]
-    print(f"cycles left out: {np.sqrt(np.mean(off[~seen] ** 2)):.2f} deg root mean square, ", end="")
-    print(f"median {np.median(np.abs(off[~seen])):.2f}; map {np.sqrt(np.mean(np.square(by_bins))):.2f}")
+    print(
+        f"cycles left out: {np.sqrt(np.mean(off[~seen] ** 2)):.2f} deg root mean square, ", end=""
+    )
+    print(
+        f"median {np.median(np.abs(off[~seen])):.2f}; map "
+        f"{np.sqrt(np.mean(np.square(by_bins))):.2f}"
+    )
     judged = push_end_block(measured("plywood", "rect1", 20), Slider.mit("rect1"))
     ends = judged.function(pushes.own_values(found.values))[0].reshape(-1, 3)
     place_off, turn_off = 1e3 * np.hypot(*ends.T[:2]), np.degrees(np.abs(ends[:, 2]))
@@ -247,10 +328,14 @@ def make(target: Path, floor: str) -> None:
     if floor == "plywood":
         other = load_material("abs-floor")
         begin = replace(begin, plates=other.plates)
-    material = fitted(floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other).material
+    material = fitted(
+        floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other
+    ).material
     words = f"{material.provenance}; domes of sessions held to differ by {DOME_SPREAD:g} kPa"
     words += f"; made by python -m tests.inference.measured_floors make FOLDER {floor}"
-    (target / f"{material.name}.toml").write_text(material_toml(replace(material, provenance=words)))
+    (target / f"{material.name}.toml").write_text(
+        material_toml(replace(material, provenance=words))
+    )
 
 
 def plates(target: Path) -> None:
@@ -261,7 +346,10 @@ def plates(target: Path) -> None:
         own = known.pressure_of(plate)
         assert own is not None
         lines.append(f"[plates.{plate}]")
-        lines += [f"{key} = {value:.3f}" for key, value in shape_numbers(own.shape, PLATE_SHAPE_KEYS).items()]
+        lines += [
+            f"{key} = {value:.3f}"
+            for key, value in shape_numbers(own.shape, PLATE_SHAPE_KEYS).items()
+        ]
         lines.append("")
     (target / "plates.toml").write_text("\n".join(lines))
 

@@ -1,8 +1,8 @@
 """Infer plywood, its wear and its noise from every second block of the measured staircase.
 
-`python -m tests.inference.plywood_measured` takes some minutes and prints a material file: friction fresh and worn,
-the course of the wear, the pressure of the plate, rod and ring, and the noise of a cycle. `tests/evidence/identified`
-judges the shipped one on the other blocks.
+`python -m tests.inference.plywood_measured` takes some minutes and prints a material file: friction
+fresh and worn, the course of the wear, the pressure of the plate, rod and ring, and the noise of a
+cycle. `tests/evidence/identified` judges the shipped one on the other blocks.
 """
 
 import math
@@ -33,11 +33,12 @@ from cyclemap.mechanics.cycle_batch import run_batch
 
 BLOCK, CYCLES, NODES = 125, 2000.0, 61
 KNOTS = np.array([0.0, 125.0, 250.0, 375.0, 500.0, 750.0, 1000.0, 1250.0, 1500.0, 1750.0, CYCLES])
-# Unknowns: anisotropy fresh (4) and worn (4), logarithms of inner, rim and corner share over the even one (3), rod,
-# ring (mm), and logarithms of the parts of the wear between the knots.
+# Unknowns: anisotropy fresh (4) and worn (4), logarithms of inner, rim and corner share over the
+# even one (3), rod, ring (mm), and logarithms of the parts of the wear between the knots.
 MECHANICS, ALL = 13, 13 + KNOTS.size - 1
 STEPS = np.array([2e-4] * 12 + [1e-2] * (KNOTS.size))
-# Blocks of pushes in which means over 2 degrees of the bottleneck are fitted, and edges of the bins of the noise.
+# Blocks of pushes in which means over 2 degrees of the bottleneck are fitted, and edges of the bins
+# of the noise.
 STRETCHES = ((0, 125), (250, 375), (500, 625), (750, 875), (1000, 1250), (1250, 1500), (1500, 2000))
 NOISE_BINS = np.radians([0, 40, 70, 85, 95, 105, 120, 140, 170, 220, 250, 270, 290, 315, 360])
 DEG = math.radians(1.0)
@@ -74,7 +75,11 @@ class Staircase:
     @cached_property
     def bottleneck(self) -> list[np.ndarray]:
         """Cycles of each stretch in each 2 degrees of the bottleneck."""
-        every = [self.rows(*stretch, low, low + 2.0) for stretch in STRETCHES for low in np.arange(80.0, 112.0, 2.0)]
+        every = [
+            self.rows(*stretch, low, low + 2.0)
+            for stretch in STRETCHES
+            for low in np.arange(80.0, 112.0, 2.0)
+        ]
         return [rows for rows in every if rows.size >= 3]
 
     @cached_property
@@ -99,19 +104,25 @@ def friction(unknown: np.ndarray) -> EllipseFriction:
 def material(unknown: np.ndarray) -> Material:
     """The material of the unknowns, but for its noise."""
     gone = course(unknown[MECHANICS:])
-    bends = tuple((float(n), round(float(share), 3)) for n, share in zip(KNOTS[1:-1], gone[1:-1], strict=True))
+    bends = tuple(
+        (float(n), round(float(share), 3)) for n, share in zip(KNOTS[1:-1], gone[1:-1], strict=True)
+    )
     return Material(
         "plywood-measured",
         friction(unknown[:4]),
         inferred=True,
-        found_with=FoundWith(pusher_friction=float(unknown[11]), pin_friction_radius=1e-3 * abs(float(unknown[12]))),
+        found_with=FoundWith(
+            pusher_friction=float(unknown[11]), pin_friction_radius=1e-3 * abs(float(unknown[12]))
+        ),
         wear=Wear(friction(unknown[4:8]), CYCLES, bends),
         plates=(PlatePressure("rect1", *map(float, shares(unknown[8:11]))),),
     )
 
 
 def node_turns(every: list[np.ndarray]) -> np.ndarray:
-    """Turns (k, 3, NODES) of a cycle on the fresh, the half and the wholly worn surface of k sets, in one run."""
+    """Turns (k, 3, NODES) of a cycle on the fresh, the half and the wholly worn surface of k sets,
+    in one run.
+    """
     loops = []
     for unknown in every:
         loop = replace(CollectionLoop.mit(material(unknown)), accuracy=1e-6)
@@ -136,20 +147,28 @@ def misses(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.ndarra
 def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.ndarray:
     """What the fit makes small.
 
-    A turn that is off by a share makes the histogram off by that share, so that errors count relative to the turn: of
-    medians over 5 degrees everywhere; of means, which set the pace, over 2 degrees and over the narrowest part of the
-    bottleneck; of single cycles there. Weak priors: shares, rod, little wear, and an even pace.
+    A turn that is off by a share makes the histogram off by that share, so that errors count
+    relative to the turn: of medians over 5 degrees everywhere; of means, which set the pace, over 2
+    degrees and over the narrowest part of the bottleneck; of single cycles there. Weak priors:
+    shares, rod, little wear, and an even pace.
     """
     off = misses(data, unknown, turns)
     bins = [
-        np.median(off[rows]) / min(1.5 * DEG, 0.1 * abs(np.median(data.turn[rows])) + 0.2 * DEG) for rows in data.bins
+        np.median(off[rows]) / min(1.5 * DEG, 0.1 * abs(np.median(data.turn[rows])) + 0.2 * DEG)
+        for rows in data.bins
     ]
     fine = [
         np.mean(off[rows])
-        / (0.04 * DEG + 0.12 * abs(np.median(data.turn[rows])) + 0.25 * DEG / math.sqrt(rows.size / 2.0))
+        / (
+            0.04 * DEG
+            + 0.12 * abs(np.median(data.turn[rows]))
+            + 0.25 * DEG / math.sqrt(rows.size / 2.0)
+        )
         for rows in data.bottleneck
     ]
-    narrow = [np.mean(off[data.rows(n, n + 250, 88.0, 102.0)]) / (0.06 * DEG) for n in range(0, 2000, 250)]
+    narrow = [
+        np.mean(off[data.rows(n, n + 250, 88.0, 102.0)]) / (0.06 * DEG) for n in range(0, 2000, 250)
+    ]
     single = huber(off[data.rows(0, CYCLES, 70.0, 130.0)] / (0.25 * DEG)) / math.sqrt(24.0)
     prior = [
         *(unknown[8:11] + 1.0) / 3.0,
@@ -158,12 +177,19 @@ def residuals(data: Staircase, unknown: np.ndarray, turns: np.ndarray) -> np.nda
         *np.diff(unknown[MECHANICS:]) / 2.0,
     ]
     return np.concatenate(
-        [huber(np.array(bins), 2.0), huber(np.array(fine), 2.0), 0.7 * np.array(narrow), single, prior]
+        [
+            huber(np.array(bins), 2.0),
+            huber(np.array(fine), 2.0),
+            0.7 * np.array(narrow),
+            single,
+            prior,
+        ]
     )
 
 
 def fitted(data: Staircase, unknown: np.ndarray, most: int = 30) -> np.ndarray:
-    """Least squares by differences; all sets of unknowns that a derivative takes are run at once."""
+    """Least squares by differences; all sets of unknowns that a derivative takes are
+    run at once."""
 
     def missed(one: np.ndarray) -> np.ndarray:
         return residuals(data, one, node_turns([one])[0])
@@ -173,19 +199,32 @@ def fitted(data: Staircase, unknown: np.ndarray, most: int = 30) -> np.ndarray:
         here, *moved = node_turns([one, *tried[:MECHANICS]])
         moved += [here] * (ALL - MECHANICS)
         now = residuals(data, one, here)
-        return np.array([residuals(data, at, run) - now for at, run in zip(tried, moved, strict=True)]).T / STEPS
+        return (
+            np.array(
+                [residuals(data, at, run) - now for at, run in zip(tried, moved, strict=True)]
+            ).T
+            / STEPS
+        )
 
-    return least_squares(missed, unknown, slopes, method="lm", max_nfev=most, ftol=1e-4, x_scale="jac").x
+    return least_squares(
+        missed, unknown, slopes, method="lm", max_nfev=most, ftol=1e-4, x_scale="jac"
+    ).x
 
 
 def noise(data: Staircase, off: np.ndarray) -> CycleNoise:
-    """Robust scatter over θ0 about the smooth part of the misfit, and its correlation in the bottleneck.
+    """Robust scatter over θ0 about the smooth part of the misfit, and its correlation in the
+    bottleneck.
 
-    Jumps of single cycles, up to 20 degrees, are not noise that a normal law can carry: medians leave them out.
+    Jumps of single cycles, up to 20 degrees, are not noise that a normal law can carry: medians
+    leave them out.
     """
     angles = np.multiply.outer(data.theta, np.arange(1, 9))
     smooth = np.concatenate([np.ones((data.theta.size, 1)), np.cos(angles), np.sin(angles)], axis=1)
-    scale, weight, law = np.maximum(0.3 * DEG, 0.05 * data.turn), data.seen * 1.0, np.zeros(smooth.shape[1])
+    scale, weight, law = (
+        np.maximum(0.3 * DEG, 0.05 * data.turn),
+        data.seen * 1.0,
+        np.zeros(smooth.shape[1]),
+    )
     for _ in range(15):
         robust = weight / scale**2 / np.sqrt(1.0 + ((off - smooth @ law) / scale) ** 2)
         square = smooth.T @ (smooth * robust[:, None]) + 100.0 * np.eye(law.size)
@@ -193,7 +232,9 @@ def noise(data: Staircase, off: np.ndarray) -> CycleNoise:
     rest = off - smooth @ law
     bins = [data.rows(0, CYCLES, *np.degrees(ends)) for ends in pairwise(NOISE_BINS.tolist())]
     place = np.array([np.median(data.theta[rows]) for rows in bins])
-    sizes = np.array([1.4826 * np.median(np.abs(rest[rows] - np.median(rest[rows]))) for rows in bins])
+    sizes = np.array(
+        [1.4826 * np.median(np.abs(rest[rows] - np.median(rest[rows]))) for rows in bins]
+    )
 
     def columns(theta: np.ndarray) -> np.ndarray:
         waves = [wave(k * theta) for k in (1, 2, 3) for wave in (np.cos, np.sin)]
@@ -216,9 +257,13 @@ def main() -> None:
     data = Staircase(np.mod(pairs.theta, 2.0 * math.pi), pairs.turn, pairs.cycle)
     shipped = load_material("plywood-measured")
     assert shipped.wear is not None
-    begins = [Anisotropy.of(law).seen_from(0.0) for law in (shipped.friction, shipped.wear.friction)]
+    begins = [
+        Anisotropy.of(law).seen_from(0.0) for law in (shipped.friction, shipped.wear.friction)
+    ]
     (plate,), rod = shipped.plates, shipped.found_with
-    pressure = np.log(np.maximum(list(plate.shares.values()), 1e-3) / (1.0 - sum(plate.shares.values())))
+    pressure = np.log(
+        np.maximum(list(plate.shares.values()), 1e-3) / (1.0 - sum(plate.shares.values()))
+    )
     ring = 1e3 * (rod.pin_friction_radius or 0.0)
     parts = np.diff([shipped.wear.share(n) for n in KNOTS])
     start = np.concatenate([*begins, pressure, [rod.pusher_friction, ring], np.log(parts + 1e-3)])

@@ -1,4 +1,5 @@
-"""Published statistics as data: their derivatives are true, and a surface comes back from its own."""
+"""Published statistics as data: their derivatives are true,
+and a surface comes back from its own."""
 
 from dataclasses import replace
 
@@ -14,18 +15,31 @@ from tests.inference.published_materials import TOLERANCES, statistics_block
 from tests.inference.published_prediction import node_values, predicted_statistics
 
 LOOP, NODES, CYCLES = CollectionLoop.mit(), 11, 100
-TRUTH = SurfaceParameters(ellipticity_x=0.1, offset_x=0.05, offset_y=-0.06, pusher_friction=0.15, floor_bow_x=-0.5)
+TRUTH = SurfaceParameters(
+    ellipticity_x=0.1, offset_x=0.05, offset_y=-0.06, pusher_friction=0.15, floor_bow_x=-0.5
+)
 
 
 @pytest.mark.parametrize("material", ["abs", "pu"])
 def test_derivatives_are_those_of_the_residuals_by_central_differences(material):
-    """Through mechanics and law of orientations together, where the block itself differences the law alone."""
-    block, values = statistics_block(published_statistics(material), LOOP, 9, CYCLES), TRUTH.values()
+    """Through mechanics and law of orientations together, where the block itself differences the
+    law alone.
+    """
+    block, values = (
+        statistics_block(published_statistics(material), LOOP, 9, CYCLES),
+        TRUTH.values(),
+    )
     rows, jacobian = block.residuals(values)
-    assert jacobian.shape == (len(block.groups), len(CYCLE_UNKNOWNS)) == (rows.size, len(CYCLE_UNKNOWNS))
+    assert (
+        jacobian.shape
+        == (len(block.groups), len(CYCLE_UNKNOWNS))
+        == (rows.size, len(CYCLE_UNKNOWNS))
+    )
     for name in ("ellipticity_x", "floor_bow_x"):
         step = 1e-3 * SURFACE[name].scale
-        ends = [block.residuals({**values, name: values[name] + sign * step})[0] for sign in (1, -1)]
+        ends = [
+            block.residuals({**values, name: values[name] + sign * step})[0] for sign in (1, -1)
+        ]
         slope = (ends[0] - ends[1]) / (2 * step)
         found = jacobian[:, CYCLE_UNKNOWNS.index(name)]
         assert found == pytest.approx(slope, rel=0.01, abs=0.01 * np.abs(slope).max())
@@ -42,5 +56,7 @@ def test_a_surface_is_recovered_from_its_own_statistics():
     noise = {kind: TOLERANCES[kind] for kind in set(block.kinds.tolist())}
     space = SURFACE.extended(*(replace(SURFACE[name], start=0.7 * values[name]) for name in free))
     found = identify([block], free, fixed, starts=1, noise=noise, space=space)
-    assert found.fit.deviance == pytest.approx(2 * sum(np.log(TOLERANCES[kind]) for kind in block.kinds), abs=1e-6)
+    assert found.fit.deviance == pytest.approx(
+        2 * sum(np.log(TOLERANCES[kind]) for kind in block.kinds), abs=1e-6
+    )
     assert [found[name].value for name in free] == pytest.approx([0.05, -0.06], abs=1e-4)

@@ -1,8 +1,9 @@
 """What is believed of a floor that nobody has measured: `python -m tests.inference.unknown_floor`.
 
-Writes `unknown.toml` into the folder `out`: the population of the floors, sessions and plates that the built-in
-materials know, as samples. Two measured boards are few: each sample takes one of them, with the spread between its
-sessions, turned by any angle, since nobody knows how the board will lie, and stiffer or softer by a factor.
+Writes `unknown.toml` into the folder `out`: the population of the floors, sessions and plates that
+the built-in materials know, as samples. Two measured boards are few: each sample takes one of them,
+with the spread between its sessions, turned by any angle, since nobody knows how the board will
+lie, and stiffer or softer by a factor.
 """
 
 import math
@@ -11,7 +12,14 @@ from pathlib import Path
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.mechanics import FoundWith, Material, MaterialPosterior, PlatePressure, SurfaceShape, load_material
+from cyclemap.mechanics import (
+    FoundWith,
+    Material,
+    MaterialPosterior,
+    PlatePressure,
+    SurfaceShape,
+    load_material,
+)
 from cyclemap.mechanics.friction import EllipseFriction
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.material_text import built_in_plates, material_toml
@@ -19,27 +27,37 @@ from cyclemap.text_files import write_whole
 
 FLOORS = ("plywood-floor", "abs-floor")
 SAMPLES, SEED = 120, 1
-# A board's shape in another place or of another make: standard deviation of the logarithm of its size.
+# A board's shape in another place or of another make: standard deviation of the logarithm of its
+# size.
 STIFFNESS = 0.5
-# Offsets and ellipticities of friction (shares of the mean): Rayleigh scales. Joint fits of pushes and drags found .006
-# to .03 and .01 to .015, of staircases .05 and .04.
+# Offsets and ellipticities of friction (shares of the mean): Rayleigh scales. Joint fits of pushes
+# and drags found .006 to .03 and .01 to .015, of staircases .05 and .04.
 OFFSET, ELLIPTICITY = 0.03, 0.02
-# Of rods that were found on these floors, and the radius of the rod's friction circle in its ring, m.
+# Of rods that were found on these floors, and the radius of the rod's friction circle in its ring,
+# m.
 ROD, ROD_SPREAD, RING, RING_SPREAD = 0.17, 0.03, 0.8e-3, 0.4e-3
 MEAN_FRICTION = 0.25
 PROVENANCE = (
-    "a floor that nobody has measured: the population of the floors, sessions and plates of the built-in materials, as "
-    "samples. Two boards are few, so each is taken at any angle and with its shape larger or smaller by half; what "
-    "varies with the place is told by an offset of friction of its size"
+    "a floor that nobody has measured: the population of the floors, sessions and plates of the "
+    "built-in materials, as samples. Two boards are few, so each is taken at any angle and with "
+    "its shape larger or smaller by half; what varies with the place is told by an offset of "
+    "friction of its size"
 )
 PARAMETERS = (
     *("mu_a", "mu_b", "m0", "n0", "phi_deg", "floor_dome_kpa", "floor_bow_kpa", "floor_bow_deg"),
-    *("pusher_mu", "pin_friction_mm", "any.plate_dome_kpa", "any.plate_warp_kpa", "any.plate_warp_deg"),
+    *(
+        "pusher_mu",
+        "pin_friction_mm",
+        "any.plate_dome_kpa",
+        "any.plate_warp_kpa",
+        "any.plate_warp_deg",
+    ),
 )
 
 
 def floor_shapes() -> list[tuple[Array, Array]]:
-    """Mean shape and spread between sessions of each measured floor, as (dome, bow_x, bow_y), kPa."""
+    """Mean shape and spread between sessions of each measured floor, as (dome, bow_x, bow_y),
+    kPa."""
     floors = [load_material(name) for name in FLOORS]
     return [(floor.floor.bend, np.array(floor.session_spread)) for floor in floors]
 
@@ -53,7 +71,9 @@ def turned(bend: Array, angle: float) -> Array:
 def sample(rng: np.random.Generator) -> list[float]:
     """One floor with a plate, in the order of PARAMETERS."""
     mean, spread = floor_shapes()[rng.integers(len(FLOORS))]
-    bend = turned(mean + spread * rng.normal(size=3), rng.uniform(0.0, math.pi)) * rng.lognormal(sigma=STIFFNESS)
+    bend = turned(mean + spread * rng.normal(size=3), rng.uniform(0.0, math.pi)) * rng.lognormal(
+        sigma=STIFFNESS
+    )
     plates = built_in_plates()
     own = turned(plates[rng.integers(len(plates))].shape.bend, rng.uniform(0.0, math.pi))
     floor, plate = SurfaceShape.of_bend(*bend.tolist()), SurfaceShape.of_bend(*own.tolist())
@@ -62,7 +82,12 @@ def sample(rng: np.random.Generator) -> list[float]:
     rod = float(np.clip(rng.normal(ROD, ROD_SPREAD), 0.05, 0.4))
     ring = 1e3 * abs(rng.normal(RING, RING_SPREAD))
     return [
-        *(MEAN_FRICTION * stretch, MEAN_FRICTION / stretch, offset * math.cos(toward), offset * math.sin(toward)),
+        *(
+            MEAN_FRICTION * stretch,
+            MEAN_FRICTION / stretch,
+            offset * math.cos(toward),
+            offset * math.sin(toward),
+        ),
         *(rng.uniform(0.0, 180.0), floor.dome, floor.bow, math.degrees(floor.axis), rod, ring),
         *(plate.dome, plate.bow, math.degrees(plate.axis)),
     ]

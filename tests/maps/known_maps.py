@@ -35,7 +35,9 @@ def contraction(slope, shift):
 
 
 def plateau(slope, ratio):
-    """The δ, in exact fractions for one of λ, where x → λx + δ (mod 1) has ρ = p/q: (left edge, right edge)."""
+    """The δ, in exact fractions for one of λ, where x → λx + δ (mod 1) has ρ = p/q: (left edge,
+    right edge).
+    """
     q = ratio.denominator
     below = sum((floor((k + 1) * ratio) - floor(k * ratio)) * slope**k for k in range(q))
     above = sum((ceil((k + 1) * ratio) - ceil(k * ratio)) * slope**k for k in range(q))
@@ -52,7 +54,9 @@ def bumped(place, width, height, K=0.0, slopes=True):
     def slope(x):
         return 1 - K * np.cos(x) - 2 * np.sin(x - place) / width**2 * bump(x)
 
-    return lambda omega: CircleMap(lambda x: x + TWO_PI * omega - K * np.sin(x) + bump(x), slope if slopes else None)
+    return lambda omega: CircleMap(
+        lambda x: x + TWO_PI * omega - K * np.sin(x) + bump(x), slope if slopes else None
+    )
 
 
 def tent(omega):
@@ -61,7 +65,9 @@ def tent(omega):
     def lift(x):
         return x + TWO_PI * omega + 0.5 * np.abs(np.mod(x + np.pi, TWO_PI) - np.pi)
 
-    return CircleMap(lift, lambda x: np.where(np.mod(x, TWO_PI) < np.pi, 1.5, 0.5), breaks=[0.0, np.pi])
+    return CircleMap(
+        lift, lambda x: np.where(np.mod(x, TWO_PI) < np.pi, 1.5, 0.5), breaks=[0.0, np.pi]
+    )
 
 
 def reset(to):

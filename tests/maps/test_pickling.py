@@ -25,7 +25,9 @@ MAPS = {
     "moebius": CircleMap.moebius(0.5, 0.3),
     "blaschke": CircleMap.blaschke([0, 0.3j]),
     "samples": SAMPLED,
-    "branches": CircleMap.from_branches([(0, np.pi, np.sin, np.cos), (np.pi, 2 * np.pi, np.sin, None)], degree=0),
+    "branches": CircleMap.from_branches(
+        [(0, np.pi, np.sin, np.cos), (np.pi, 2 * np.pi, np.sin, None)], degree=0
+    ),
     "own function": CircleMap(two_waves, max_error=1e-3),
     "composite": maps.compose(SAMPLED, FOLDED),
     "iterate": maps.nth_iterate(SINE, 3),
@@ -47,7 +49,11 @@ def test_a_map_comes_back_the_same(name):
     np.testing.assert_array_equal(back.derivative(ANGLES), given.derivative(ANGLES))
     np.testing.assert_array_equal(back.breaks, given.breaks)
     assert back.scalar()(1.5) == given.scalar()(1.5)
-    assert (back.degree, back.max_error, back.samples) == (given.degree, given.max_error, given.samples)
+    assert (back.degree, back.max_error, back.samples) == (
+        given.degree,
+        given.max_error,
+        given.samples,
+    )
     assert (back.pieces is None) == (given.pieces is None)
     assert copy.copy(given) is given and copy.deepcopy(given) is given
 
@@ -85,7 +91,9 @@ def test_an_operator_keeps_what_it_has_worked_out():
 
 
 def test_a_lambda_is_refused_by_name():
-    with pytest.raises(InvalidInput, match=r"cannot be pickled, as <function .*lambda.* def at the top of a module"):
+    with pytest.raises(
+        InvalidInput, match=r"cannot be pickled, as <function .*lambda.* def at the top of a module"
+    ):
         pickle.dumps(CircleMap(lambda x: x + 0.1))
     with pytest.raises(InvalidInput, match="cannot be pickled"):
         pickle.dumps(maps.compose(SINE, CircleMap(lambda x: x + 0.1)))

@@ -23,10 +23,23 @@ from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 from tests.maps.known_maps import DOUBLING
 from tests.refusals import refused
 
-RIGID, STICKY, NOISE, UNIFORM = CircleMap.rigid(0.1), CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), UniformNoise(1.0)
-JUMPING_BACK = CircleMap.from_branches([(0, 3, lambda x: 2 * x, None), (3, 2 * np.pi, lambda x: x, None)])
+RIGID, STICKY, NOISE, UNIFORM = (
+    CircleMap.rigid(0.1),
+    CircleMap.arnold(0.1, 0.9),
+    WrappedNormal(0.3),
+    UniformNoise(1.0),
+)
+JUMPING_BACK = CircleMap.from_branches(
+    [(0, 3, lambda x: 2 * x, None), (3, 2 * np.pi, lambda x: x, None)]
+)
 ROTATION = [maps.rotation_number, maps.rotation_interval]
-MAP_ALONE = [*ROTATION, maps.basins, maps.slow_passages, maps.birkhoff_average, maps.lyapunov_exponent]
+MAP_ALONE = [
+    *ROTATION,
+    maps.basins,
+    maps.slow_passages,
+    maps.birkhoff_average,
+    maps.lyapunov_exponent,
+]
 ZONE = SlowZone(1.0, (0.0, 2.0), "ghost", 10.0)
 DRIFT = DriftingMap.between([(0, RIGID)])
 SUMMARY = maps.predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.1))
@@ -60,7 +73,8 @@ def test_what_is_no_map_is_refused(ask):
 
 
 @pytest.mark.parametrize(
-    "ask", [*ROTATION, maps.upper_envelope, maps.lower_envelope, maps.birkhoff_average, maps.inverse]
+    "ask",
+    [*ROTATION, maps.upper_envelope, maps.lower_envelope, maps.birkhoff_average, maps.inverse],
 )
 def test_what_needs_degree_1_refuses_another(ask):
     refused(ask, DOUBLING, told="degree")
@@ -94,15 +108,24 @@ FAMILIES = [
     (lambda: tongue(0, (0.0, 1.0)), "left edge of the tongue 0 lies below 0"),
     (lambda: tongue(0, (-0.5, 0.05)), r"right edge of the tongue 0 lies above 0\.05"),
     (lambda: tongue(0, (-0.5, 0.5), lambda p: arnold(-p)), "the family falls"),
-    (lambda: tongue((1, 3), (-0.5, 1.0), lambda p: arnold(p + 0.3 * np.sin(40 * p))), "the family falls"),
+    (
+        lambda: tongue((1, 3), (-0.5, 1.0), lambda p: arnold(p + 0.3 * np.sin(40 * p))),
+        "the family falls",
+    ),
     (lambda: tongue(0, (-0.5, 0.5), lambda p: DOUBLING), "degree 2"),
-    (lambda: tongue(0, (-1.0, 1.0), lambda p: p + 1.0), r"family\(-1\) is 0\.0: it must return a CircleMap"),
+    (
+        lambda: tongue(0, (-1.0, 1.0), lambda p: p + 1.0),
+        r"family\(-1\) is 0\.0: it must return a CircleMap",
+    ),
     (lambda: tongue(0, (-1.0, 1.0), 3.0), "give a callable"),
     (lambda: tongue(0, (1.0, 1.0), CircleMap.rigid), "low end must lie below"),
     (lambda: tongue(0, 1.0, CircleMap.rigid), "give a pair"),
     (lambda: tongue(0, (0.0, np.nan), CircleMap.rigid), "finite number"),
     (lambda: maps.tongues(CircleMap.arnold, [], [0.5], (-0.5, 1.5)), "give some of each"),
-    (lambda: maps.follow_orbit(arnold, 1.0, (0.0, 0.5), at=0.3), "no orbit of period 1 and winding 0"),
+    (
+        lambda: maps.follow_orbit(arnold, 1.0, (0.0, 0.5), at=0.3),
+        "no orbit of period 1 and winding 0",
+    ),
     (lambda: maps.follow_orbit(arnold, 0.0, (0.0, 0.5), at=0.7), "outside the parameters"),
     (lambda: maps.follow_orbit(arnold, np.nan, (0.0, 0.5)), "start must be a finite number"),
     (lambda: maps.follow_orbit(arnold, 0.0, (0.0, 0.5), period=0), "period must be at least 1"),
@@ -114,8 +137,14 @@ FAMILIES = [
     (lambda: maps.saddle_nodes(lambda p: CircleMap.rigid(0.0), (0.0, 1.0)), "every point"),
     (lambda: break_motion(np.array([0.01, 1.0, 6.2]), np.array([0.01, 1.0])), "3 and 2 breaks"),
     (lambda: numbers(0.5, [0.3, 1.2]), r"\(0.5, 1.2\).*nondecreasing.*rotation_interval"),
-    (lambda: maps.rotation_numbers(ParametricLift(lambda x, p: x + p * np.sin(x)), [0.2, 1.5]), "nondecreasing"),
-    (lambda: maps.rotation_numbers(ParametricLift(lambda x, p: 2 * x + p), [0.2]), "nondecreasing lift of degree 1"),
+    (
+        lambda: maps.rotation_numbers(ParametricLift(lambda x, p: x + p * np.sin(x)), [0.2, 1.5]),
+        "nondecreasing",
+    ),
+    (
+        lambda: maps.rotation_numbers(ParametricLift(lambda x, p: 2 * x + p), [0.2]),
+        "nondecreasing lift of degree 1",
+    ),
     (lambda: maps.rotation_numbers(ParametricLift(lambda x, p: np.zeros(3)), [0.2]), "broadcast"),
     (lambda: maps.rotation_numbers(lambda x, p: x + p, 0.1, 0.2), "ParametricLift"),
     (lambda: numbers(0.1, [0.2, np.nan]), "parameter 1 must be finite"),
@@ -161,8 +190,14 @@ ORBITS = [
     (lambda: maps.periodic_points(CircleMap.rigid(0.2), 5), "every point near"),
 ]
 LIFTS = [
-    (lambda: maps.inverse(CircleMap.blaschke([0, 0])), "degree 2: only degree 1 or -1 .* preimages"),
-    (lambda: maps.inverse(CircleMap.arnold(0.2, 1.5)), "turns back on .*branches inverts each monotone piece"),
+    (
+        lambda: maps.inverse(CircleMap.blaschke([0, 0])),
+        "degree 2: only degree 1 or -1 .* preimages",
+    ),
+    (
+        lambda: maps.inverse(CircleMap.arnold(0.2, 1.5)),
+        "turns back on .*branches inverts each monotone piece",
+    ),
     (lambda: maps.inverse(JUMPING_BACK), "jumps back by 3 at θ = 3"),
     (lambda: maps.nth_iterate(RIGID, -1), "n must be at least 0"),
     (lambda: maps.shifted(RIGID, 0.5), "turns must be a whole number"),
@@ -233,12 +268,16 @@ STAIRCASES = [
     (lambda: maps.find_steps(np.zeros(9), zones=[]), "give one SlowZone or more"),
     (lambda: maps.find_steps(np.zeros(9), zones=[ARC]), "give one SlowZone or more"),
     (
-        lambda: maps.find_steps(np.zeros(9), zones=[ZONE, SlowZone(4.0, (3.0, 5.0), "ghost", 10.0, 1)]),
+        lambda: maps.find_steps(
+            np.zeros(9), zones=[ZONE, SlowZone(4.0, (3.0, 5.0), "ghost", 10.0, 1)]
+        ),
         "of the same winding",
     ),
 ]
 
 
-@pytest.mark.parametrize(("ask", "words"), [*FAMILIES, *ORBITS, *LIFTS, *LAWS, *PASSAGES, *STAIRCASES])
+@pytest.mark.parametrize(
+    ("ask", "words"), [*FAMILIES, *ORBITS, *LIFTS, *LAWS, *PASSAGES, *STAIRCASES]
+)
 def test_bad_requests_are_refused_with_what_is_wrong(ask, words):
     refused(ask, told=words)

@@ -1,8 +1,10 @@
-"""What mechanics demands of a trajectory, checked from its samples alone: forces, twists and friction cones.
+"""What mechanics demands of a trajectory, checked from its samples alone: forces, twists and
+friction cones.
 
-The ground's law is inverted: the twist at which it balances the reported contact force is found by Newton's method on
-the limit surface (over support points, of which one may rest and then carries any force that its friction holds). That
-there is one, and that it moves the contact as the rod asks, shares nothing with the integrated equations.
+The ground's law is inverted: the twist at which it balances the reported contact force is found by
+Newton's method on the limit surface (over support points, of which one may rest and then carries
+any force that its friction holds). That there is one, and that it moves the contact as the rod
+asks, shares nothing with the integrated equations.
 """
 
 import math
@@ -22,9 +24,11 @@ CONTACTS = {"stick": 0, "slide_left": 1, "slide_right": -1, "slide_free": 0}
 class Check:
     """Worst over the samples, relative to the friction and to unit speed (extents).
 
-    surface : distance of the contact's wrench from what the ground can do. motion : how far the contact does not move
-    as the rod asks, or slips against its force. cone : how far the force is outside the friction cone, or pulls.
-    twists : (n, 3), of the object's frame, at unit speed of the rod (m); nan where the rod is just leaving.
+    surface : distance of the contact's wrench from what the ground can do. motion : how far the
+        contact does not move as the rod asks, or slips against its force. cone : how far the force
+        is outside the friction cone, or pulls.
+    twists : (n, 3), of the object's frame, at unit speed of the rod (m); nan where the rod is just
+        leaving.
     """
 
     surface: float
@@ -51,7 +55,9 @@ def story(stroke):
 
 
 def check(model, course, pin: float = 0.0) -> Check:
-    """Check every sample of a trajectory of a model; `pin`: radius of the ring's friction circle, m."""
+    """Check every sample of a trajectory of a model; `pin`: radius of the ring's friction circle,
+    m.
+    """
     unit, mu = model.unit, math.sqrt(model.friction.mu_a * model.friction.mu_b)
     scale, worst = np.array((1.0, 1.0, 1.0 / unit)), np.zeros(3)
     twists, wrenches = np.full((len(course.path), 3), np.nan), np.zeros((len(course.path), 3))
@@ -71,21 +77,29 @@ def check(model, course, pin: float = 0.0) -> Check:
             worst[0] = max(worst[0], np.abs(scale * off).max() / mu)
             continue
         if mode in ("ring_left", "ring_right"):
-            wrench = wrench - np.array((0.0, 0.0, pin * np.hypot(*force) * (1.0 if mode == "ring_left" else -1.0)))
-        twist, off = _twist_of(model.pressure, model.friction, wrench, theta, _guess(course, i, back))
+            wrench = wrench - np.array(
+                (0.0, 0.0, pin * np.hypot(*force) * (1.0 if mode == "ring_left" else -1.0))
+            )
+        twist, off = _twist_of(
+            model.pressure, model.friction, wrench, theta, _guess(course, i, back)
+        )
         worst[0] = max(worst[0], off)
         twist = twist / np.abs(twist / scale).max()
         velocity = twist[:2] + twist[2] * np.array((-lever[1], lever[0]))
         if mode in CONTACTS:
             sign = CONTACTS[mode]
             normals = _normals(model, lever, back @ (course.pusher[i] - course.contact_point[i]))
-            outside, normal = min((_outside(force, n, model.pusher.friction, mode), tuple(n)) for n in normals)
+            outside, normal = min(
+                (_outside(force, n, model.pusher.friction, mode), tuple(n)) for n in normals
+            )
             worst[2] = max(worst[2], outside / mu)
             normal, along = np.array(normal), np.array((-normal[1], normal[0]))
             if sign or mode == "slide_free":
                 slip = (velocity @ along) * (u @ normal) - (velocity @ normal) * (u @ along)
                 worst[1] = max(worst[1], velocity @ normal, -sign * slip)
-                approach = (u @ normal) / (velocity @ normal) if abs(velocity @ normal) > 1e-9 else np.nan
+                approach = (
+                    (u @ normal) / (velocity @ normal) if abs(velocity @ normal) > 1e-9 else np.nan
+                )
                 twists[i] = twist * approach
                 continue
         worst[1] = max(worst[1], abs(velocity[0] * u[1] - velocity[1] * u[0]), -(velocity @ u))
@@ -116,12 +130,18 @@ def _guess(course, i, back):
 def _outside(force, normal, friction, mode):
     """How far a force pulls, or lies outside the cone, or off its edge where the rod slides."""
     press, side = -force @ normal, force @ (-normal[1], normal[0])
-    off = abs(side) - friction * press if mode == "stick" else abs(side - CONTACTS[mode] * friction * press)
+    off = (
+        abs(side) - friction * press
+        if mode == "stick"
+        else abs(side - CONTACTS[mode] * friction * press)
+    )
     return max(float(off), float(-press))
 
 
 def _normals(model, lever, towards_rod):
-    """Outward normals of the outline at a contact, in the object's frame; at a corner a point rod has those of both."""
+    """Outward normals of the outline at a contact, in the object's frame; at a corner a point rod
+    has those of both.
+    """
     if model.pusher.radius > 0.0:
         return (towards_rod / np.hypot(*towards_rod))[None]
     outline = model.slider.outline
@@ -137,10 +157,12 @@ def _normals(model, lever, towards_rod):
 
 
 def _twist_of(footprint, law, wrench, theta, guess):
-    """Twist of which a wrench is the ground's, and how far the wrench is from what the ground can do.
+    """Twist of which a wrench is the ground's, and how far the wrench is from what the ground can
+    do.
 
-    The ground's wrenches are a convex body with the dissipation D for a support function: over all twists V the largest
-    w.V / D(V) is one where w is on its surface, at the twist of which w is the wrench.
+    The ground's wrenches are a convex body with the dissipation D for a support function: over all
+    twists V the largest w.V / D(V) is one where w is on its surface, at the twist of which w is the
+    wrench.
     """
     surface, size = LimitSurface(footprint, law), footprint.extent
     scale = np.array((1.0, 1.0, 1.0 / size))
@@ -161,12 +183,18 @@ def _twist_of(footprint, law, wrench, theta, guess):
             converged = np.abs(off).max() < 1e-13
             if converged:
                 break
-            bend = np.outer(slope, slope) + lost * np.outer(scale, scale) * surface.hessian(scale * vector, theta)
-            step, height = -np.linalg.lstsq(bend, off, rcond=1e-13)[0], 0.5 * lost**2 - scale * wrench @ vector
+            bend = np.outer(slope, slope) + lost * np.outer(scale, scale) * surface.hessian(
+                scale * vector, theta
+            )
+            step, height = (
+                -np.linalg.lstsq(bend, off, rcond=1e-13)[0],
+                0.5 * lost**2 - scale * wrench @ vector,
+            )
             for share in 0.5 ** np.arange(12):
                 tried = vector + share * step
                 if np.any(tried) and (
-                    0.5 * surface.dissipation(scale * tried, theta) ** 2 - scale * wrench @ tried < height
+                    0.5 * surface.dissipation(scale * tried, theta) ** 2 - scale * wrench @ tried
+                    < height
                     or np.abs(share * step).max() < 1e-7 * np.abs(vector).max()
                 ):
                     break
@@ -176,13 +204,20 @@ def _twist_of(footprint, law, wrench, theta, guess):
         found.append(vector)
         if converged:
             break  # The function is convex: no other start ends elsewhere.
-    # Where the centre of rotation is at a support point or a loaded corner, or all but there, D has a kink.
+    # Where the centre of rotation is at a support point or a loaded corner, or all but there, D has
+    # a kink.
     if abs(max(map(power, found)) - 1.0) > 1e-11:
-        pins = [sign * np.array((y / size, -x / size, 1.0)) for x, y in _points(footprint) for sign in (1.0, -1.0)]
+        pins = [
+            sign * np.array((y / size, -x / size, 1.0))
+            for x, y in _points(footprint)
+            for sign in (1.0, -1.0)
+        ]
         found = sorted([*found, *pins], key=power, reverse=True)[:4]
     if abs(power(found[0]) - 1.0) > 1e-11:
         exact = {"xatol": 1e-14, "fatol": 1e-17, "maxiter": 4000}
-        found += [minimize(lambda v: -power(v), v, method="Nelder-Mead", options=exact).x for v in found]
+        found += [
+            minimize(lambda v: -power(v), v, method="Nelder-Mead", options=exact).x for v in found
+        ]
     best = max(found, key=power)
     return scale * best, abs(power(best) - 1.0)
 

@@ -1,8 +1,10 @@
-"""A second route to a footprint's friction: plain numerical quadrature of its definition, in extended precision.
+"""A second route to a footprint's friction: plain numerical quadrature of its definition, in
+extended precision.
 
-Seen from the centre of rotation the integrands are powers of the distance, so that few radial nodes are exact; around
-the rim Gauss's rule runs on panels that shrink towards the places nearest to the centre. No closed form, no velocity
-plane, no homogeneity of D. Where the centre is far or at infinity, a fine area rule.
+Seen from the centre of rotation the integrands are powers of the distance, so that few radial nodes
+are exact; around the rim Gauss's rule runs on panels that shrink towards the places nearest to the
+centre. No closed form, no velocity plane, no homogeneity of D. Where the centre is far or at
+infinity, a fine area rule.
 """
 
 import math
@@ -20,7 +22,9 @@ TURN = 2 * REAL("3.14159265358979323846264")
 
 def _gauss(count):
     """Nodes and weights on [0, 1], beyond double precision."""
-    nodes, weights = (np.array([REAL(str(one)) for one in values]) for values in gauss_legendre(count, 25))
+    nodes, weights = (
+        np.array([REAL(str(one)) for one in values]) for values in gauss_legendre(count, 25)
+    )
     return (1 + nodes) / 2, weights / 2
 
 
@@ -37,7 +41,9 @@ def reference(footprint, law, twist, frame=0.0):
     moment = np.zeros(2, REAL)
     for points, weights in rules(footprint, matrix, twist):
         speed, slope, bend = _density(matrix, points, twist)
-        for k, part in enumerate((weights @ speed, weights @ slope, np.tensordot(weights, bend, 1))):
+        for k, part in enumerate(
+            (weights @ speed, weights @ slope, np.tensordot(weights, bend, 1))
+        ):
             found[k] = found[k] + part
         moment += weights @ points
     # The ellipse's centre acts as a constant force at the centre of pressure.
@@ -65,7 +71,10 @@ def rules(footprint, matrix, twist):
         found.append((footprint.rim_share, _line_rule(outline, matrix, twist)))
     if footprint.corner_share:
         found.append(
-            (footprint.corner_share, (outline.array.astype(REAL), np.full(outline.sides, REAL(1)) / outline.sides))
+            (
+                footprint.corner_share,
+                (outline.array.astype(REAL), np.full(outline.sides, REAL(1)) / outline.sides),
+            )
         )
     scaled = [(points, REAL(share) * weights) for share, (points, weights) in found]
     points, weights = found[0][1]
@@ -89,9 +98,11 @@ def _density(matrix, points, twist):
     jacobian[:, :, 2] = turned @ matrix.T
     along = w / speed[:, None]
     slope = (along[:, :, None] * jacobian).sum(axis=1)
-    across = (jacobian[:, :, None] * np.array(((0, 1), (-1, 0)), REAL)[None, :, :, None] * along[:, None, :, None]).sum(
-        (1, 2)
-    )
+    across = (
+        jacobian[:, :, None]
+        * np.array(((0, 1), (-1, 0)), REAL)[None, :, :, None]
+        * along[:, None, :, None]
+    ).sum((1, 2))
     return speed, slope, across[:, :, None] * across[:, None, :] / speed[:, None, None]
 
 
@@ -107,7 +118,10 @@ def _centre(outline, matrix, twist):
 def _area_rule(outline, matrix, twist):
     centre = _centre(outline, matrix, twist)
     apex = np.array(outline.centroid, REAL) if centre is None else centre
-    rim, step = (np.concatenate(column) for column in zip(*_rim(outline, matrix, apex, centre is None), strict=True))
+    rim, step = (
+        np.concatenate(column)
+        for column in zip(*_rim(outline, matrix, apex, centre is None), strict=True)
+    )
     p = rim - apex
     cross = p[:, 0] * step[:, 1] - p[:, 1] * step[:, 0]
     share, weight = (NODE, WEIGHT) if centre is None else (RADIUS, RADIAL)
@@ -124,7 +138,9 @@ def _area(outline):
 
 
 def _line_rule(outline, matrix, twist):
-    """A side's load goes with its distance from the centroid; on an ellipse the load is even in the eccentric angle."""
+    """A side's load goes with its distance from the centroid; on an ellipse the load is even in the
+    eccentric angle.
+    """
     centre = _centre(outline, matrix, twist)
     centre = np.array(outline.centroid, REAL) if centre is None else centre
     if isinstance(outline, Ellipse):
@@ -143,7 +159,9 @@ def _line_rule(outline, matrix, twist):
 def _rim(outline, matrix, centre, far=False):
     """Points of the rim and steps times weights, part by part."""
     if isinstance(outline, Ellipse):
-        tau, weight = _panels(TURN * np.arange(13) / 12) if far else _angles(outline, matrix, centre)
+        tau, weight = (
+            _panels(TURN * np.arange(13) / 12) if far else _angles(outline, matrix, centre)
+        )
         place, step = _on_ellipse(outline, tau)
         yield place, step * weight[:, None]
         return
@@ -158,7 +176,9 @@ def _rim(outline, matrix, centre, far=False):
 
 
 def _angles(outline, matrix, centre):
-    """Eccentric angles and weights: panels shrink towards the nearest places, and towards the image's ends."""
+    """Eccentric angles and weights: panels shrink towards the nearest places, and towards the
+    image's ends.
+    """
 
     def speeds(tau):
         place = _on_ellipse(outline, tau)[0] - centre

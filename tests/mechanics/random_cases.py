@@ -36,7 +36,9 @@ def random_friction(rng: np.random.Generator) -> EllipseFriction:
     mu_a = rng.uniform(0.1, 0.5)
     mu_b = mu_a * math.exp(rng.uniform(-math.log(3.0), math.log(3.0)))
     off, towards = 0.6 * min(mu_a, mu_b) * math.sqrt(rng.uniform()), rng.uniform(0.0, 2.0 * math.pi)
-    return EllipseFriction(mu_a, mu_b, off * math.cos(towards), off * math.sin(towards), rng.uniform(0, math.pi))
+    return EllipseFriction(
+        mu_a, mu_b, off * math.cos(towards), off * math.sin(towards), rng.uniform(0, math.pi)
+    )
 
 
 def random_case(seed: int, accuracy: float = 1e-6) -> Case:
@@ -68,7 +70,12 @@ def harsh_case(kind: str, seed: int) -> Case:
     if kind == "extreme offset":
         law, towards = case.model.friction, rng.uniform(0, 2 * math.pi)
         centre = 0.95 * law.mu_a * math.cos(towards), 0.95 * law.mu_b * math.sin(towards)
-        return replace(case, model=replace(case.model, friction=EllipseFriction(law.mu_a, law.mu_b, *centre, law.phi)))
+        return replace(
+            case,
+            model=replace(
+                case.model, friction=EllipseFriction(law.mu_a, law.mu_b, *centre, law.phi)
+            ),
+        )
     count = int(rng.integers(2, 7))
     points, weights = rng.uniform(-0.04, 0.04, (count, 2)), rng.uniform(0.05, 1.0, count)
     footprint = PointFootprint(tuple(map(tuple, points)), tuple(weights))
@@ -76,7 +83,8 @@ def harsh_case(kind: str, seed: int) -> Case:
 
 
 def distances(outline, places) -> np.ndarray:
-    """Of places (n, 2) from an outline, which is cut in forty thousand sides if it is an ellipse."""
+    """Of places (n, 2) from an outline,
+    which is cut in forty thousand sides if it is an ellipse."""
     corners = outline.points(40_000)
     a, edge = corners[:-1], np.diff(corners, axis=0)
     offset = places[:, None] - a

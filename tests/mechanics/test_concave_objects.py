@@ -1,4 +1,6 @@
-"""Objects of any flat outline: what tips, and what is pushed, dragged and drawn though its centroid lies beside it."""
+"""Objects of any flat outline: what tips, and what is pushed, dragged and drawn though its centroid
+lies beside it.
+"""
 
 import math
 from dataclasses import replace
@@ -14,7 +16,9 @@ from cyclemap.protocol.own_object import first_settings
 
 LAW = EllipseFriction(0.2545, 0.2346, 0.0325, 0.0082, 2.6175)
 L_SHAPE = Polygon(((0, 0), (0.1, 0), (0.1, 0.02), (0.02, 0.02), (0.02, 0.1), (0, 0.1)))
-U_SHAPE = Polygon(((0, 0), (0.1, 0), (0.1, 0.1), (0.08, 0.1), (0.08, 0.02), (0.02, 0.02), (0.02, 0.1), (0, 0.1)))
+U_SHAPE = Polygon(
+    ((0, 0), (0.1, 0), (0.1, 0.1), (0.08, 0.1), (0.08, 0.02), (0.02, 0.02), (0.02, 0.1), (0, 0.1))
+)
 BENT = {"L": (L_SHAPE, (0.01, 0.01)), "U": (U_SHAPE, (0.01, 0.03))}
 
 
@@ -82,7 +86,9 @@ def test_an_object_tips_only_where_its_centre_of_mass_is_outside_the_convex_hull
             notched += inside and not outline.contains(place)
             assert outline.bears(tuple(place)) == inside
             if not inside:
-                refused(Slider, outline, hitch=hitch, centre_of_mass=tuple(place), told="convex hull")
+                refused(
+                    Slider, outline, hitch=hitch, centre_of_mass=tuple(place), told="convex hull"
+                )
     assert notched > 60
 
 

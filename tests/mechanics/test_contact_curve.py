@@ -1,4 +1,6 @@
-"""The curve of a rod's centre around concave outlines: exact, complete, closed; touches; near-degenerate input."""
+"""The curve of a rod's centre around concave outlines: exact, complete, closed; touches;
+near-degenerate input.
+"""
 
 import math
 from contextlib import suppress
@@ -23,7 +25,8 @@ def star(rng, corners):
 
 
 def comb(widths, depths):
-    """A bar with slots from above: widths of teeth and slots in turn, heights of the slots' floors."""
+    """A bar with slots from above: widths of teeth and slots in turn,
+    heights of the slots' floors."""
     x = np.concatenate([[0.0], np.cumsum(widths)])
     points = [(0.0, -0.3), (x[-1], -0.3)]
     for i in range(len(widths) - 1, -1, -1):
@@ -33,7 +36,8 @@ def comb(widths, depths):
 
 
 def rooms(rng, count):
-    """A bar with rooms in it, each open upwards by a mouth, all corners a little off their places."""
+    """A bar with rooms in it, each open upwards by a mouth,
+    all corners a little off their places."""
     points = [(0.0, 0.0), (float(count), 0.0), (float(count), 1.0)]
     for room in range(count - 1, -1, -1):
         mouth, height = rng.uniform(0.05, 0.3), rng.uniform(0.6, 0.9)
@@ -70,7 +74,9 @@ def generic(rng):
 
 
 def degenerate(rng):
-    """Rods exactly, or to a few roundings or nudges, as wide as notches; coinciding corners of the offset curve."""
+    """Rods exactly, or to a few roundings or nudges, as wide as notches; coinciding corners of the
+    offset curve.
+    """
     if rng.random() < 0.5:
         points = lattice(rng, rng.integers(4, 12))
         radius = rng.choice([0.25, 0.5, 1.0, 1.5, 2.0, *np.sqrt([0.5, 1.25, 2.0])])
@@ -78,7 +84,9 @@ def degenerate(rng):
         teeth = rng.integers(1, 5)
         points = comb(0.1 * rng.integers(1, 4, 2 * teeth + 1), 0.1 * rng.integers(0, 4, teeth))
         radius = rng.choice([0.025, 0.05, 0.1, 0.15, 0.2, 0.3, 0.5])
-    radius *= 1.0 + rng.choice([0.0, 0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-13, -1e-13, 1e-12, -1e-12, 1e-10])
+    radius *= 1.0 + rng.choice(
+        [0.0, 0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-13, -1e-13, 1e-12, -1e-12, 1e-10]
+    )
     return (turned(rng, points) if rng.random() < 0.5 else points), radius
 
 
@@ -100,7 +108,10 @@ def centres(curve, index, count=33):
 
 
 def length(curve):
-    return math.fsum((p.high - p.low) * (curve.radius if isinstance(p, CornerPiece) else 1.0) for p in curve.pieces)
+    return math.fsum(
+        (p.high - p.low) * (curve.radius if isinstance(p, CornerPiece) else 1.0)
+        for p in curve.pieces
+    )
 
 
 def loops(curve):
@@ -117,7 +128,9 @@ def loops(curve):
 
 
 def check_points_and_junctions(outline, curve, rounding):
-    """Every point has the distance of the radius, from outside; ends meet; smooth normals go on, wedges turn right."""
+    """Every point has the distance of the radius, from outside; ends meet; smooth normals go on,
+    wedges turn right.
+    """
     scale = curve.radius + np.abs(outline.array).max()
     for index, piece in enumerate(curve.pieces):
         assert piece.low < piece.high
@@ -126,7 +139,10 @@ def check_points_and_junctions(outline, curve, rounding):
         assert not outline.contains(places[1:-1]).any()
         ends, begins = curve.contacts_at_end(index)
         assert curve.before[curve.after[index]] == index
-        assert math.dist(ends.rod_centre(curve.radius), begins.rod_centre(curve.radius)) < rounding * scale
+        assert (
+            math.dist(ends.rod_centre(curve.radius), begins.rod_centre(curve.radius))
+            < rounding * scale
+        )
         turn = math.remainder(begins.normal - ends.normal, 2.0 * math.pi)
         if curve.junctions[index] == "smooth":
             assert abs(turn) < 1e-9
@@ -137,7 +153,9 @@ def check_points_and_junctions(outline, curve, rounding):
 
 
 def raw_samples(outline, radius, count):
-    """Centres of rods along every side and around every convex corner, (k, 2), and the length each stands for."""
+    """Centres of rods along every side and around every convex corner, (k, 2), and the length each
+    stands for.
+    """
     a = outline.array
     places, weights = [], []
     edge = np.roll(a, -1, axis=0) - a
@@ -148,7 +166,10 @@ def raw_samples(outline, radius, count):
         j = (i + 1) % len(a)
         places.append(a[i] + share[:, None] * edge[i] + radius * normal[i])
         weights.append(np.full(count, size[i] / count))
-        cross, dot = normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0], normal[i] @ normal[j]
+        cross, dot = (
+            normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0],
+            normal[i] @ normal[j],
+        )
         if cross > 0.0:
             turn = math.atan2(cross, dot)
             angle = math.atan2(normal[i, 1], normal[i, 0]) + turn * share
@@ -159,7 +180,8 @@ def raw_samples(outline, radius, count):
 
 @pytest.mark.slow
 def test_curves_are_exact_closed_and_complete():
-    """Against samples of all untrimmed pieces: those that no side overlaps make up the same length."""
+    """Against samples of all untrimmed pieces:
+    those that no side overlaps make up the same length."""
     several_loops = 0
     for outline, radius, _ in cases(generic, seed=1, count=150):
         curve = contact_curve(outline, radius)
@@ -179,7 +201,13 @@ def test_coincidences_within_rounding_leave_neither_gaps_nor_crashes():
 
 
 def test_a_rod_as_wide_as_a_slot_is_in_it_or_not():
-    for radius, floor in ((0.49, True), (0.5 - 1e-9, True), (0.5, None), (0.5 + 1e-9, False), (0.6, False)):
+    for radius, floor in (
+        (0.49, True),
+        (0.5 - 1e-9, True),
+        (0.5, None),
+        (0.5 + 1e-9, False),
+        (0.6, False),
+    ):
         curve = contact_curve(SLOT, radius)
         check_points_and_junctions(SLOT, curve, 1e-12)
         sides = {piece.side for piece in curve.pieces if isinstance(piece, SidePiece)}
@@ -192,12 +220,23 @@ def test_a_point_touches_every_side_and_two_at_a_concave_vertex():
     assert [piece.side for piece in curve.pieces] == list(range(5))
     assert curve.junctions == ("corner", "corner", "wedge", "corner", "corner")
     ends, begins = curve.contacts_at_end(2)
-    assert ends[:2] == pytest.approx((2.0, 1.0)) and begins[:2] == (2.0, 1.0) and ends.normal > begins.normal
+    assert (
+        ends[:2] == pytest.approx((2.0, 1.0))
+        and begins[:2] == (2.0, 1.0)
+        and ends.normal > begins.normal
+    )
 
 
 def test_straight_continuations_and_slight_turns():
-    """A vertex on a straight side joins smoothly; slightly concave ones end in flat wedges, slightly convex in arcs."""
-    for bend, junctions in ((0.0, {"smooth"}), (1e-6, {"smooth"}), (-1e-6, {"smooth", "wedge"}), (-1e-8, None)):
+    """A vertex on a straight side joins smoothly; slightly concave ones end in flat wedges,
+    slightly convex in arcs.
+    """
+    for bend, junctions in (
+        (0.0, {"smooth"}),
+        (1e-6, {"smooth"}),
+        (-1e-6, {"smooth", "wedge"}),
+        (-1e-8, None),
+    ):
         for radius in (0.01, 0.5, 30.0):
             outline = Polygon([(0, 0), (2, 0), (2, 1), (1, 1 + bend), (0, 1)])
             curve = contact_curve(outline, radius)
@@ -207,7 +246,9 @@ def test_straight_continuations_and_slight_turns():
 
 @pytest.mark.slow
 def test_sizes_do_not_matter():
-    """From rods of a billionth of the outline to walls a million times as wide, and a thousand sizes off the origin."""
+    """From rods of a billionth of the outline to walls a million times as wide, and a thousand
+    sizes off the origin.
+    """
     for outline, _, _ in cases(generic, seed=4, count=40):
         for radius in (1e-9, 1e-6, 1e3, 1e6):
             check_points_and_junctions(outline, contact_curve(outline, radius), 1e-13)
@@ -220,12 +261,16 @@ def test_sizes_do_not_matter():
 
 def first_touch(pieces, radius, start, direction):
     """Travel, piece and coordinate of one rod's; None where there is no touch."""
-    (travel,), (piece,), (coordinate,) = first_touches(pieces, radius, np.array([start]), np.array([direction]))
+    (travel,), (piece,), (coordinate,) = first_touches(
+        pieces, radius, np.array([start]), np.array([direction])
+    )
     return None if math.isnan(travel) else (max(travel, 0.0), piece, coordinate)
 
 
 def marched(outline, radius, start, toward):
-    """Travel of a rod that goes as far as nothing can be in its way, again and again; None where it gets away."""
+    """Travel of a rod that goes as far as nothing can be in its way, again and again; None where it
+    gets away.
+    """
     travel = 0.0
     for _ in range(100_000):
         gap = float(distances(outline, (start + travel * toward)[None])[0]) - radius
@@ -268,7 +313,11 @@ def test_a_rod_aimed_into_a_wedge_touches_at_the_end_of_one_of_its_pieces():
         curve = contact_curve(outline, radius)
         for index in (i for i, junction in enumerate(curve.junctions) if junction == "wedge"):
             ends, begins = curve.contacts_at_end(index)
-            between = 0.5 * (ends.normal + begins.normal + math.remainder(ends.normal - begins.normal, 2 * math.pi))
+            between = 0.5 * (
+                ends.normal
+                + begins.normal
+                + math.remainder(ends.normal - begins.normal, 2 * math.pi)
+            )
             direction = between + math.pi + rng.uniform(-0.01, 0.01)
             place = np.array(ends.rod_centre(radius))
             toward = np.array([math.cos(direction), math.sin(direction)])
@@ -292,10 +341,15 @@ def test_a_side_is_touched_where_its_pieces_are():
     for fraction, radius in ((0.1, 0.2), (0.5, 0.7)):
         with pytest.raises(InvalidInput, match="concave corner"):
             side_coordinate(SLOT, contact_curve(SLOT, radius).pieces, 4, fraction)
-    # A beak hangs over a long floor: where the rod is too thick to pass, the floor keeps a piece on either hand.
+    # A beak hangs over a long floor: where the rod is too thick to pass, the floor keeps a piece on
+    # either hand.
     hook = [(9, 0), (9, 1), (1, 1), (1, 3), (4, 3), (4, 1.3), (4.2, 1.3), (4.2, 3.2)]
     hooked = Polygon([(0, 0), *hook, (0, 3.2)])
-    floor = [(p.low, p.high) for p in contact_curve(hooked, 0.2).pieces if isinstance(p, SidePiece) and p.side == 2]
+    floor = [
+        (p.low, p.high)
+        for p in contact_curve(hooked, 0.2).pieces
+        if isinstance(p, SidePiece) and p.side == 2
+    ]
     assert np.allclose(floor, [(0.0, 4.8 - math.sqrt(0.03)), (5.0 + math.sqrt(0.03), 7.8)])
     index, coordinate, _ = side_coordinate(hooked, contact_curve(hooked, 0.2).pieces, 2, 0.75)
     assert contact_curve(hooked, 0.2).pieces[index].high == pytest.approx(7.8) and coordinate == 6.0
@@ -316,8 +370,12 @@ def test_a_touch_lies_behind_a_rod_that_went_on_inside(name):
     starts = starts[[not overlaps(outline, radius, place) for place in starts]]
     directions = np.arctan2(*(-starts).T[::-1]) + rng.normal(0.0, 0.4, len(starts))
     travel, piece, coordinate = first_touches(pieces, radius, starts, directions)
-    behind = starts + (travel + 1e-3)[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=-1)
-    inside = np.array([bool(np.isfinite(place[0])) and overlaps(outline, radius, place) for place in behind])
+    behind = starts + (travel + 1e-3)[:, None] * np.stack(
+        [np.cos(directions), np.sin(directions)], axis=-1
+    )
+    inside = np.array(
+        [bool(np.isfinite(place[0])) and overlaps(outline, radius, place) for place in behind]
+    )
     assert inside.sum() > 30
     back, same, there = first_touches(pieces, radius, behind[inside], directions[inside])
     assert back == pytest.approx(-1e-3, abs=1e-10) and np.all(same == piece[inside])
@@ -326,7 +384,9 @@ def test_a_touch_lies_behind_a_rod_that_went_on_inside(name):
 
 @pytest.mark.parametrize("name", ["rect1", "hex", "ellip3"])
 def test_a_rod_that_touches_meets_the_object_at_once_or_has_left_it(name):
-    """Half a nanometre off or in, as rounding leaves it: inwards the touch is here, outwards there is none."""
+    """Half a nanometre off or in, as rounding leaves it: inwards the touch is here, outwards there
+    is none.
+    """
     outline, radius = dataset_sliders()[name].outline, 0.00475
     pieces = contact_curve(outline, radius).pieces
     start, direction = np.array([2.0 * outline.extent, 0.003]), math.pi

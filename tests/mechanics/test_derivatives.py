@@ -1,4 +1,6 @@
-"""Derivatives of whole cycles are their differences, by every parameter, on every footprint, through every contact."""
+"""Derivatives of whole cycles are their differences, by every parameter, on every footprint,
+through every contact.
+"""
 
 import math
 from dataclasses import replace
@@ -31,8 +33,19 @@ LENGTHS = ("pusher_radius", "distance", "hitch_x", "hitch_y", "pin_friction_radi
 LEGS = ((0.05, 0.03), (-0.02, 0.06))
 
 
-def loop_of(shape, *shares, lean=0.0, rod=(0.00475, 0.15), push=None, reset=None, footprint=None, surface="plywood"):
-    """A loop of an object whose weight rests in parts, its centre off the centroid by a share of the extent."""
+def loop_of(
+    shape,
+    *shares,
+    lean=0.0,
+    rod=(0.00475, 0.15),
+    push=None,
+    reset=None,
+    footprint=None,
+    surface="plywood",
+):
+    """A loop of an object whose weight rests in parts, its centre off the centroid by a share of
+    the extent.
+    """
     slider = Slider.mit(shape) if isinstance(shape, str) else Slider(shape, hitch=(0.005, 0.008))
     outline = slider.outline
     x, y = np.array(outline.centroid) + lean * outline.extent * np.array((0.8, -0.6))
@@ -48,12 +61,18 @@ def loop_of(shape, *shares, lean=0.0, rod=(0.00475, 0.15), push=None, reset=None
 
 
 SQUARE, OVAL = Slider.mit("rect1").outline, Ellipse(0.05, 0.035)
-L_SHAPE = Polygon(((0.05, 0.05), (-0.05, 0.05), (-0.05, -0.05), (0.0, -0.05), (0.0, 0.0), (0.05, 0.0)))
+L_SHAPE = Polygon(
+    ((0.05, 0.05), (-0.05, 0.05), (-0.05, -0.05), (0.0, -0.05), (0.0, 0.0), (0.05, 0.0))
+)
 ROUND = SidePush(0, 0.2, 0.1, 0.06)
 STRONG = Material("strong", EllipseFriction(0.35, 0.2, 0.05, -0.03, 0.7))
 # name: loop, orientation, modes and kinds of contact that it goes through.
 LOOPS = {
-    "square": (loop_of(SQUARE, 0.2, 0.15, 0.1, reset=DragBack(((0.03, 0.05),), 0.001), push=SidePush()), 0.7, {}),
+    "square": (
+        loop_of(SQUARE, 0.2, 0.15, 0.1, reset=DragBack(((0.03, 0.05),), 0.001), push=SidePush()),
+        0.7,
+        {},
+    ),
     "leaning square": (loop_of(SQUARE, 0.2, 0.15, 0.1, lean=0.05), 0.7, {}),
     "triangle": (loop_of("tri1", 0.1, 0.2, 0.1, push=SidePush(1, 0.4, 0.2, 0.08)), 0.7, {}),
     "L shape": (loop_of(L_SHAPE, push=SidePush(0, 0.4, 0.1, 0.05)), 0.7, {}),
@@ -62,7 +81,11 @@ LOOPS = {
     "8 x 8 points": (loop_of("rect1", footprint=grid_footprint(SQUARE, 8)), 0.7, {}),
     "corners": (loop_of("rect1", footprint=corner_footprint(SQUARE)), 0.7, {}),
     "point rod": (loop_of("rect1", rod=(0.0, 0.15)), 0.7, {}),
-    "leaving": (loop_of("rect1", 0.1, 0.1, 0.1, push=SidePush(distance=0.2)), 0.4, {"left", "slide_right"}),
+    "leaving": (
+        loop_of("rect1", 0.1, 0.1, 0.1, push=SidePush(distance=0.2)),
+        0.4,
+        {"left", "slide_right"},
+    ),
     "around a corner": (
         loop_of("rect3", 0.1, 0.3, 0.1, rod=(0.03, 0.1), push=SidePush(1, 0.98, 0.9, 0.15)),
         2.0,
@@ -95,7 +118,15 @@ LOOPS = {
     ),
 }
 # What has all parameters.
-SOLID = ("square", "leaning square", "triangle", "L shape", "point rod", "leaving", "around a corner")
+SOLID = (
+    "square",
+    "leaning square",
+    "triangle",
+    "L shape",
+    "point rod",
+    "leaving",
+    "around a corner",
+)
 SOLID += ("a frictionless rod",)
 
 
@@ -103,9 +134,14 @@ def changed(loop, name, amount):
     """The loop with one parameter moved."""
     if name in LAW:
         law = loop.material.friction
-        return replace(loop, material=Material("moved", replace(law, **{name: getattr(law, name) + amount})))
+        return replace(
+            loop, material=Material("moved", replace(law, **{name: getattr(law, name) + amount}))
+        )
     if name in SHARES:
-        return replace(loop, footprint=replace(loop.footprint, **{name: getattr(loop.footprint, name) + amount}))
+        return replace(
+            loop,
+            footprint=replace(loop.footprint, **{name: getattr(loop.footprint, name) + amount}),
+        )
     if name in ("hitch_x", "hitch_y"):
         x, y = loop.slider.hitch
         ring = (x + amount, y) if name == "hitch_x" else (x, y + amount)
@@ -119,17 +155,34 @@ def changed(loop, name, amount):
 
 def outputs(loop, theta):
     cycle = loop.cycle(theta)
-    return np.array((cycle.push_turn, *cycle.push_displacement, cycle.drag_turn, cycle.drag_length, cycle.theta_next))
+    return np.array(
+        (
+            cycle.push_turn,
+            *cycle.push_displacement,
+            cycle.drag_turn,
+            cycle.drag_length,
+            cycle.theta_next,
+        )
+    )
 
 
 def differenced(loop, theta, name):
-    """Richardson's central difference of a cycle's outputs; one-sided where a value is zero, its least."""
+    """Richardson's central difference of a cycle's outputs; one-sided where a value is zero, its
+    least.
+    """
     step = 2e-6 if name in LENGTHS else 2e-5
     least = {name: getattr(loop.footprint, name, None) for name in SHARES}
-    least |= {"pin_friction_radius": loop.reset.pin_friction_radius, "pusher_radius": loop.pusher.radius}
+    least |= {
+        "pin_friction_radius": loop.reset.pin_friction_radius,
+        "pusher_radius": loop.pusher.radius,
+    }
 
     def at(amount):
-        return outputs(loop, theta + amount) if name == "theta" else outputs(changed(loop, name, amount), theta)
+        return (
+            outputs(loop, theta + amount)
+            if name == "theta"
+            else outputs(changed(loop, name, amount), theta)
+        )
 
     if least.get(name) == 0.0:
         return (4.0 * at(step) - 3.0 * at(0.0) - at(2.0 * step)) / (2.0 * step)
@@ -139,7 +192,9 @@ def differenced(loop, theta, name):
 def assert_differences(loop, theta):
     """Of all columns that are no nan; returns their names."""
     found, checked = loop.sensitivity(theta), []
-    assert found.parameters == PARAMETERS and found.outputs == CYCLE_OUTPUTS and len(PARAMETERS) == 23
+    assert (
+        found.parameters == PARAMETERS and found.outputs == CYCLE_OUTPUTS and len(PARAMETERS) == 23
+    )
     for name, column in zip(PARAMETERS, found.jacobian.T, strict=True):
         # Stick and slip part at zero friction: there is no derivative.
         if np.isnan(column).all() or (name == "pusher_friction" and loop.pusher.friction == 0.0):
@@ -161,7 +216,9 @@ def test_a_cycles_derivatives_by_all_parameters_are_its_differences(name):
     given = ~np.isnan(loop.sensitivity(theta).jacobian).all(axis=0)
     lacking = {name for name, has in zip(PARAMETERS, given.tolist(), strict=True) if not has}
     of_corner = {"pusher_radius", "fraction"} if "rests" in name else set()
-    assert lacking <= {*SHARES, *SHAPES, *of_corner} and (name in SOLID) <= (not lacking - {*SHAPES})
+    assert lacking <= {*SHARES, *SHAPES, *of_corner} and (name in SOLID) <= (
+        not lacking - {*SHAPES}
+    )
 
 
 NOTCH = Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03)))
@@ -189,8 +246,13 @@ def test_the_derivative_by_the_rods_radius_goes_on_through_a_concave_corner(case
     assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
 
 
-DOZEN = Polygon(tuple((0.05 * math.cos(k * math.pi / 6.0), 0.04 * math.sin(k * math.pi / 6.0)) for k in range(12)))
-# A point around and into corners: outline, rod's friction, push, orientation, last mode, whether it leaves.
+DOZEN = Polygon(
+    tuple(
+        (0.05 * math.cos(k * math.pi / 6.0), 0.04 * math.sin(k * math.pi / 6.0)) for k in range(12)
+    )
+)
+# A point around and into corners: outline, rod's friction, push, orientation, last mode, whether it
+# leaves.
 POINTS = (
     (SQUARE, 0.15, SidePush(0, 0.915, -0.563, 0.0477), 2.133, "slide_left", True),
     (SLOT, 0.15, SidePush(5, 0.817, 0.347, 0.112), 5.15, "slide_left", True),
@@ -203,7 +265,8 @@ POINTS = (
 
 @pytest.mark.parametrize("case", POINTS)
 def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_corners(case):
-    """By one-sided differences of whole cycles, at any accuracy of the one that is differentiated."""
+    """By one-sided differences of whole cycles,
+    at any accuracy of the one that is differentiated."""
     outline, friction, push, theta, last, leaves = case
     loop = loop_of(SQUARE, rod=(0.0, friction), push=push)
     loop = replace(loop, slider=Slider(outline, hitch=(-0.02, -0.02)), footprint=None)
@@ -211,7 +274,9 @@ def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_
     assert story(pushed)[-1][0] == last and (pushed.ended == "left") == leaves
     wanted = differenced(loop, theta, "pusher_radius")
     for accuracy in (1e-10, 1e-6):
-        found = replace(loop, accuracy=accuracy).sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
+        found = (
+            replace(loop, accuracy=accuracy).sensitivity(theta, ("pusher_radius",)).jacobian[:, 0]
+        )
         assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
 
 
@@ -219,7 +284,9 @@ def test_a_point_that_rests_at_a_corner_has_no_derivative_by_its_radius_since_th
     loop, theta, _ = LOOPS["a point that rests at a corner"]
     assert np.isnan(loop.sensitivity(theta, ("pusher_radius",)).jacobian).all()
     still = outputs(loop, theta)
-    one, four = (outputs(replace(loop, pusher=Pusher(radius, 1.0)), theta) - still for radius in (1e-7, 4e-7))
+    one, four = (
+        outputs(replace(loop, pusher=Pusher(radius, 1.0)), theta) - still for radius in (1e-7, 4e-7)
+    )
     assert np.abs(four / one - 2.0).max() < 0.25
 
 
@@ -228,13 +295,21 @@ def test_random_cycles_have_the_derivatives_of_their_differences():
     for seed in (1, 4, 12, 16):
         case = random_case(seed)
         outline, model = case.model.slider.outline, case.model
-        loop = loop_of(outline, 0.1, 0.1, 0.0 if isinstance(outline, Ellipse) else 0.1, push=case.push)
+        loop = loop_of(
+            outline, 0.1, 0.1, 0.0 if isinstance(outline, Ellipse) else 0.1, push=case.push
+        )
         loop = replace(loop, material=Material("drawn", model.friction), pusher=model.pusher)
         assert len(assert_differences(loop, case.pose.theta)) >= 14
 
 
 def by_name(loop, theta, row="theta_next"):
-    return dict(zip(PARAMETERS, loop.sensitivity(theta).jacobian[CYCLE_OUTPUTS.index(row)].tolist(), strict=True))
+    return dict(
+        zip(
+            PARAMETERS,
+            loop.sensitivity(theta).jacobian[CYCLE_OUTPUTS.index(row)].tolist(),
+            strict=True,
+        )
+    )
 
 
 def test_an_object_that_its_ring_holds_turns_by_nothing_whatever_changes():
@@ -246,7 +321,9 @@ def test_an_object_that_its_ring_holds_turns_by_nothing_whatever_changes():
 
 def test_what_a_push_does_not_depend_on_is_zero_and_shares_that_cannot_be_are_nan():
     of_push = {*PARAMETERS[:11], *SHARES}
-    for name, value in by_name(loop_of("rect1", footprint=grid_footprint(SQUARE, 4)), 0.0, "push_turn").items():
+    for name, value in by_name(
+        loop_of("rect1", footprint=grid_footprint(SQUARE, 4)), 0.0, "push_turn"
+    ).items():
         lacks = name in SHARES or name in SHAPES
         assert math.isnan(value) if lacks else (value != 0.0) == (name in of_push), name
     assert math.isnan(by_name(loop_of("ellip2"), 0.0)["corner_share"])
@@ -257,15 +334,20 @@ def test_derivatives_in_a_batch_are_those_of_single_cycles_whatever_their_number
     every = run_batch(loops, theta, len(PARAMETERS))
     slopes, plain = run_batch(loops, theta, 1), run_batch(loops, theta)
     # By theta alone the engine runs shorter equations, whose rounding is their own.
-    np.testing.assert_allclose(slopes.jacobian[..., 0], every.jacobian[..., 0], rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(
+        slopes.jacobian[..., 0], every.jacobian[..., 0], rtol=1e-12, atol=1e-13
+    )
     assert plain.jacobian.shape == (len(loops), 2, 6, 0)
     for number, loop in enumerate(loops):
         np.testing.assert_array_equal(every.jacobian[number, 0], loop.sensitivity(0.7).jacobian)
-        assert every.theta_next[number, 0] == plain.theta_next[number, 0] == loop.cycle(0.7).theta_next
+        assert (
+            every.theta_next[number, 0] == plain.theta_next[number, 0] == loop.cycle(0.7).theta_next
+        )
 
 
 def test_pushes_kept_for_another_ring_leave_the_same_bits():
-    """The ring has no part in a push: drags from kept ends are those of whole cycles, slopes too."""
+    """The ring has no part in a push: drags from kept ends are those of whole cycles,
+    slopes too."""
     plain, theta = cm.CollectionLoop.mit("plywood"), np.linspace(-3.0, 9.0, 25)
     for hitch in ((-0.0106, 0.0106), (0.03, -0.02), (0.0, 0.0)):
         for reset in (DragBack(), DragBack(way_points=((0.05, 0.02),), pin_friction_radius=0.001)):

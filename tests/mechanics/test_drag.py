@@ -1,4 +1,6 @@
-"""Dragging in the ring: least dissipation, way-points, friction of the rod in the ring and where it stops a turn."""
+"""Dragging in the ring: least dissipation, way-points, friction of the rod in the ring and where it
+stops a turn.
+"""
 
 import math
 from dataclasses import replace
@@ -44,7 +46,9 @@ def test_the_ring_goes_where_it_is_told_and_the_forces_balance():
     drag = MODEL.drag(start, ((0.1, 0.0), (0.1, 0.1), (0.0, 0.0)))
     assert np.allclose(drag.end.to_world(*MODEL.slider.hitch), (0.0, 0.0), atol=1e-16)
     ring = start.to_world(*MODEL.slider.hitch)
-    assert abs(drag.length - math.hypot(0.1 - ring[0], ring[1]) - 0.1 - math.hypot(0.1, 0.1)) < 1e-15
+    assert (
+        abs(drag.length - math.hypot(0.1 - ring[0], ring[1]) - 0.1 - math.hypot(0.1, 0.1)) < 1e-15
+    )
     course = drag.trajectory
     assert abs(course.path[-1] - drag.length) < 1e-15
     assert set(course.mode) == {"ring"} and len(np.unique(course.phase)) == 3
@@ -82,7 +86,9 @@ def test_way_points_and_radii_that_are_no_numbers_are_refused():
 
 
 def brute_force_spin(law, points, hitch, direction, theta, radius):
-    """The spin at which the torque about the ring is radius |F| against it, zero if less than that would hold it."""
+    """The spin at which the torque about the ring is radius |F| against it, zero if less than that
+    would hold it.
+    """
     u = np.array((math.cos(direction - theta), math.sin(direction - theta)))
     x, y = hitch
 
@@ -117,9 +123,11 @@ def test_a_brute_force_solver_turns_the_object_to_the_same_angle(radius):
 
 
 def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever():
-    """The radius that a spin balances, -torque/|F|, must fall as the spin grows: then every radius has one spin.
+    """The radius that a spin balances, -torque/|F|, must fall as the spin grows: then every radius
+    has one spin.
 
-    Among 3000 random motions it rose in 12, all at radii above 0.7 of the ring's lever from the centre of pressure.
+    Among 3000 random motions it rose in 12, all at radii above 0.7 of the ring's lever from the
+    centre of pressure.
     """
     rng, spins, checked = np.random.default_rng(1), np.geomspace(1e-3, 1e2, 200), 0
     for index in range(40):
@@ -131,7 +139,9 @@ def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever(
             omega = sign * spins / outline.extent
             velocity = (math.cos(direction) + omega * y, math.sin(direction) - omega * x)
             wrench = surface.wrench(np.stack([*velocity, omega], axis=-1))
-            radius = -sign * (wrench @ np.array((y, -x, 1.0))) / np.hypot(wrench[:, 0], wrench[:, 1])
+            radius = (
+                -sign * (wrench @ np.array((y, -x, 1.0))) / np.hypot(wrench[:, 0], wrench[:, 1])
+            )
             counts = (radius[:-1] > 0.0) & (radius[:-1] < 0.5 * lever)
             assert (np.diff(radius)[counts] < 1e-12).all()
             checked += counts.any()
@@ -139,14 +149,20 @@ def test_there_is_one_spin_as_long_as_the_circle_is_smaller_than_half_the_lever(
 
 
 def random_leg(seed):
-    """A random object in a random ring, its friction circle up to its lever; even pressure, in parts and on points."""
+    """A random object in a random ring, its friction circle up to its lever; even pressure, in
+    parts and on points.
+    """
     rng = np.random.default_rng(seed)
     slider, angle = Slider.mit(MIT_SHAPE_NAMES[seed % 7]), rng.uniform(0.0, 2.0 * math.pi)
     lever = rng.uniform(0.2, 1.5) * slider.outline.extent
     hitch = np.array(slider.outline.centroid) + lever * np.array((math.cos(angle), math.sin(angle)))
-    parts = PatchFootprint(slider.outline, 0.1, 0.2, 0.0, tuple(np.add(slider.outline.centroid, 0.002)))
+    parts = PatchFootprint(
+        slider.outline, 0.1, 0.2, 0.0, tuple(np.add(slider.outline.centroid, 0.002))
+    )
     footprint = (None, parts, grid_footprint(slider.outline, 8))[seed % 3]
-    model = QuasiStaticModel(replace(slider, hitch=tuple(hitch)), random_friction(rng), footprint=footprint)
+    model = QuasiStaticModel(
+        replace(slider, hitch=tuple(hitch)), random_friction(rng), footprint=footprint
+    )
     radius = ring_lever(model) * rng.uniform(0.0, 1.0)
     return model, Pose(*rng.uniform(-0.2, 0.2, 2), rng.uniform(-3.0, 3.0)), radius
 
@@ -168,18 +184,24 @@ def test_a_turning_object_turns_as_the_rings_friction_does_and_its_forces_balanc
 
 
 def test_from_the_whole_lever_on_the_ring_always_holds_the_object():
-    """Friction in translation acts at the centre of pressure, so that its torque about the ring is its lever's."""
+    """Friction in translation acts at the centre of pressure, so that its torque about the ring is
+    its lever's.
+    """
     for seed in range(20):
         model, pose, _ = random_leg(seed)
         for share in (1.0 + 1e-8, 3.0):
             stuck = model.drag(pose, HOME, pin_friction_radius=share * ring_lever(model))
             assert set(stuck.trajectory.mode) == {"ring_stuck"} and stuck.turn == 0.0
             assert np.allclose(stuck.end.to_world(*model.slider.hitch), 0.0, atol=1e-15)
-            assert stuck.length == pytest.approx(math.hypot(*pose.to_world(*model.slider.hitch)), rel=1e-14)
+            assert stuck.length == pytest.approx(
+                math.hypot(*pose.to_world(*model.slider.hitch)), rel=1e-14
+            )
 
 
 def has_spin(model, theta, direction, radius, sense):
-    """Whether the ring's friction balances any spin of a sense, from 1e-4 to 100 rad per extent of travel."""
+    """Whether the ring's friction balances any spin of a sense, from 1e-4 to 100 rad per extent of
+    travel.
+    """
     (x, y), along = model.slider.hitch, direction - theta
     spins = sense * np.geomspace(1e-4, 1e2, 120) / model.unit
     twists = np.stack([math.cos(along) + spins * y, math.sin(along) - spins * x, spins], axis=-1)
@@ -189,7 +211,9 @@ def has_spin(model, theta, direction, radius, sense):
 
 
 def test_a_turn_that_the_ring_ends_on_the_way_is_refused_by_name_and_told_where_it_cannot_be():
-    """By brute force its spin ends where it gets to; below half the lever it never ends, and the drag is done."""
+    """By brute force its spin ends where it gets to; below half the lever it never ends, and the
+    drag is done.
+    """
     law, goal, stopped, done = EllipseFriction(0.065, 0.27, -0.007, -0.119, 2.667), (3.0, 0.0), 0, 0
     model = QuasiStaticModel(replace(RECT, hitch=(0.056, 0.056)), law, accuracy=1e-6)
     radius = 0.911 * ring_lever(model)
@@ -201,20 +225,32 @@ def test_a_turn_that_the_ring_ends_on_the_way_is_refused_by_name_and_told_where_
             assert "radius is 0.911 times the ring's distance" in str(told)
             x, y = pose.to_world(*model.slider.hitch)
             direction, ways = math.atan2(goal[1] - y, goal[0] - x), np.linspace(0.0, 1.0, 25)
-            senses = [[has_spin(model, theta + s * way, direction, radius, s) for way in ways] for s in (1, -1)]
+            senses = [
+                [has_spin(model, theta + s * way, direction, radius, s) for way in ways]
+                for s in (1, -1)
+            ]
             assert any(one[0] and not all(one) for one in senses)
-            assert model.drag(pose, (goal,), pin_friction_radius=0.499 * ring_lever(model)).turn != 0.0
+            assert (
+                model.drag(pose, (goal,), pin_friction_radius=0.499 * ring_lever(model)).turn != 0.0
+            )
             stopped += 1
     assert stopped == 3 and done >= 3
 
 
-# Where the object comes to rest in the ring: accuracy, radius over the ring's lever, orientation, way (m).
-RESTING = ((2.5e-3, 0.5321, 1.0751, 2.617), (6.3e-3, 0.5695, 1.699, 1.445), (3.9e-3, 0.8166, -1.8396, 1.339))
+# Where the object comes to rest in the ring: accuracy, radius over the ring's lever, orientation,
+# way (m).
+RESTING = (
+    (2.5e-3, 0.5321, 1.0751, 2.617),
+    (6.3e-3, 0.5695, 1.699, 1.445),
+    (3.9e-3, 0.8166, -1.8396, 1.339),
+)
 
 
 @pytest.mark.parametrize("case", RESTING)
 def test_a_coarse_drag_that_comes_to_rest_in_the_ring_ends_where_a_fine_one_does(case):
-    """A spin that dies away may come out a little on the other side of zero: that is no turn that the ring ends."""
+    """A spin that dies away may come out a little on the other side of zero: that is no turn that
+    the ring ends.
+    """
     accuracy, share, theta, way = case
     law = EllipseFriction(0.065, 0.27, -0.007, -0.119, 2.667)
     fine = QuasiStaticModel(replace(RECT, hitch=(0.056, 0.056)), law, accuracy=1e-9)

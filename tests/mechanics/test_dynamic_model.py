@@ -1,4 +1,6 @@
-"""The dynamic simulation keeps the laws of mechanics, and converges at the orders that its docstrings state."""
+"""The dynamic simulation keeps the laws of mechanics, and converges at the orders that its
+docstrings state.
+"""
 
 import math
 from dataclasses import replace
@@ -64,7 +66,9 @@ def test_the_inertia_of_a_square_plate_is_a_sixth_of_m_l_squared():
 
 @pytest.mark.parametrize("stroke", [fine_push, fine_drag])
 def test_forces_change_the_momentum_as_newton_and_euler_say(stroke):
-    """M V' = contact wrench - N grad D(V), with grad D from the limit surface and V' from sampled velocities."""
+    """M V' = contact wrench - N grad D(V), with grad D from the limit surface and V' from sampled
+    velocities.
+    """
     course, surface = stroke().trajectory, LimitSurface(model().points, STRONG)
     mass_matrix = np.diag([SQUARE.mass, SQUARE.mass, SQUARE.inertia])
     spacing = course.time[1] - course.time[0]
@@ -81,7 +85,8 @@ def test_forces_change_the_momentum_as_newton_and_euler_say(stroke):
         errors.append(contact + floor - mass_matrix @ acceleration)
     assert len(errors) > 150
     wrench_error = np.abs(np.array(errors)) / SQUARE.weight / np.array([1.0, 1.0, 0.06])
-    # Forces are 0.2 weights; kinks of the friction and its regularisation leave more here and there.
+    # Forces are 0.2 weights; kinks of the friction and its regularisation leave more here and
+    # there.
     assert np.median(wrench_error) < 2e-5
     assert wrench_error.max() < 5e-3
 
@@ -92,7 +97,9 @@ def test_the_contact_never_pulls_and_keeps_within_the_cone():
     outward = course.pusher - course.contact_point
     outward /= np.hypot(*outward.T)[:, None]
     normal = -(course.contact_force * outward).sum(axis=1)
-    sideways = outward[:, 0] * course.contact_force[:, 1] - outward[:, 1] * course.contact_force[:, 0]
+    sideways = (
+        outward[:, 0] * course.contact_force[:, 1] - outward[:, 1] * course.contact_force[:, 0]
+    )
     assert normal.min() >= 0.0
     assert np.all(np.abs(sideways) <= 0.15 * normal * (1.0 + 1e-12))
     touching = normal > 0.0
@@ -108,27 +115,34 @@ def test_a_rod_that_slides_off_the_corner_leaves_and_the_object_stays():
     gone = np.flatnonzero(force == 0.0)[1:]
     assert len(gone) > 5 and np.all(np.diff(gone) == 1), "once gone it never touches again"
     drift = np.abs(push.trajectory.pose[gone[2]] - push.trajectory.pose[-1])
-    # Below the creep speed (2e-6 m/s) nothing moves: friction's offset carries it a tenth of a creep speed.
+    # Below the creep speed (2e-6 m/s) nothing moves: friction's offset carries it a tenth of a
+    # creep speed.
     assert drift.max() < 2e-5
 
 
 def test_only_the_froude_number_and_the_softness_in_weights_matter():
-    """Twice the size at sqrt(2) of the speed, or three times the mass on three times the stiffness: the same turn."""
+    """Twice the size at sqrt(2) of the speed, or three times the mass on three times the stiffness:
+    the same turn.
+    """
     base = model(STRONG, **FINE).push(Pose(theta=0.5), SHORT)
     corners = tuple((2 * x, 2 * y) for x, y in SQUARE.outline.vertices)
     wide = Slider(Polygon(corners), SQUARE.mass, inertia=4 * SQUARE.inertia)
-    large = DynamicModel(wide, STRONG, Pusher(0.0095), speed=0.02 * math.sqrt(2.0), stiffness=0.5e6, **FINE).push(
-        Pose(theta=0.5), SidePush(distance=0.08)
-    )
+    large = DynamicModel(
+        wide, STRONG, Pusher(0.0095), speed=0.02 * math.sqrt(2.0), stiffness=0.5e6, **FINE
+    ).push(Pose(theta=0.5), SidePush(distance=0.08))
     heavy_slider = replace(SQUARE, mass=3 * SQUARE.mass, inertia=3 * SQUARE.inertia)
     heavy = model(STRONG, heavy_slider, stiffness=3e6, **FINE).push(Pose(theta=0.5), SHORT)
     assert large.turn == pytest.approx(base.turn, abs=1e-7)
     assert heavy.turn == pytest.approx(base.turn, abs=1e-7)
-    np.testing.assert_allclose(heavy.trajectory.contact_force, 3.0 * base.trajectory.contact_force, atol=1e-5)
+    np.testing.assert_allclose(
+        heavy.trajectory.contact_force, 3.0 * base.trajectory.contact_force, atol=1e-5
+    )
 
 
 def test_the_contact_begins_with_the_dampers_blow_and_ends_at_rest():
-    """At first touch the force is c v, c = 2 zeta sqrt(k m); at the end no speed is above a hundredth of the rod's."""
+    """At first touch the force is c v, c = 2 zeta sqrt(k m); at the end no speed is above a
+    hundredth of the rod's.
+    """
     course = fine_push().trajectory
     blow = 2.0 * math.sqrt(1e6 * SQUARE.mass) * 0.02
     first = model(STRONG, **FINE)
@@ -142,7 +156,9 @@ def test_the_contact_begins_with_the_dampers_blow_and_ends_at_rest():
 
 def test_a_drag_through_way_points_ends_with_the_ring_at_the_last():
     drag = model().drag(Pose(0.02, 0.05, 0.4), ((0.0, 0.03), (0.0, 0.0)))
-    assert drag.length == pytest.approx(0.03 + math.dist(Pose(0.02, 0.05, 0.4).to_world(*SQUARE.hitch), (0.0, 0.03)))
+    assert drag.length == pytest.approx(
+        0.03 + math.dist(Pose(0.02, 0.05, 0.4).to_world(*SQUARE.hitch), (0.0, 0.03))
+    )
     assert math.hypot(*drag.end.to_world(*SQUARE.hitch)) < 5e-6
     assert len(drag.trajectory.time) == 62 and np.all(np.diff(drag.trajectory.time) > 0.0)
 
@@ -160,14 +176,22 @@ def test_numbers_and_strokes_that_make_no_sense_are_refused_by_name():
     ):
         refused(replace, model(), told=told, **changes)
     notched = Polygon(((0.05, 0.05), (0.0, 0.0), (-0.05, 0.05), (-0.05, -0.05), (0.05, -0.05)))
-    refused(model(slider=Slider(notched, hitch=(0.0, -0.02))).push, Pose(), SidePush(side=3), told="convex")
+    refused(
+        model(slider=Slider(notched, hitch=(0.0, -0.02))).push,
+        Pose(),
+        SidePush(side=3),
+        told="convex",
+    )
     refused(model().push, Pose(), SidePush(side=7), told="side 7")
     refused(model().push, Pose(), SHORT, samples=0, told="samples")
     for way_points, told in (
         ((SQUARE.hitch,), "nothing to drag"),
         (((math.nan, 0.0),), "way-point"),
         *((bad, "way-points must be one place") for bad in ((), 3.0, None, np.empty((0, 2)))),
-        *(((place,), "way-point must be two finite numbers, not") for place in ((1, 2, 3), (1.0,), 1.0, "ab")),
+        *(
+            ((place,), "way-point must be two finite numbers, not")
+            for place in ((1, 2, 3), (1.0,), 1.0, "ab")
+        ),
     ):
         refused(model().drag, Pose(), way_points, told=told)
 
@@ -180,7 +204,9 @@ def test_a_slider_that_never_rests_and_an_integrator_that_gives_up_are_told(monk
     refused(model(tolerance=1.234e-6).push, Pose(), SHORT, told="looser", kind=ConvergenceError)
 
 
-OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {"slim": Ellipse(0.08, 0.02)}
+OUTLINES = {name: Slider.mit(name).outline for name in MIT_SHAPE_NAMES} | {
+    "slim": Ellipse(0.08, 0.02)
+}
 
 
 @pytest.mark.parametrize("name", OUTLINES)
@@ -208,10 +234,14 @@ def dynamic(friction=STRONG, theta=0.3, **numbers) -> np.ndarray:
     return strokes(DynamicModel(SQUARE, friction, Pusher(), **numbers), theta, samples=1)
 
 
-def halvings(name: str, first: float, factor: float, count: int, friction: EllipseFriction) -> np.ndarray:
+def halvings(
+    name: str, first: float, factor: float, count: int, friction: EllipseFriction
+) -> np.ndarray:
     """Changes (count - 1, 4) from one value of a number to the next."""
     values = (first * factor**k for k in range(count))
-    return np.diff([dynamic(friction, **{"tolerance": 1e-8, name: value}) for value in values], axis=0)
+    return np.diff(
+        [dynamic(friction, **{"tolerance": 1e-8, name: value}) for value in values], axis=0
+    )
 
 
 @pytest.mark.slow
@@ -220,7 +250,9 @@ def halvings(name: str, first: float, factor: float, count: int, friction: Ellip
     ("name", "first", "factor", "order"),
     [("stiffness", 1e5, 2.0, 1.0), ("regularisation", 1.6e-3, 0.5, 1.0), ("speed", 0.04, 0.5, 2.0)],
 )
-def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(name, first, factor, order, friction):
+def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(
+    name, first, factor, order, friction
+):
     size = np.abs(halvings(name, first, factor, 4, friction)).max(axis=1)
     assert size.shape == (3,) and np.all(size > 1e-6)
     orders = np.log2(size[:-1] / size[1:])
@@ -234,15 +266,20 @@ def test_errors_fall_with_softness_and_regularisation_and_with_speed_squared(nam
 def test_the_error_stays_within_fifty_times_the_tolerance(friction):
     exact = dynamic(friction, tolerance=1e-10)
     errors = {
-        tolerance: np.abs(dynamic(friction, tolerance=tolerance) - exact).max() for tolerance in (1e-5, 1e-6, 1e-8)
+        tolerance: np.abs(dynamic(friction, tolerance=tolerance) - exact).max()
+        for tolerance in (1e-5, 1e-6, 1e-8)
     }
     assert all(error < 50.0 * tolerance for tolerance, error in errors.items()), errors
     assert errors[1e-8] < 0.05 * errors[1e-5]
 
 
-@pytest.mark.parametrize(("friction", "theta"), [(PLYWOOD, 0.3), (PLYWOOD, 2.6), (STRONG, 0.3), (STRONG, 4.0)])
+@pytest.mark.parametrize(
+    ("friction", "theta"), [(PLYWOOD, 0.3), (PLYWOOD, 2.6), (STRONG, 0.3), (STRONG, 4.0)]
+)
 def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
-    """Two speeds, their v^2 taken out: turns agree to 2e-5 rad (0.001 degrees), displacements to 2 micrometres."""
+    """Two speeds, their v^2 taken out: turns agree to 2e-5 rad (0.001 degrees), displacements to 2
+    micrometres.
+    """
     sharp = {"tolerance": 1e-8, "stiffness": 1e7, "regularisation": 2e-5}
     slow, slower = (dynamic(friction, theta, speed=speed, **sharp) for speed in (0.02, 0.01))
     footprint = grid_footprint(SQUARE.outline, 8)
@@ -256,19 +293,35 @@ def test_extrapolated_to_no_speed_it_is_the_quasi_static_model(friction, theta):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MIT_SHAPE_NAMES)
 def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static_model(name):
-    """Axis ratio, offset and push drawn: at 20 mm/s a push differs by less than 0.3 degrees, its drag by 1."""
+    """Axis ratio, offset and push drawn: at 20 mm/s a push differs by less than 0.3 degrees, its
+    drag by 1.
+    """
     random = np.random.default_rng(MIT_SHAPE_NAMES.index(name))
     slider, ratio = Slider.mit(name), math.exp(random.uniform(-1.0, 1.0))
-    law = EllipseFriction(0.25, 0.25 * ratio, 0.08, -0.05 * min(ratio, 1.0), random.uniform(0.0, math.pi))
+    law = EllipseFriction(
+        0.25, 0.25 * ratio, 0.08, -0.05 * min(ratio, 1.0), random.uniform(0.0, math.pi)
+    )
     side = int(random.integers(slider.outline.sides))
-    push = SidePush(side, random.uniform(0.05, 0.95), random.uniform(-0.6, 0.6), random.uniform(0.02, 0.1))
-    parts = slider, law, Pusher(friction=random.uniform(0.0, 0.6)), grid_footprint(slider.outline, 8)
+    push = SidePush(
+        side, random.uniform(0.05, 0.95), random.uniform(-0.6, 0.6), random.uniform(0.02, 0.1)
+    )
+    parts = (
+        slider,
+        law,
+        Pusher(friction=random.uniform(0.0, 0.6)),
+        grid_footprint(slider.outline, 8),
+    )
     start = Pose(0.01, 0.03, random.uniform(-3.0, 3.0))
-    found, still = DynamicModel(*parts).push(start, push), QuasiStaticModel(*parts).push(start, push)
+    found, still = (
+        DynamicModel(*parts).push(start, push),
+        QuasiStaticModel(*parts).push(start, push),
+    )
     assert found.ended == still.ended
     assert found.turn == pytest.approx(still.turn, abs=math.radians(0.3))
     np.testing.assert_allclose(found.displacement, still.displacement, atol=5e-4)
-    drag, slow_drag = (model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel))
+    drag, slow_drag = (
+        model(*parts).drag(found.end, ((0.0, 0.0),)) for model in (DynamicModel, QuasiStaticModel)
+    )
     assert drag.turn == pytest.approx(slow_drag.turn, abs=math.radians(1.0))
     assert drag.length == pytest.approx(slow_drag.length, rel=1e-12)
 
@@ -277,7 +330,10 @@ def test_every_shape_on_strong_friction_comes_within_inertia_of_the_quasi_static
 @pytest.mark.parametrize("theta", [0.0, 2.3])
 def test_where_neither_plate_nor_floor_is_flat_both_models_agree(theta):
     plate, trough = SurfaceShape(0.0, 1.1, 0.23), SurfaceShape(10.0, 10.0, math.pi / 2)
-    footprint, isotropic = PressedFootprint(SQUARE.outline, plate, trough), EllipseFriction(0.25, 0.25)
+    footprint, isotropic = (
+        PressedFootprint(SQUARE.outline, plate, trough),
+        EllipseFriction(0.25, 0.25),
+    )
     strokes = []
     for each in (DynamicModel, QuasiStaticModel):
         moved = each(SQUARE, isotropic, Pusher(), footprint=footprint)

@@ -1,4 +1,6 @@
-"""The engine's build: what it makes, that it is made anew when it must, and what is said where it cannot be."""
+"""The engine's build: what it makes, that it is made anew when it must, and what is said where it
+cannot be.
+"""
 
 import ctypes
 import gzip
@@ -35,10 +37,14 @@ __attribute__((visibility("default"))) const char *cm_version(void) { return ENG
 __attribute__((visibility("default"))) double cm_double(double x) { return driver(x); }
 """
 # A compiler that fails with colours, a window title, a bell and bytes that are no text.
-BROKEN = "#!/bin/sh\nprintf '\\033[1;31mno licence\\033[0m \\377\\033]0;title\\007\\007\\n' >&2\nexit 7\n"
+BROKEN = (
+    "#!/bin/sh\nprintf '\\033[1;31mno licence\\033[0m \\377\\033]0;title\\007\\007\\n' "
+    ">&2\nexit 7\n"
+)
 
 needs_compiler = pytest.mark.skipif(
-    not any(map(shutil.which, ("cc", "gcc", "clang"))) and importlib.util.find_spec("ziglang") is None,
+    not any(map(shutil.which, ("cc", "gcc", "clang")))
+    and importlib.util.find_spec("ziglang") is None,
     reason="building is not tested: there is no C compiler",
 )
 needs_shell = pytest.mark.skipif(os.name == "nt", reason="the broken compiler is a shell script")
@@ -54,7 +60,9 @@ def checkout(tmp_path) -> Path:
         shutil.copy(ROOT / name, root)
     (root / "figures").mkdir()
     (root / "figures" / "__init__.py").touch()
-    shutil.copytree(ROOT / "building", root / "building", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        ROOT / "building", root / "building", ignore=shutil.ignore_patterns("__pycache__")
+    )
     shutil.copy(ROOT / ENGINE / "library.py", engine)
     for folder in (engine, *engine.parents[:2]):
         (folder / "__init__.py").touch()
@@ -67,7 +75,9 @@ def checkout(tmp_path) -> Path:
 
 
 def called(checkout: Path, code: str, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Run Python beside the modules that build, without the compiler that a package may have brought."""
+    """Run Python beside the modules that build, without the compiler that a package may have
+    brought.
+    """
     hidden = "import sys; sys.modules['ziglang'] = None; " if environment else ""
     return subprocess.run(
         [sys.executable, "-B", "-c", hidden + code],
@@ -88,8 +98,12 @@ def files_of(checkout: Path) -> set[Path]:
 
 
 @needs_compiler
-def test_library_runs_tells_its_sources_is_all_that_is_left_and_is_taken_as_it_is_without_sources(checkout) -> None:
-    """The version is the digest of the sources; without the C files, as in an installed package, there is none."""
+def test_library_runs_tells_its_sources_is_all_that_is_left_and_is_taken_as_it_is_without_sources(
+    checkout,
+) -> None:
+    """The version is the digest of the sources; without the C files, as in an installed package,
+    there is none.
+    """
     before, engine = files_of(checkout), checkout / ENGINE
     assert built(checkout).returncode == 0
     loaded = library.open_engine(engine)
@@ -104,14 +118,21 @@ def test_library_runs_tells_its_sources_is_all_that_is_left_and_is_taken_as_it_i
     damaged = engine.rename(checkout / "damaged")
     library_path(damaged).unlink()
     library_path(damaged).write_bytes(b"no library")
-    refused(library.open_engine, damaged, told=r"cannot be loaded \(.*\): in a checkout, ", kind=EngineNotBuilt)
+    refused(
+        library.open_engine,
+        damaged,
+        told=r"cannot be loaded \(.*\): in a checkout, ",
+        kind=EngineNotBuilt,
+    )
 
 
 @pytest.mark.slow
 @needs_compiler
 @pytest.mark.parametrize("name", ["driver.c", "generate.py"])
 def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
-    """A library of other sources than those beside it is never used in silence, and one build mends that."""
+    """A library of other sources than those beside it is never used in silence, and one build mends
+    that.
+    """
     engine = checkout / ENGINE
     told = r"missing: in a checkout, `python3 run\.py doctor` or `pip"
     refused(library.open_engine, engine, told=told, kind=EngineNotBuilt)
@@ -121,19 +142,24 @@ def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
     with (engine / name).open("a") as file:
         file.write("\n\n")
     assert not is_built(engine)
-    refused(library.open_engine, engine, told="not made from the sources beside it", kind=EngineNotBuilt)
+    refused(
+        library.open_engine, engine, told="not made from the sources beside it", kind=EngineNotBuilt
+    )
     built(checkout)
     assert library.open_engine(engine).cm_version().decode() == digest_of(engine)
 
 
 def test_engine_for_browsers_is_made_from_the_sources() -> None:
-    """Its version is their digest: after a change, `python3 run.py wheels browser` makes it anew."""
+    """Its version is their digest: after a change,
+    `python3 run.py wheels browser` makes it anew."""
     kept = gzip.decompress((ROOT / ENGINE / "engine.wasm.gz").read_bytes())
     assert kept.startswith(b"\0asm")
     assert digest_of(ROOT / ENGINE).encode() in kept, "run `python3 run.py wheels browser`"
 
 
-def test_a_library_of_another_system_or_without_a_symbol_goes_into_no_wheel(tmp_path, monkeypatch) -> None:
+def test_a_library_of_another_system_or_without_a_symbol_goes_into_no_wheel(
+    tmp_path, monkeypatch
+) -> None:
     monkeypatch.syspath_prepend(ROOT / "building")
     building = runpy.run_path(str(ROOT / "building" / "other_systems.py"))
     whole = b"".join(name.encode() for name in building["EXPORTS"])
@@ -152,9 +178,13 @@ def test_a_library_of_another_system_or_without_a_symbol_goes_into_no_wheel(tmp_
         building["check"]("linux-x86_64", building["SYSTEMS"]["linux-x86_64"], library)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system looks by itself whether a library is whole")
+@pytest.mark.skipif(
+    sys.platform != "linux",
+    reason="elsewhere the system looks by itself whether a library is whole",
+)
 def test_library_cut_short_is_refused_wherever_it_ends(tmp_path) -> None:
-    """Its digest may still be in it: without a look at its end, the first call would kill Python."""
+    """Its digest may still be in it: without a look at its end,
+    the first call would kill Python."""
     whole = library_path(ROOT / ENGINE).read_bytes()
     sources = digest_of(ROOT / ENGINE)
     assert sources is not None
@@ -163,7 +193,12 @@ def test_library_cut_short_is_refused_wherever_it_ends(tmp_path) -> None:
     for length in (len(whole) - 1, (len(whole) + holds_digest) // 2, holds_digest, 64, 40, 8):
         cut.write_bytes(whole[:length])
         assert not is_built(tmp_path)
-        refused(library.open_engine, tmp_path, told=r"is cut short: in a checkout, ", kind=EngineNotBuilt)
+        refused(
+            library.open_engine,
+            tmp_path,
+            told=r"is cut short: in a checkout, ",
+            kind=EngineNotBuilt,
+        )
     cut.write_bytes(whole)
     assert is_built(tmp_path)
     assert library.open_engine(tmp_path).cm_version().decode() == sources
@@ -171,10 +206,16 @@ def test_library_cut_short_is_refused_wherever_it_ends(tmp_path) -> None:
 
 @needs_shell
 def test_build_without_a_compiler_says_what_was_tried_and_what_to_do(checkout, tmp_path) -> None:
-    """Every compiler with what it said, in plain text, and the way out: no traceback, no library."""
+    """Every compiler with what it said, in plain text, and the way out: no traceback,
+    no library."""
     (tmp_path / "cc").write_text(BROKEN)
     (tmp_path / "cc").chmod(0o755)
-    done = called(checkout, "import engine_library; engine_library.build()", PATH=str(tmp_path), CC="/none/cc -m64")
+    done = called(
+        checkout,
+        "import engine_library; engine_library.build()",
+        PATH=str(tmp_path),
+        CC="/none/cc -m64",
+    )
     lines = done.stderr.splitlines()
     assert done.returncode == 1
     assert lines[:5] == [
@@ -204,17 +245,24 @@ def test_build_that_fails_leaves_the_library_and_tells_the_place(checkout) -> No
     (engine / "generate.py").write_text("import no_such_package\n")
     done = built(checkout)
     assert done.returncode == 1
-    assert done.stderr.splitlines()[-1].strip() == "ModuleNotFoundError: No module named 'no_such_package'"
+    assert (
+        done.stderr.splitlines()[-1].strip()
+        == "ModuleNotFoundError: No module named 'no_such_package'"
+    )
     assert library_path(engine).read_bytes() == before
     assert len(list(engine.glob("_engine*"))) == 1
 
 
 @pytest.mark.slow
 def test_compiler_is_asked_for_only_where_none_works(checkout, tmp_path) -> None:
-    """The hooks ask for a package that brings a compiler, at one version, where the path holds none."""
+    """The hooks ask for a package that brings a compiler, at one version, where the path holds
+    none.
+    """
     for kind in ("wheel", "editable"):
         asked = f"import setuptools_backend as b; print(*b.get_requires_for_build_{kind}())"
-        assert re.fullmatch(r"ziglang==[\d.]+\n", called(checkout, asked, PATH=str(tmp_path)).stdout)
+        assert re.fullmatch(
+            r"ziglang==[\d.]+\n", called(checkout, asked, PATH=str(tmp_path)).stdout
+        )
         if shutil.which("cc"):
             assert called(checkout, asked, CC="/none/cc").stdout == "\n"
 
@@ -222,9 +270,13 @@ def test_compiler_is_asked_for_only_where_none_works(checkout, tmp_path) -> None
 @pytest.mark.slow
 @needs_compiler
 def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, tmp_path) -> None:
-    """The wheel has the library and no C, is tagged so, and building it leaves the checkout as it was."""
+    """The wheel has the library and no C, is tagged so, and building it leaves the checkout as it
+    was.
+    """
     before = files_of(checkout)
-    done = called(checkout, f"import setuptools_backend as b; print(b.build_wheel({str(tmp_path)!r}))")
+    done = called(
+        checkout, f"import setuptools_backend as b; print(b.build_wheel({str(tmp_path)!r}))"
+    )
     name = done.stdout.splitlines()[-1]
     assert re.fullmatch(r"cyclemap-[\d.]+-py3-none-(?!any)\w+\.whl", name)
     assert files_of(checkout) == before
@@ -241,12 +293,22 @@ def test_wheel_holds_the_library_for_one_platform_and_every_python_3(checkout, t
 def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, tmp_path) -> None:
     """C files and backend are in it, a library built before is not."""
     built(checkout)
-    called(checkout, f"import os, setuptools_backend as b; os.chdir('..'); b.build_sdist({str(tmp_path)!r})")
+    called(
+        checkout,
+        f"import os, setuptools_backend as b; os.chdir('..'); b.build_sdist({str(tmp_path)!r})",
+    )
     (path,) = tmp_path.glob("*.tar.gz")
     with tarfile.open(path) as archive:
         names = {path.split("/", 1)[1] for path in archive.getnames() if "/" in path}
-    engine = {f"{ENGINE.as_posix()}/{name}" for name in ("engine.c", "driver.c", "generate.py", "library.py")}
-    assert names >= engine | {"building/engine_library.py", "building/setuptools_backend.py", "pyproject.toml"}
+    engine = {
+        f"{ENGINE.as_posix()}/{name}"
+        for name in ("engine.c", "driver.c", "generate.py", "library.py")
+    }
+    assert names >= engine | {
+        "building/engine_library.py",
+        "building/setuptools_backend.py",
+        "pyproject.toml",
+    }
     assert names >= {"setup.py", "figures/__init__.py"}
     assert not [name for name in names if "_engine." in name]
 
@@ -254,11 +316,15 @@ def test_source_distribution_holds_what_a_build_needs_and_no_library(checkout, t
 def test_build_and_package_allow_the_same_versions() -> None:
     """The functions are generated by versions of NumPy and CasADi that may run beside them."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    needed = {text for text in project["build-system"]["requires"] if not text.startswith("setuptools")}
+    needed = {
+        text for text in project["build-system"]["requires"] if not text.startswith("setuptools")
+    }
     assert {text.split(">=")[0] for text in needed} == {"numpy", "casadi"}
     assert needed <= set(project["project"]["dependencies"])
 
 
 def test_python_and_the_library_agree_on_what_they_pass_each_other() -> None:
-    """Sizes of structures and rows stand in Python and in C: a row too short would be read beyond its end."""
+    """Sizes of structures and rows stand in Python and in C: a row too short would be read beyond
+    its end.
+    """
     assert tuple((ctypes.c_int64 * len(LAYOUT)).in_dll(library.load(), "cm_layout")) == LAYOUT

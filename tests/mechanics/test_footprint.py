@@ -1,4 +1,6 @@
-"""Support points: where the load is, how files and words name it; those for a patch carry its load and friction."""
+"""Support points: where the load is, how files and words name it; those for a patch carry its load
+and friction.
+"""
 
 import math
 
@@ -57,7 +59,11 @@ def test_a_csv_file_is_read_in_millimetres(tmp_path):
 def test_words_name_footprints():
     assert parse_footprint("exact", SQUARE) == PatchFootprint(SQUARE)
     assert parse_footprint("corners", SQUARE) == corner_footprint(SQUARE)
-    assert parse_footprint("grid:8", SQUARE) == grid_footprint(SQUARE, 8) == grid_footprint(SQUARE, np.int64(8))
+    assert (
+        parse_footprint("grid:8", SQUARE)
+        == grid_footprint(SQUARE, 8)
+        == grid_footprint(SQUARE, np.int64(8))
+    )
 
 
 def test_files_words_points_and_grids_that_carry_no_object_are_refused(tmp_path):
@@ -97,12 +103,16 @@ def patch_of(outline, name: str) -> PatchFootprint:
 
 
 def wrench_error(patch: PatchFootprint, count: int) -> float:
-    """Root mean square, over twists, of the wrenches on points less those on the patch: weights, extents."""
+    """Root mean square, over twists, of the wrenches on points less those on the patch: weights,
+    extents.
+    """
     law = load_material("plywood").friction
     length = patch.extent
     twists = TWISTS * np.array([length, length, 1.0])
     surfaces = (LimitSurface(pressure_points(patch, count), law), LimitSurface(patch, law))
-    one, other = (np.array([surface.wrench(twist, frame=0.4) for twist in twists]) for surface in surfaces)
+    one, other = (
+        np.array([surface.wrench(twist, frame=0.4) for twist in twists]) for surface in surfaces
+    )
     return float(np.sqrt(np.mean(((one - other) / np.array([1.0, 1.0, length])) ** 2)))
 
 
@@ -128,10 +138,14 @@ def test_load_is_one_and_the_centre_of_pressure_is_the_patchs_to_rounding(name, 
 def test_each_part_carries_its_share_where_it_is():
     even, inner, rim, corner = 0.4, 0.3, 0.2, 0.1
     points, weights = pressure_points(PatchFootprint(SQUARE, inner, rim, corner), 10).quadrature
-    assert weights[np.abs(points).max(axis=1) > 0.0449].sum() == pytest.approx(rim + corner, abs=1e-12)
+    assert weights[np.abs(points).max(axis=1) > 0.0449].sum() == pytest.approx(
+        rim + corner, abs=1e-12
+    )
     assert weights[np.abs(points).min(axis=1) > 0.0449].sum() == pytest.approx(corner, abs=1e-12)
     # Of the 10 x 10 cells of the plate 6 x 6 lie within .6 of it.
-    assert weights[np.abs(points).max(axis=1) < 0.55 * 0.045].sum() == pytest.approx(0.36 * even + inner, abs=1e-12)
+    assert weights[np.abs(points).max(axis=1) < 0.55 * 0.045].sum() == pytest.approx(
+        0.36 * even + inner, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("pressure", PRESSURES)
@@ -153,10 +167,13 @@ def test_points_that_cannot_carry_a_pressure_are_refused_with_what_to_set():
 
 @pytest.mark.parametrize("twist", [(1.0, 0.3, 3.0), (0.02, 0.01, 1.0), (0.0, 0.0, 1.0)])
 def test_fine_grids_approach_the_patch_at_second_order(twist):
-    """Midpoints of equal cells, a dissipation that is convex: far from the centre of rotation, beside it and on it."""
+    """Midpoints of equal cells, a dissipation that is convex: far from the centre of rotation,
+    beside it and on it.
+    """
     law = EllipseFriction(0.30, 0.24, 0.01, 0.005, 0.4)
     exact = float(LimitSurface(PatchFootprint(SQUARE), law).dissipation(twist))
     off = [
-        abs(float(LimitSurface(grid_footprint(SQUARE, n), law).dissipation(twist)) - exact) for n in (10, 20, 40, 80)
+        abs(float(LimitSurface(grid_footprint(SQUARE, n), law).dissipation(twist)) - exact)
+        for n in (10, 20, 40, 80)
     ]
     assert np.log2(np.divide(off[:-1], off[1:])) == pytest.approx(2.0, abs=0.1)

@@ -204,7 +204,9 @@ def test_isotropic_friction_on_a_bowed_floor_has_the_symmetry_of_half_a_turn():
 
 def test_domes_of_plate_and_floor_are_the_same():
     dome = SurfaceShape(3.0)
-    np.testing.assert_allclose(turns(on(plate=dome), THETA), turns(on(floor=dome), THETA), atol=1e-10)
+    np.testing.assert_allclose(
+        turns(on(plate=dome), THETA), turns(on(floor=dome), THETA), atol=1e-10
+    )
 
 
 def test_flat_shapes_press_evenly():
@@ -234,15 +236,17 @@ def test_scaling_lengths_scales_the_shapes_by_their_square():
     small = PressedFootprint(SQUARE, WARP, TROUGH)
     large = PressedFootprint(SQUARE.scaled(2.0), WARP.scaled(0.25), TROUGH.scaled(0.25))
     found = LimitSurface(large, law).dissipation(twist * (1.0, 1.0, 0.5), 0.3)
-    assert found == pytest.approx(float(LimitSurface(small, law).dissipation(twist, 0.3)), rel=1e-11)
+    assert found == pytest.approx(
+        float(LimitSurface(small, law).dissipation(twist, 0.3)), rel=1e-11
+    )
 
 
 def test_loads_tend_to_a_limit_as_the_foundation_gets_rigid():
     # Stiffness k: a limit, and a term that falls with a power of k.
     wrench = [
-        LimitSurface(PressedFootprint(SQUARE, WARP.scaled(k), TROUGH.scaled(k)), EllipseFriction(0.3, 0.3)).wrench(
-            (0.02, 0.01, 1.0), 0.4
-        )
+        LimitSurface(
+            PressedFootprint(SQUARE, WARP.scaled(k), TROUGH.scaled(k)), EllipseFriction(0.3, 0.3)
+        ).wrench((0.02, 0.01, 1.0), 0.4)
         for k in (4.0, 16.0, 64.0, 256.0)
     ]
     steps = np.linalg.norm(np.diff(wrench, axis=0), axis=1)
@@ -359,7 +363,9 @@ def outputs(ran):
 
 
 def test_on_a_floor_that_varies_with_the_place_slopes_know_where_pushes_begin():
-    """Those of pushes and drags taken apart are those of whole cycles, to the bit, and their differences."""
+    """Those of pushes and drags taken apart are those of whole cycles, to the bit, and their
+    differences.
+    """
     rows = ((0.4, -0.3, 0.1, 0.2, 0.1), (0.5, 0.2, -0.1, 0.1, 0.2), (-0.2, 0.3, 0.1, 0.1, 0.0))
     footprint = PressedFootprint(SQUARE, floor=TROUGH, field=FloorField(rows, reach=0.15))
     loop = replace(LOOP, footprint=footprint, accuracy=1e-9)
@@ -390,7 +396,10 @@ def test_derivatives_by_shapes_that_a_footprint_does_not_have_are_nan():
         (lambda: PressedFootprint(SQUARE, centre=(math.nan, 0.0)), "centre of mass"),
         (lambda: PressedFootprint(grid_footprint(SQUARE, 8)), "support points"),
         (lambda: pressure_points(PressedFootprint(SQUARE), 8), "changes as the object turns"),
-        (lambda: cm.protocol.loop_from_settings({"rim_share": 0.1}, on(floor=TROUGH)), "set one of them to 0"),
+        (
+            lambda: cm.protocol.loop_from_settings({"rim_share": 0.1}, on(floor=TROUGH)),
+            "set one of them to 0",
+        ),
         (lambda: resting_pressure(PressedFootprint(SQUARE), math.nan, ((0.0, 0.0),)), "theta"),
         (lambda: resting_pressure(PressedFootprint(SQUARE), 0.0, ((math.nan, 0.0),)), "places"),
     ],

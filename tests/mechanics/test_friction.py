@@ -1,4 +1,6 @@
-"""Point friction: between two states of wear it is the one between; what is no law, no velocity, no wear."""
+"""Point friction: between two states of wear it is the one between; what is no law, no velocity, no
+wear.
+"""
 
 import math
 
@@ -42,7 +44,9 @@ def test_what_is_no_law_no_velocity_and_no_wear_is_refused_by_name():
 
 @pytest.mark.parametrize("worn", NAMES)
 def test_centre_and_squared_radius_go_straight_in_every_direction(worn):
-    """Support function h(v) = c.v + sqrt(v.S v): half the sum and half the difference of h(v), h(-v) give c and S."""
+    """Support function h(v) = c.v + sqrt(v.S v): half the sum and half the difference of h(v),
+    h(-v) give c and S.
+    """
 
     def parts(law):
         ahead, behind = law.dissipation(WAYS), law.dissipation(-WAYS)
@@ -63,7 +67,8 @@ def edge_friction(generator):
 
 
 def test_no_path_between_two_laws_leaves_the_laws():
-    """Zero stays inside the ellipse (else EllipseFriction refuses), also for laws at the very edge."""
+    """Zero stays inside the ellipse (else EllipseFriction refuses),
+    also for laws at the very edge."""
     generator = np.random.default_rng(5)
     for _ in range(300):
         fresh, worn = edge_friction(generator), edge_friction(generator)
@@ -74,9 +79,9 @@ def test_no_path_between_two_laws_leaves_the_laws():
 
 def test_a_course_says_when_the_way_is_gone_and_leaves_the_way_itself():
     even, early = Wear(WORN, 1000.0), Wear(WORN, 1000.0, ((100.0, 0.5), (600.0, 0.5)))
-    assert [early.share(n) for n in (-5.0, 0.0, 50.0, 100.0, 300.0, 600.0, 800.0, 1000.0, 2000.0)] == pytest.approx(
-        [0.0, 0.0, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0, 1.0]
-    )
+    assert [
+        early.share(n) for n in (-5.0, 0.0, 50.0, 100.0, 300.0, 600.0, 800.0, 1000.0, 2000.0)
+    ] == pytest.approx([0.0, 0.0, 0.25, 0.5, 0.5, 0.5, 0.75, 1.0, 1.0])
     slow, fast = (Material("floor", FRESH, wear=wear) for wear in (even, early))
     assert fast.friction_after(50.0) == slow.friction_after(250.0)
     assert fast.friction_after(2000.0) == WORN and fast.friction_after(0.0) == FRESH

@@ -1,4 +1,6 @@
-"""Outlines, sliders, rods, protocols, materials: what they are, how they are written, what they cannot be."""
+"""Outlines, sliders, rods, protocols, materials: what they are, how they are written, what they
+cannot be.
+"""
 
 import math
 from dataclasses import fields, replace
@@ -76,7 +78,13 @@ def test_outlines_sliders_rods_and_protocols_that_cannot_be_are_refused():
     ):
         refused(call, *values, told=told)
     refused(Slider, outline, inertia=0.0, told="inertia")
-    refused(QuasiStaticModel, Slider.mit("rect1"), EllipseFriction.isotropic(0.2), accuracy=1e-13, told="accuracy")
+    refused(
+        QuasiStaticModel,
+        Slider.mit("rect1"),
+        EllipseFriction.isotropic(0.2),
+        accuracy=1e-13,
+        told="accuracy",
+    )
 
 
 def test_area_and_centroid_of_a_polygon_move_with_it_exactly():
@@ -106,7 +114,9 @@ def test_inertias_of_the_mit_plates_agree_with_their_outlines_to_a_few_percent()
     for name in ("rect1", "rect2", "rect3"):
         slider = Slider.mit(name)
         width, height = np.ptp(slider.outline.array, axis=0)
-        assert slider.inertia == pytest.approx(slider.mass * (width**2 + height**2) / 12.0, rel=0.01)
+        assert slider.inertia == pytest.approx(
+            slider.mass * (width**2 + height**2) / 12.0, rel=0.01
+        )
 
 
 def test_table_one_is_plywood_and_unknown_materials_are_told():
@@ -142,7 +152,11 @@ RICH = Material(
     misfit="turn 2.1°",
     inferred=True,
     found_with=FoundWith(pusher_friction=0.17, pin_friction_radius=0.00123),
-    wear=Wear(EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1), 1500.0, ((100.0, 0.1), (1 / 3 + 400.0, 2 / 3))),
+    wear=Wear(
+        EllipseFriction(0.29, 0.24, 0.01, -0.02, 1.1),
+        1500.0,
+        ((100.0, 0.1), (1 / 3 + 400.0, 2 / 3)),
+    ),
     noise=CycleNoise((-4.1, 1 / 3, -0.2), 0.69),
     plates=(PlatePressure("rect1", 0.1, 1 / 3), PlatePressure('my "box"', corner_share=0.1 + 0.2)),
     frames=(FrameShift('my "box"', 1e-3, -2.5e-3),),
@@ -163,7 +177,9 @@ def assert_same(found: Material, given: Material) -> None:
     alike = {name: getattr(given, name) for name in ("friction", "wear", "found_with", "frames")}
     assert replace(found, **alike) == given
     shifts = [(one.plate, one.x, one.y) for one in given.frames]
-    assert [(one.plate, pytest.approx(one.x), pytest.approx(one.y)) for one in found.frames] == shifts
+    assert [
+        (one.plate, pytest.approx(one.x), pytest.approx(one.y)) for one in found.frames
+    ] == shifts
     laws = [(found.friction, given.friction)]
     if given.wear is not None:
         assert found.wear is not None and found.wear.cycles == given.wear.cycles
@@ -175,7 +191,9 @@ def assert_same(found: Material, given: Material) -> None:
         )
     for field in fields(FoundWith):
         value = getattr(given.found_with, field.name)
-        assert getattr(found.found_with, field.name) == (None if value is None else pytest.approx(value, abs=1e-15))
+        assert getattr(found.found_with, field.name) == (
+            None if value is None else pytest.approx(value, abs=1e-15)
+        )
 
 
 def test_a_material_with_everything_and_every_built_in_one_come_back(tmp_path) -> None:

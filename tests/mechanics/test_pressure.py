@@ -1,4 +1,6 @@
-"""Friction of whole footprints: its definition by plain quadrature, wherever the object turns; closed forms; limits."""
+"""Friction of whole footprints: its definition by plain quadrature, wherever the object turns;
+closed forms; limits.
+"""
 
 import math
 from dataclasses import replace
@@ -44,9 +46,26 @@ OUTLINES = {
     "needle": Ellipse(2e-5, 0.1),
 }
 # Inner, rim and corner share.
-SHARES = {"even": (0, 0, 0), "inner": (1, 0, 0), "rim": (0, 1, 0), "corners": (0, 0, 1), "all": (0.2, 0.15, 0.1)}
+SHARES = {
+    "even": (0, 0, 0),
+    "inner": (1, 0, 0),
+    "rim": (0, 1, 0),
+    "corners": (0, 0, 1),
+    "all": (0.2, 0.15, 0.1),
+}
 ALLOWED = {"strip": 1e-8, "blade": 2e-6}
-PLACES = ("centroid", "vertex", "rim", "beside the rim", "inside", "around", "handover", "far", "1000 extents", "none")
+PLACES = (
+    "centroid",
+    "vertex",
+    "rim",
+    "beside the rim",
+    "inside",
+    "around",
+    "handover",
+    "far",
+    "1000 extents",
+    "none",
+)
 
 
 TRIANGLE = Slider.mit("tri3").outline
@@ -57,7 +76,9 @@ FOOTPRINTS = {
     "square": PatchFootprint(SQUARE),
     "triangle in parts": PatchFootprint(TRIANGLE, 0.2, 0.15, 0.1, (-0.01, 0.0)),
     "ellipse": PatchFootprint(Slider.mit("ellip2").outline),
-    "ellipse in parts": PatchFootprint(Slider.mit("ellip3").outline, 0.3, 0.2, 0.0, (0.003, -0.002)),
+    "ellipse in parts": PatchFootprint(
+        Slider.mit("ellip3").outline, 0.3, 0.2, 0.0, (0.003, -0.002)
+    ),
     "grid": grid_footprint(SQUARE, 8),
     "corners": corner_footprint(TRIANGLE),
     "points": SCATTERED,
@@ -71,21 +92,36 @@ def random_twists(footprint, count, seed):
 
 @every_footprint
 def test_dissipation_wrench_and_hessian_are_those_of_the_definition_in_any_frame(footprint):
-    """By quadrature of the point law over any pressure; object and surface turn together, and speeds do not matter."""
-    law, scale = random_friction(np.random.default_rng(8)), np.array((1.0, 1.0, 1.0 / footprint.extent))
+    """By quadrature of the point law over any pressure; object and surface turn together, and
+    speeds do not matter.
+    """
+    law, scale = (
+        random_friction(np.random.default_rng(8)),
+        np.array((1.0, 1.0, 1.0 / footprint.extent)),
+    )
     surface = LimitSurface(footprint, law)
     for twist in random_twists(footprint, 20, 9):
         value, slope, bend = reference(footprint, law, twist, 0.4)
         assert surface.dissipation(twist, 0.4) == pytest.approx(float(value), rel=1e-12)
-        assert np.allclose(surface.wrench(twist, 0.4) * scale, (slope * scale).astype(float), atol=1e-12)
+        assert np.allclose(
+            surface.wrench(twist, 0.4) * scale, (slope * scale).astype(float), atol=1e-12
+        )
         both = np.outer(scale, scale)
         wanted = (bend * both).astype(float)
-        assert np.allclose(surface.hessian(twist, 0.4) * both, wanted, rtol=1e-9, atol=1e-10 * np.abs(wanted).max())
+        assert np.allclose(
+            surface.hessian(twist, 0.4) * both, wanted, rtol=1e-9, atol=1e-10 * np.abs(wanted).max()
+        )
         turned = LimitSurface(footprint, law.turned(0.9)).wrench(twist, frame=1.3)
         assert np.allclose(turned, surface.wrench(twist, 0.4), atol=1e-13)
         for factor in (1e-6, 1e5):
-            assert surface.dissipation(factor * twist, 0.4) == pytest.approx(factor * float(value), rel=1e-12)
-            assert np.allclose(surface.wrench(factor * twist, 0.4) * scale, (slope * scale).astype(float), atol=1e-12)
+            assert surface.dissipation(factor * twist, 0.4) == pytest.approx(
+                factor * float(value), rel=1e-12
+            )
+            assert np.allclose(
+                surface.wrench(factor * twist, 0.4) * scale,
+                (slope * scale).astype(float),
+                atol=1e-12,
+            )
 
 
 def footprint_of(outline, shares, rng=None):
@@ -103,7 +139,9 @@ def footprint_of(outline, shares, rng=None):
 
 
 def twist_about(place, outline, law, frame, rng):
-    """A random twist about a centre as named; the handover is where twists from afar are summed by other means."""
+    """A random twist about a centre as named; the handover is where twists from afar are summed by
+    other means.
+    """
     angle, omega = rng.uniform(0, 2 * math.pi), rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 2.0)
     toward = np.array((math.cos(angle), math.sin(angle)))
     if place == "none":
@@ -124,9 +162,12 @@ def twist_about(place, outline, law, frame, rng):
         vx, vy = np.linalg.solve(traction_matrix(law, frame).astype(float), w)
         x, y = np.array(outline.centroid) + np.array((-vy, vx))
     else:
-        low, high = {"centroid": (0, 0), "inside": (1e-9, 0.3), "around": (0.5, 2), "far": (10, 200)}.get(
-            place, (1e3, 1e6)
-        )
+        low, high = {
+            "centroid": (0, 0),
+            "inside": (1e-9, 0.3),
+            "around": (0.5, 2),
+            "far": (10, 200),
+        }.get(place, (1e3, 1e6))
         away = math.exp(rng.uniform(math.log(low + 1e-300), math.log(high + 1e-300)))
         x, y = np.array(outline.centroid) + away * outline.extent * toward
     return omega * np.array((y, -x, 1.0))
@@ -136,7 +177,10 @@ def relative_errors(footprint, place, seed):
     """Of D, its gradient and its Hessian, on anisotropy up to 10 to 1."""
     rng = np.random.default_rng(seed)
     ratio, outline = 10 ** rng.uniform(-0.5, 0.5), footprint.outline
-    law, frame = EllipseFriction(0.3 * ratio, 0.3 / ratio, 0.0, 0.0, rng.uniform(0, 3)), rng.uniform(-3, 3)
+    law, frame = (
+        EllipseFriction(0.3 * ratio, 0.3 / ratio, 0.0, 0.0, rng.uniform(0, 3)),
+        rng.uniform(-3, 3),
+    )
     twist = twist_about(place, outline, law, frame, rng)
     surface, scale = LimitSurface(footprint, law), np.array((1.0, 1.0, 1.0 / outline.extent))
     value, slope, hessian = reference(footprint, law, twist, frame)
@@ -153,7 +197,9 @@ def relative_errors(footprint, place, seed):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
-def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_the_centre_lies(name):
+def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_the_centre_lies(
+    name,
+):
     """To 1e-10 on plates down to a tenth as thick as long; the thinner, the less is left."""
     outline, rng, checked = OUTLINES[name], np.random.default_rng(7), 0
     for part, shares in SHARES.items():
@@ -161,7 +207,8 @@ def test_dissipation_wrench_and_hessian_of_each_part_match_quadrature_wherever_t
             continue
         footprint = footprint_of(outline, shares, None if 1 in shares else rng)
         for place in PLACES:
-            # Friction about a corner that carries load is not unique, and no Hessian is finite on a line load.
+            # Friction about a corner that carries load is not unique, and no Hessian is finite on a
+            # line load.
             if place == "vertex" and footprint.corner_share:
                 continue
             errors = relative_errors(footprint, place, [len(part), len(place)])
@@ -177,9 +224,15 @@ def test_no_digit_is_lost_where_far_twists_are_summed_anew(name):
     """Along centres that move outwards by a ten-millionth of an extent a step, no step jumps."""
     outline, law = OUTLINES[name], EllipseFriction(0.5, 0.2, 0.0, 0.0, 0.3)
     surface = LimitSurface(footprint_of(outline, SHARES["all"], np.random.default_rng(1)), law)
-    away = outline.extent * np.concatenate([start + 1e-7 * np.arange(200) for start in np.linspace(1.0, 40.0, 80)])
+    away = outline.extent * np.concatenate(
+        [start + 1e-7 * np.arange(200) for start in np.linspace(1.0, 40.0, 80)]
+    )
     x, y = np.array(outline.centroid)[:, None] + np.outer((0.6, 0.8), away)
-    wrench = surface.wrench(np.stack([y, -x, np.ones_like(x)], axis=-1) / away[:, None]) / (1.0, 1.0, outline.extent)
+    wrench = surface.wrench(np.stack([y, -x, np.ones_like(x)], axis=-1) / away[:, None]) / (
+        1.0,
+        1.0,
+        outline.extent,
+    )
     bends = np.diff(wrench.reshape(80, 200, 3), n=2, axis=1)
     assert np.abs(bends).max() < 2e-12
 
@@ -209,14 +262,21 @@ def test_pressures_and_twists_that_cannot_be_are_refused_by_name():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
-def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_and_as_far_as_the_load_stays_on(name):
+def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_and_as_far_as_the_load_stays_on(
+    name,
+):
     outline = OUTLINES[name]
     footprint = footprint_of(outline, SHARES["all"], np.random.default_rng(8))
     away = np.array(footprint.centre) - outline.centroid
     # A pure translation's torque tells where the friction acts.
     law = EllipseFriction.isotropic(1.0)
     wrench = LimitSurface(footprint, law).wrench([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
-    assert np.allclose((wrench[1, 2], -wrench[0, 2]), footprint.centre, rtol=0.0, atol=1e-14 + 1e-12 * outline.extent)
+    assert np.allclose(
+        (wrench[1, 2], -wrench[0, 2]),
+        footprint.centre,
+        rtol=0.0,
+        atol=1e-14 + 1e-12 * outline.extent,
+    )
     low, high = 0.0, 1e3
     for _ in range(60):
         try:

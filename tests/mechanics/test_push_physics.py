@@ -31,7 +31,9 @@ SEEDS = tuple(range(24))
 
 @pytest.fixture(scope="module")
 def runs():
-    """Case, trajectory sampled every 0.2 mm, and its check, for each seed; every third on a pressure in parts."""
+    """Case, trajectory sampled every 0.2 mm, and its check, for each seed; every third on a
+    pressure in parts.
+    """
     found = []
     for seed in SEEDS:
         case = random_case(seed, accuracy=1e-8)
@@ -47,10 +49,14 @@ def runs():
 
 def stretches(course):
     """Index ranges of the stretches under one law."""
-    return [rows for k in np.unique(course.phase) if len(rows := np.flatnonzero(course.phase == k)) > 4]
+    return [
+        rows for k in np.unique(course.phase) if len(rows := np.flatnonzero(course.phase == k)) > 4
+    ]
 
 
-def test_forces_balance_the_ground_at_a_twist_that_moves_the_contact_as_the_rod_asks_and_stay_in_the_cone(runs):
+def test_forces_balance_the_ground_at_a_twist_that_moves_the_contact_as_the_rod_asks_and_stay_in_the_cone(
+    runs,
+):
     checked = 0
     for _, course, found in runs:
         assert found.surface < 1e-11 and found.cone < 1e-11 and course.residual < 1e-11
@@ -60,7 +66,9 @@ def test_forces_balance_the_ground_at_a_twist_that_moves_the_contact_as_the_rod_
 
 
 def test_the_object_moves_with_the_twists_that_balance_the_forces(runs):
-    """Differences of sampled poses against twists from sampled forces, of second order in the spacing; no jumps."""
+    """Differences of sampled poses against twists from sampled forces, of second order in the
+    spacing; no jumps.
+    """
     worst, compared = [], 0
     for case, course, found in runs:
         jumps = np.abs(np.diff(course.pose, axis=0)).max(axis=1)[np.diff(course.path) < 1e-12]
@@ -68,7 +76,9 @@ def test_the_object_moves_with_the_twists_that_balance_the_forces(runs):
         for rows in stretches(course):
             pose = course.pose[rows]
             c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-            x, y, theta = (np.gradient(pose[:, k], course.path[rows], edge_order=2) for k in range(3))
+            x, y, theta = (
+                np.gradient(pose[:, k], course.path[rows], edge_order=2) for k in range(3)
+            )
             moved = np.stack([c * x + s * y, c * y - s * x, theta], axis=-1)
             off = (moved - found.twists[rows])[1:-1] * (1.0, 1.0, case.model.unit)
             worst.append(np.median(np.abs(off).max(axis=1)))
@@ -83,7 +93,9 @@ def test_the_contact_point_stays_on_the_outline_and_the_rod_at_its_radius(runs):
         assert np.abs(gap).max() < 1e-15
         lever = course.contact_point - course.pose[:, :2]
         c, s = np.cos(course.pose[:, 2]), np.sin(course.pose[:, 2])
-        local = np.stack([c * lever[:, 0] + s * lever[:, 1], -s * lever[:, 0] + c * lever[:, 1]], axis=-1)
+        local = np.stack(
+            [c * lever[:, 0] + s * lever[:, 1], -s * lever[:, 0] + c * lever[:, 1]], axis=-1
+        )
         outline = case.model.slider.outline
         if isinstance(outline, Ellipse):
             off = np.hypot(local[:, 0] / outline.semi_x, local[:, 1] / outline.semi_y) - 1.0
@@ -93,21 +105,31 @@ def test_the_contact_point_stays_on_the_outline_and_the_rod_at_its_radius(runs):
 
 
 def test_wrench_and_twist_dissipate_maximally_even_where_a_support_point_stands_still():
-    """For support points the wrench at a twist need not be unique; that none dissipates more holds all the same."""
+    """For support points the wrench at a twist need not be unique; that none dissipates more holds
+    all the same.
+    """
     for seed in range(10):
         case = random_case(seed)
         outline = case.model.slider.outline
-        few = grid_footprint(outline, 2) if isinstance(outline, Ellipse) else corner_footprint(outline)
+        few = (
+            grid_footprint(outline, 2)
+            if isinstance(outline, Ellipse)
+            else corner_footprint(outline)
+        )
         for footprint in (grid_footprint(outline, 4), few):
             model = replace(case.model, footprint=footprint)
             assert check(model, model.push(case.pose, case.push).trajectory).surface < 1e-10
 
 
-@pytest.mark.parametrize("weights", [(1000.0, 1.0, 1.0), (5.0, 1.0, 1.0)], ids=["one carries all", "most"])
+@pytest.mark.parametrize(
+    "weights", [(1000.0, 1.0, 1.0), (5.0, 1.0, 1.0)], ids=["one carries all", "most"]
+)
 def test_forces_stay_in_the_cone_where_the_slip_reverses_over_few_support_points(weights):
     """One point rests there, and its friction is what the contact's force leaves to it."""
     footprint = PointFootprint(((0.03, 0.03), (-0.04, 0.01), (0.0, -0.04)), weights)
-    model = QuasiStaticModel(Slider.mit("rect1"), load_material("plywood").friction, footprint=footprint)
+    model = QuasiStaticModel(
+        Slider.mit("rect1"), load_material("plywood").friction, footprint=footprint
+    )
     course = model.push(Pose(0.0, 0.0, 0.5), SidePush()).trajectory
     assert {"slide_left", "slide_right"} <= set(course.mode)
     found = check(model, course)
@@ -116,7 +138,9 @@ def test_forces_stay_in_the_cone_where_the_slip_reverses_over_few_support_points
 
 
 def test_the_residual_of_a_trajectory_tells_forces_outside_the_cone():
-    """The same forces under a rod of less friction: the excess is what the smaller cone does not hold."""
+    """The same forces under a rod of less friction: the excess is what the smaller cone does not
+    hold.
+    """
     model = QuasiStaticModel(Slider.mit("rect1"), load_material("plywood").friction)
     course = model.push(Pose(theta=1.0), SidePush(distance=0.05)).course
     assert course.trajectory(of_push=True).residual < 1e-12
@@ -129,7 +153,9 @@ def test_the_residual_of_a_trajectory_tells_forces_outside_the_cone():
 
 
 def test_thin_rods_tend_to_a_point():
-    """What a rod does differs from what a point does by its radius, to first order: turn, place, and the next θ0."""
+    """What a rod does differs from what a point does by its radius, to first order: turn, place,
+    and the next θ0.
+    """
     loop = CollectionLoop.mit(accuracy=1e-9)
 
     def numbers(radius):

@@ -1,4 +1,6 @@
-"""Thousands of random pushes and drags: each finishes with its forces balanced, or is refused for a physical reason."""
+"""Thousands of random pushes and drags: each finishes with its forces balanced, or is refused for a
+physical reason.
+"""
 
 from collections import Counter
 
@@ -15,7 +17,9 @@ SHARES = 10
 
 
 def run_and_check(case, balanced):
-    """Return how the push ended; assert finite results, residuals below 1e-9, and an independent force balance."""
+    """Return how the push ended; assert finite results, residuals below 1e-9, and an independent
+    force balance.
+    """
     push, drag = case.run()
     assert np.isfinite((push.turn, *push.displacement, drag.turn, drag.length)).all()
     for course in (push.trajectory, drag.trajectory):
@@ -45,8 +49,8 @@ def test_every_one_of_two_thousand_random_cases_finishes_with_its_residuals_belo
     assert outcomes["refused"] == 0
 
 
-# Where the sliding force is over a right angle off the cone's edge; where a slide ends in leaving and its equations
-# with it; where a margin jumps between support points.
+# Where the sliding force is over a right angle off the cone's edge; where a slide ends in leaving
+# and its equations with it; where a margin jumps between support points.
 HARDEST = (
     ("extreme offset", 213),
     ("grazing push", 131),
@@ -76,9 +80,13 @@ def turns_of(seed, accuracy):
 
 
 def test_the_error_of_a_push_and_a_drag_stays_near_the_accuracy_asked_and_falls_with_it():
-    """The controller aims at the accuracy: half of them stay far below it, all but a few within it."""
+    """The controller aims at the accuracy: half of them stay far below it,
+    all but a few within it."""
     accuracies = np.array((1e-4, 1e-6, 1e-8))
-    errors = [np.abs([turns_of(seed, a) for a in accuracies] - turns_of(seed, 1e-11)).max(axis=1) for seed in range(60)]
+    errors = [
+        np.abs([turns_of(seed, a) for a in accuracies] - turns_of(seed, 1e-11)).max(axis=1)
+        for seed in range(60)
+    ]
     shares = np.array(errors) / accuracies
     assert np.median(shares, axis=0).max() < 0.05
     assert np.percentile(shares, 95, axis=0).max() < 1.0
@@ -88,7 +96,9 @@ def test_the_error_of_a_push_and_a_drag_stays_near_the_accuracy_asked_and_falls_
 
 
 def test_the_travel_of_a_push_that_the_rod_leaves_is_as_accurate_as_its_pose():
-    """Where a rod leaves its approach falls to zero at a steady rate: the travel is off by as much as that is."""
+    """Where a rod leaves its approach falls to zero at a steady rate: the travel is off by as much
+    as that is.
+    """
     shares = []
     for seed in range(60):
         finest = random_case(seed, 1e-11)
@@ -109,5 +119,7 @@ def test_steps_grow_as_the_seventh_root_of_the_accuracy_at_most():
     counts = []
     for accuracy in (1e-4, 1e-10):
         cases = [random_case(seed, accuracy) for seed in (1, 2, 5, 8, 10, 11)]
-        counts.append(sum(len(case.model.push(case.pose, case.push).trajectory.path) for case in cases))
+        counts.append(
+            sum(len(case.model.push(case.pose, case.push).trajectory.path) for case in cases)
+        )
     assert counts[1] < 1e6 ** (1.0 / 7.0) * counts[0]

@@ -1,4 +1,6 @@
-"""Support points that come to rest: the object turns about them, or passes their rest, and no kink is stepped over."""
+"""Support points that come to rest: the object turns about them, or passes their rest, and no kink
+is stepped over.
+"""
 
 import math
 from dataclasses import replace
@@ -26,7 +28,8 @@ from cyclemap.mechanics.cycle_batch import CycleSlopes
 
 SLIDER, PUSH = Slider.mit("rect1"), SidePush(0, 0.7)
 PLYWOOD = load_material("plywood").friction
-# Orientations from which a point comes to rest while the rod slides, sets out again, and passes its rest in the ring.
+# Orientations from which a point comes to rest while the rod slides, sets out again, and passes its
+# rest in the ring.
 ORIENTATIONS = np.linspace(-math.pi, math.pi, 12, endpoint=False) + 0.15
 
 
@@ -56,7 +59,8 @@ def resting_samples(model, push):
 
 @pytest.mark.slow
 def test_an_object_turns_about_a_point_that_rests_by_least_dissipation():
-    """Of all twists at which the rod's force has the same power none dissipates less; and the point stays the same.
+    """Of all twists at which the rod's force has the same power none dissipates less; and the point
+    stays the same.
 
     check() has the forces: that of the point at rest is any that its own friction ellipse holds.
     """
@@ -67,20 +71,28 @@ def test_an_object_turns_about_a_point_that_rests_by_least_dissipation():
         for i in samples:
             assert push.trajectory.mode[i].startswith("slide")
             assert speeds[i].argmin() in (speeds[i - 1].argmin(), speeds[i + 1].argmin())
-            surface, twist, wrench = LimitSurface(model.pressure, model.friction), found.twists[i], found.wrenches[i]
+            surface, twist, wrench = (
+                LimitSurface(model.pressure, model.friction),
+                found.twists[i],
+                found.wrenches[i],
+            )
             unit = np.array((1.0, 1.0, 1.0 / model.unit))
             aside = rng.normal(size=(200, 3)) * 10.0 ** rng.uniform(-4.0, 0.0, (200, 1)) * unit
             aside -= np.outer(aside @ wrench, wrench * unit**2) / (wrench * unit**2 @ wrench)
             at = push.trajectory.pose[i, 2]
-            assert np.all(surface.dissipation(twist + aside, at) >= surface.dissipation(twist, at) - 1e-9)
+            assert np.all(
+                surface.dissipation(twist + aside, at) >= surface.dissipation(twist, at) - 1e-9
+            )
             seen += 1
     assert seen >= 6
 
 
 def landings(model, theta):
-    """Orientations at samples of a drag at which some point lies beside the ring, straight across the rod's way.
+    """Orientations at samples of a drag at which some point lies beside the ring, straight across
+    the rod's way.
 
-    Only there a point may rest: its velocity has no part along the way left for the spin to take away.
+    Only there a point may rest: its velocity has no part along the way left for the spin to take
+    away.
     """
     drag = model.cycle(theta, PUSH, DragBack())[1].trajectory
     way = drag.pusher[-1] - drag.pusher[0]
@@ -91,7 +103,9 @@ def landings(model, theta):
 
 
 def test_steps_end_on_kinks_whatever_the_accuracy():
-    """A drag asked for a hundred thousand times as exact passes the same rests of points, and ends steps there."""
+    """A drag asked for a hundred thousand times as exact passes the same rests of points, and ends
+    steps there.
+    """
     seen = 0
     for theta in ORIENTATIONS:
         coarse, fine = (landings(on_points(8, accuracy), theta) for accuracy in (1e-6, 1e-11))
@@ -104,7 +118,11 @@ def test_points_take_about_as_many_steps_as_a_patch():
     """Kinks cost two steps each, not a ladder of shorter and shorter ones."""
     patch = QuasiStaticModel(SLIDER, PLYWOOD, Pusher())
     counts = [
-        sum(len(stroke.trajectory.path) for theta in ORIENTATIONS for stroke in model.cycle(theta, PUSH, DragBack()))
+        sum(
+            len(stroke.trajectory.path)
+            for theta in ORIENTATIONS
+            for stroke in model.cycle(theta, PUSH, DragBack())
+        )
         for model in (patch, on_points(8), on_points(4))
     ]
     assert max(counts[1:]) < 1.3 * counts[0]
@@ -113,7 +131,9 @@ def test_points_take_about_as_many_steps_as_a_patch():
 @pytest.mark.parametrize("side", [2, 4, 8])
 def test_cycles_on_points_keep_their_accuracy(side):
     loops = [
-        cm.CollectionLoop.mit("plywood", footprint=grid_footprint(SLIDER.outline, side), accuracy=accuracy)
+        cm.CollectionLoop.mit(
+            "plywood", footprint=grid_footprint(SLIDER.outline, side), accuracy=accuracy
+        )
         for accuracy in (1e-11, 1e-8, 1e-6)
     ]
     fine, close, coarse = (loop.cycles(ORIENTATIONS) for loop in loops)
@@ -123,8 +143,12 @@ def test_cycles_on_points_keep_their_accuracy(side):
 
 
 def test_slopes_of_cycles_on_points_are_their_differences():
-    """Rates go on without a jump where a point comes to rest, passes it or sets out, and so do derivatives."""
-    loop = cm.CollectionLoop.mit("plywood", footprint=grid_footprint(SLIDER.outline, 8), accuracy=1e-10)
+    """Rates go on without a jump where a point comes to rest, passes it or sets out, and so do
+    derivatives.
+    """
+    loop = cm.CollectionLoop.mit(
+        "plywood", footprint=grid_footprint(SLIDER.outline, 8), accuracy=1e-10
+    )
     apart = 1e-5
     sides = [loop.cycles(ORIENTATIONS + sign * apart).theta_next for sign in (-1.0, 1.0)]
     slopes = CycleSlopes(loop)(ORIENTATIONS)[1]
@@ -132,11 +156,15 @@ def test_slopes_of_cycles_on_points_are_their_differences():
 
 
 def test_slopes_go_on_where_a_watched_corner_is_lost_in_the_middle_of_a_step():
-    """A drag whose ring rubs: of the corner's unknowns there the plain ones have to serve (each angle met one)."""
+    """A drag whose ring rubs: of the corner's unknowns there the plain ones have to serve (each
+    angle met one).
+    """
     loop = cm.CollectionLoop.mit("pu", accuracy=1e-5)
     slider = replace(loop.slider, hitch=(-0.025, 0.005))
     footprint = PatchFootprint(slider.outline, corner_share=0.4)
-    loop = replace(loop, slider=slider, footprint=footprint, reset=DragBack(pin_friction_radius=0.002))
+    loop = replace(
+        loop, slider=slider, footprint=footprint, reset=DragBack(pin_friction_radius=0.002)
+    )
     theta, apart = np.array((-2.168, -2.164, -1.414, -1.412, -1.408, 1.502)), 1e-5
     slopes, fine = CycleSlopes(loop)(theta)[1], replace(loop, accuracy=1e-10)
     sides = [fine.cycles(theta + sign * apart).theta_next for sign in (-1.0, 1.0)]
@@ -154,7 +182,9 @@ def heavy_point(seed):
 
 @pytest.mark.slow
 def test_heavy_points_hold_the_object_as_independent_balances_say():
-    """Forces and twists of check(), which knows nothing of the engine's events; accuracy against a finer run."""
+    """Forces and twists of check(), which knows nothing of the engine's events; accuracy against a
+    finer run.
+    """
     held = 0
     for seed in range(6):
         case = heavy_point(seed)
@@ -169,7 +199,9 @@ def test_corners_that_carry_a_load_keep_accuracy_and_balance():
     """What a patch puts on its corners has the kinks of points."""
     for share in (0.2, 0.6, 1.0):
         footprint = PatchFootprint(SLIDER.outline, corner_share=share)
-        model = QuasiStaticModel(SLIDER, EllipseFriction(0.3, 0.2, 0.05, 0.02, 0.4), Pusher(), footprint)
+        model = QuasiStaticModel(
+            SLIDER, EllipseFriction(0.3, 0.2, 0.05, 0.02, 0.4), Pusher(), footprint
+        )
         fine = replace(model, accuracy=1e-11)
         for theta in ORIENTATIONS[::3]:
             pairs = zip(*(one.cycle(theta, PUSH, DragBack()) for one in (model, fine)), strict=True)

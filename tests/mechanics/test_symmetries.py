@@ -27,7 +27,9 @@ def test_scaling_every_friction_force_and_the_mass_changes_no_digit(seed):
     """Nothing of the engine is measured in absolute friction."""
     case, law = accurate(seed), accurate(seed).model.friction
     for factor in (1e-9, 1e-4, 7.0, 1e3):
-        scaled = EllipseFriction(*(factor * v for v in (law.mu_a, law.mu_b, law.m0, law.n0)), law.phi)
+        scaled = EllipseFriction(
+            *(factor * v for v in (law.mu_a, law.mu_b, law.m0, law.n0)), law.phi
+        )
         model = replace(case.model, friction=scaled, slider=replace(case.model.slider, mass=factor))
         assert np.abs(outcome(replace(case, model=model)) - outcome(case)).max() < 1e-12
 

@@ -1,4 +1,5 @@
-"""Values are shared by threads, forks and processes, survive pickling, and stop when interrupted."""
+"""Values are shared by threads, forks and processes, survive pickling,
+and stop when interrupted."""
 
 import os
 import pickle
@@ -43,21 +44,38 @@ def mixture():
         mit("abs", accuracy=1e-6),
         mit(pusher=Pusher(0.0)),
         mit(footprint=grid_footprint(SQUARE, 4)),
-        mit(footprint=PointFootprint(((0.03, 0.03), (-0.04, 0.01), (0.0, -0.04)), (3.0, 1.0, 2.0)), accuracy=1e-6),
-        mit(footprint=PatchFootprint(SQUARE, 0.2, 0.2, 0.1, (0.002, 0.001)), reset=DragBack(((0.1, 0.05),), 0.002)),
+        mit(
+            footprint=PointFootprint(((0.03, 0.03), (-0.04, 0.01), (0.0, -0.04)), (3.0, 1.0, 2.0)),
+            accuracy=1e-6,
+        ),
+        mit(
+            footprint=PatchFootprint(SQUARE, 0.2, 0.2, 0.1, (0.002, 0.001)),
+            reset=DragBack(((0.1, 0.05),), 0.002),
+        ),
         mit(slider=OVAL, push=SidePush(0, 0.2, 0.1, 0.08)),
-        mit(slider=OVAL, footprint=PatchFootprint(OVAL.outline, 0.1, 0.3), push=SidePush(0, 0.2, 0.1, 0.08)),
+        mit(
+            slider=OVAL,
+            footprint=PatchFootprint(OVAL.outline, 0.1, 0.3),
+            push=SidePush(0, 0.2, 0.1, 0.08),
+        ),
         mit(slider=TRIANGLE, reset=DragBack(pin_friction_radius=0.05)),
     ]
 
 
 def everything(loop):
-    """All numbers of some cycles of a loop: in one call and one by one, slopes, forces, friction."""
+    """All numbers of some cycles of a loop: in one call and one by one, slopes, forces,
+    friction."""
     theta = THETA[::8]
     cycles = loop.cycles(theta)
     one = loop.cycle(float(theta[1]))
     twists = np.array(((1.0, 0.2, 3.0), (0.1, -1.0, 30.0)))
-    columns = [cycles.push_turn, cycles.push_displacement, cycles.drag_turn, cycles.drag_length, cycles.theta_next]
+    columns = [
+        cycles.push_turn,
+        cycles.push_displacement,
+        cycles.drag_turn,
+        cycles.drag_length,
+        cycles.theta_next,
+    ]
     columns += [one.trajectory.push.contact_force, one.trajectory.drag.pose, [one.theta_next]]
     columns += [loop.sensitivity(float(theta[2])).jacobian]
     columns += [LimitSurface(loop.model.pressure, loop.material.friction).hessian(twists)]
@@ -81,7 +99,9 @@ def hasty():
 @pytest.mark.slow
 @pytest.mark.parametrize("shared", [True, False], ids=["the same loops", "loops of their own"])
 @pytest.mark.parametrize("inner", ["1", "3"], ids=["one thread a call", "three threads a call"])
-def test_eight_threads_come_to_the_same_bits_as_one_after_the_other(hasty, alone, shared, inner, monkeypatch):
+def test_eight_threads_come_to_the_same_bits_as_one_after_the_other(
+    hasty, alone, shared, inner, monkeypatch
+):
     monkeypatch.setenv(THREADS_VARIABLE, inner)
     loops = mixture()
     order = np.random.default_rng(3).permutation(np.repeat(np.arange(len(loops)), 6)).tolist()
@@ -110,7 +130,9 @@ def test_nothing_depends_on_the_number_of_threads_or_on_the_company(monkeypatch)
 def test_a_number_of_threads_that_is_none_is_refused_by_name(monkeypatch):
     for count in ("0", "-1", "two", "1.5", "²", " "):
         monkeypatch.setenv(THREADS_VARIABLE, count)
-        refused(cm.CollectionLoop.mit().cycles, THETA, told="CYCLEMAP_THREADS must be a whole number")
+        refused(
+            cm.CollectionLoop.mit().cycles, THETA, told="CYCLEMAP_THREADS must be a whole number"
+        )
 
 
 def test_loops_models_and_results_come_back_from_pickles(alone):
@@ -120,7 +142,10 @@ def test_loops_models_and_results_come_back_from_pickles(alone):
         assert again == loop and everything(again) == wanted
         assert pickle.loads(pickle.dumps(loop.model)) == loop.model
         cycle = pickle.loads(pickle.dumps(loop.cycle(0.3)))
-        assert cycle.push.trajectory.contact_force.tobytes() == loop.cycle(0.3).push.trajectory.contact_force.tobytes()
+        assert (
+            cycle.push.trajectory.contact_force.tobytes()
+            == loop.cycle(0.3).push.trajectory.contact_force.tobytes()
+        )
     made = mixture()[0].circle_map(tolerance=1e-3)
     for one in (made, made.derivative):
         assert pickle.loads(pickle.dumps(one))(THETA).tobytes() == one(THETA).tobytes()
@@ -135,7 +160,9 @@ loop = cm.CollectionLoop.mit()
 
 def child(program: str, threads: str) -> subprocess.Popen:
     environment = {**os.environ, THREADS_VARIABLE: threads}
-    return subprocess.Popen([sys.executable, "-c", CHILD + program], env=environment, stdout=subprocess.PIPE, text=True)
+    return subprocess.Popen(
+        [sys.executable, "-c", CHILD + program], env=environment, stdout=subprocess.PIPE, text=True
+    )
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="nothing can be forked here")
@@ -157,7 +184,9 @@ def test_a_fork_of_a_process_whose_threads_ran_cycles_has_threads_of_its_own():
 @pytest.mark.slow
 @pytest.mark.parametrize("threads", ["1", "2"])
 def test_a_call_that_would_take_minutes_ends_when_interrupted(threads):
-    """A million cycles take minutes; a second later the process tells that it stopped, and runs cycles again."""
+    """A million cycles take minutes; a second later the process tells that it stopped, and runs
+    cycles again.
+    """
     endless = (
         "from cyclemap.collection.loop import run_cycles\n"
         "before = loop.next_theta(np.linspace(0.0, 6.0, 16))\n"

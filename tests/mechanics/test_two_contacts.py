@@ -1,4 +1,6 @@
-"""Whole pushes by the engine and by an independent solver of all modes; a rod that touches two places of an outline."""
+"""Whole pushes by the engine and by an independent solver of all modes; a rod that touches two
+places of an outline.
+"""
 
 import numpy as np
 import pytest
@@ -23,9 +25,10 @@ NOTCH = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), (0.0, 0.005), (-0.05, 0.03
 SKEW = ((-0.05, -0.04), (0.05, -0.04), (0.05, 0.04), (0.012, 0.005), (-0.05, 0.03))
 SLOT = (*NOTCH[:3], (0.004, 0.03), (0.004, 0.0), (-0.004, 0.0), (-0.004, 0.03), (-0.05, 0.03))
 
-# Whole pushes of plates at the origin under even pressure: plate, surface, rod's radius and friction, then side,
-# fraction, orientation (rad), angle (rad), distance as of SidePush; where the plate ends (x, y, theta), to 1e-10 m and
-# 1e-9 rad as steps of accuracy 1e-10 and 1e-12 agree, and the modes on the way.
+# Whole pushes of plates at the origin under even pressure: plate, surface, rod's radius and
+# friction, then side, fraction, orientation (rad), angle (rad), distance as of SidePush; where the
+# plate ends (x, y, theta), to 1e-10 m and 1e-9 rad as steps of accuracy 1e-10 and 1e-12 agree, and
+# the modes on the way.
 PUSHES = (
     (
         (SKEW, ISOTROPIC, 0.002, 0.15, 3, 0.231, 0.8, 0.912, 0.1),
@@ -72,7 +75,12 @@ def pushed(push):
 
 
 # What the engine calls modes that the solver tells by the contacts that they keep.
-NAMES = {"turn+": "wedge_left", "turn-": "wedge_right", "wedged": "wedge_stuck", "pivot": "wedge_right"}
+NAMES = {
+    "turn+": "wedge_left",
+    "turn-": "wedge_right",
+    "wedged": "wedge_stuck",
+    "pivot": "wedge_right",
+}
 
 
 @pytest.mark.parametrize("case", PUSHES)
@@ -86,11 +94,18 @@ def test_the_engine_ends_whole_pushes_where_an_independent_solver_did_by_the_sam
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", PUSHES)
-def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_forces_in_wedges(case):
-    """From the place alone; where the rod touches one place, the forces balance what moves the contact as it asks."""
+def test_along_whole_pushes_the_independent_solver_finds_the_engines_modes_and_forces_in_wedges(
+    case,
+):
+    """From the place alone; where the rod touches one place, the forces balance what moves the
+    contact as it asks.
+    """
     (vertices, law, radius, mu, *_), _, modes = case
     push, seen = pushed(case[0]), set()
-    course, wrench = push.course, LimitSurface(PatchFootprint(Polygon(vertices)), EllipseFriction(*law)).wrench
+    course, wrench = (
+        push.course,
+        LimitSurface(PatchFootprint(Polygon(vertices)), EllipseFriction(*law)).wrench,
+    )
     model = model_of(case[0])
     assert check(model, push.trajectory).worst < 1e-6
     for row in course.rows[:: max(1, len(course.rows) // 25)]:
@@ -122,8 +137,8 @@ def notched(opening, aside):
     return Polygon(((-0.05, -0.04), (0.05, -0.04), (0.05, 0.03), *bottom, (-0.05, 0.03)))
 
 
-# Pushes into notches that lock themselves at a rod's friction of .6, and swing the plate around until the rod pulls:
-# opening (deg), place aside (m), side, orientation (rad), angle (rad).
+# Pushes into notches that lock themselves at a rod's friction of .6, and swing the plate around
+# until the rod pulls: opening (deg), place aside (m), side, orientation (rad), angle (rad).
 SWINGING = (
     (47.906, 0.0091, 4, -1.953, 0.892),
     (56.183, -0.0093, 3, -0.2405, -0.3316),
@@ -139,7 +154,9 @@ def test_a_point_is_the_limit_of_thin_rods_in_a_notch_that_locks_itself(case):
     slider = Slider(notched(np.radians(opening), aside), hitch=(0.0, -0.03))
     push = SidePush(side, 0.999 if side == 3 else 0.001, angle, 0.3)
     runs = [
-        QuasiStaticModel(slider, EllipseFriction(*PLYWOOD), Pusher(radius, 0.6)).push(Pose(theta=theta), push)
+        QuasiStaticModel(slider, EllipseFriction(*PLYWOOD), Pusher(radius, 0.6)).push(
+            Pose(theta=theta), push
+        )
         for radius in (0.0, 1e-7, 1e-6)
     ]
     assert all(any(mode.startswith("wedge") for mode, _ in story(run)) for run in runs)
@@ -150,7 +167,9 @@ def test_a_point_is_the_limit_of_thin_rods_in_a_notch_that_locks_itself(case):
 
 
 def test_a_push_says_where_another_motion_would_have_been_possible():
-    """In a notch that locks itself the wedge holds beside the motion that is taken; in an open one nothing does."""
+    """In a notch that locks itself the wedge holds beside the motion that is taken; in an open one
+    nothing does.
+    """
     for opening, expected in ((50.0, True), (70.0, False)):
         for radius in (0.0, 0.002):
             slider = Slider(notched(np.radians(opening), 0.0), hitch=(0.0, -0.03))

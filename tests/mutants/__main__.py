@@ -1,7 +1,10 @@
-"""Plant faults one by one in a scratch copy, and see which die: `python -m tests.mutants [PATH ...] [--seconds N]`.
+"""Plant faults one by one in a scratch copy, and see which die: `python -m tests.mutants [PATH ...]
+[--seconds N]`.
 
-A fault dies where a test of its own room fails; of those that live the file and the replaced text are printed, and the
-score. PATH : of files under cyclemap (or how they begin), all without. Results are told as they come.
+A fault dies where a test of its own room fails; of those that live the file and the replaced text
+are printed, and the
+score. PATH : of files under cyclemap (or how they begin), all without. Results are told as they
+    come.
 """
 
 import argparse
@@ -26,7 +29,15 @@ ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("cyclemap", "tests", "figures", "theory", "building", "docs")
 COPIED_FILES = ("pyproject.toml", "setup.py", "README.md", "run.py", "CHANGELOG.md", "MANIFEST.in")
 # Imported once, before the forks; nothing of the project is.
-LIBRARIES = ("numpy", "scipy.stats", "scipy.optimize", "scipy.interpolate", "scipy.linalg", "scipy.special", "pandas")
+LIBRARIES = (
+    "numpy",
+    "scipy.stats",
+    "scipy.optimize",
+    "scipy.interpolate",
+    "scipy.linalg",
+    "scipy.special",
+    "pandas",
+)
 LIBRARIES += ("matplotlib.figure", "click", "rich.console", "rich.table", "sympy")
 DIED, LIVED, LATE = "died", "lived", "took too long"
 
@@ -35,7 +46,9 @@ def scratch_copy(folder: Path) -> None:
     """What tests need of the project, where faults may be planted."""
     for name in COPIED:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "_build"))
+            shutil.copytree(
+                ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "_build")
+            )
     for name in COPIED_FILES:
         shutil.copy(ROOT / name, folder / name)
 
@@ -47,7 +60,9 @@ def build(folder: Path) -> bool:
 
 
 def run_tests(folder: Path, words: list[str], seconds: float) -> int | None:
-    """The exit code of pytest in the copy, in a fork that has its libraries already; None where it takes too long."""
+    """The exit code of pytest in the copy, in a fork that has its libraries already; None where it
+    takes too long.
+    """
     child = os.fork()
     if child == 0:
         os.setsid()
@@ -75,7 +90,9 @@ def run_tests(folder: Path, words: list[str], seconds: float) -> int | None:
 def outcome(folder: Path, tests: str, seconds: float) -> str:
     """How the tests take what is in the copy: the quick ones, then the slow."""
     for kind in ("not slow", "slow"):
-        code = run_tests(folder, ["-q", "-x", "-p", "no:cacheprovider", "-m", kind, *tests.split()], seconds)
+        code = run_tests(
+            folder, ["-q", "-x", "-p", "no:cacheprovider", "-m", kind, *tests.split()], seconds
+        )
         if code is None:
             return LATE
         # 5: there is no test of that kind.
@@ -89,7 +106,9 @@ def planted(folder: Path, name: str, fault: tuple[str, str], tests: str, seconds
     path = folder / "cyclemap" / name
     whole, (text, instead) = path.read_text(encoding="utf-8"), fault
     if whole.count(text) != 1:
-        raise SystemExit(f"{name}: {whole.count(text)} times {text!r}: a fault's text must stand there once")
+        raise SystemExit(
+            f"{name}: {whole.count(text)} times {text!r}: a fault's text must stand there once"
+        )
     path.write_text(whole.replace(text, instead), encoding="utf-8")
     try:
         if path.suffix == ".c" and not build(folder):

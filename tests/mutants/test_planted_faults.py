@@ -1,4 +1,6 @@
-"""The list of planted faults is one of the code as it is: each text stands once in its file, and changes there."""
+"""The list of planted faults is one of the code as it is: each text stands once in its file, and
+changes there.
+"""
 
 import ast
 from pathlib import Path

@@ -1,4 +1,6 @@
-"""The simulators of the benchmark beside peers: that they solve the same push, by ways that share no code."""
+"""The simulators of the benchmark beside peers: that they solve the same push, by ways that share
+no code.
+"""
 
 import math
 from itertools import pairwise
@@ -50,7 +52,9 @@ def test_the_pushes_go_around_the_circle_and_take_every_angle_alike():
 
 
 def test_the_rod_goes_where_the_package_has_it_go(problem):
-    """Its place at first touch and its direction, found by hand, are those of the engine's trajectory."""
+    """Its place at first touch and its direction, found by hand, are those of the engine's
+    trajectory.
+    """
     model = problem.model(1e-6)
     for pose, push in problem.pushes[:FEW]:
         path = model.push(pose, push).trajectory.pusher
@@ -70,13 +74,19 @@ def test_the_balance_of_forces_changes_as_its_slope_says(problem, cone):
     unknown = np.array([3.0, 0.4])[: 1 + abs(cone)]
     _, slope = balance.residual(unknown)
     steps = 1e-6 * np.eye(len(unknown))
-    differences = [(balance.residual(unknown + h)[0] - balance.residual(unknown - h)[0]) / 2e-6 for h in steps]
+    differences = [
+        (balance.residual(unknown + h)[0] - balance.residual(unknown - h)[0]) / 2e-6 for h in steps
+    ]
     np.testing.assert_allclose(slope, np.transpose(differences), rtol=1e-6, atol=1e-9)
 
 
 def test_plain_numpy_ends_where_the_engine_does(problem):
-    """Forces summed over the points and Runge-Kutta's steps, against the contact curve and exact stick and slip."""
-    off = distance(problem.ends(numpy_push(problem, 60, softness=1e-4), FEW), problem.converged[:FEW])
+    """Forces summed over the points and Runge-Kutta's steps, against the contact curve and exact
+    stick and slip.
+    """
+    off = distance(
+        problem.ends(numpy_push(problem, 60, softness=1e-4), FEW), problem.converged[:FEW]
+    )
     assert off.place_mm < 0.02
     assert off.turn_deg < 0.04
 
@@ -90,25 +100,40 @@ def test_more_steps_bring_plain_numpy_nearer():
 
 def test_under_friction_without_directions_turning_the_push_turns_its_end():
     end_pose = numpy_push(four_corners(), 20)
-    one, other = (end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0))
-    np.testing.assert_allclose(Pose(theta=1.0).to_world(one.x, one.y), (other.x, other.y), atol=1e-9)
+    one, other = (
+        end_pose(Pose(0.0, 0.0, theta), SidePush(angle=ANGLES[1])) for theta in (0.0, 1.0)
+    )
+    np.testing.assert_allclose(
+        Pose(theta=1.0).to_world(one.x, one.y), (other.x, other.y), atol=1e-9
+    )
     assert other.theta == pytest.approx(one.theta + 1.0, abs=1e-7)
 
 
-@pytest.mark.parametrize("simulator", [ENGINE, SCIPY, DYNAMIC], ids=lambda simulator: simulator.name)
+@pytest.mark.parametrize(
+    "simulator", [ENGINE, SCIPY, DYNAMIC], ids=lambda simulator: simulator.name
+)
 def test_simulators_end_near_converged(simulator, problem):
     assert distance(problem.ends(simulator.build(problem), FEW), problem.converged[:FEW]).near
 
 
 def test_the_engine_is_timed_where_no_corner_ends_more_than_10_micrometres_off(problem):
     ends = problem.ends(ENGINE.build(problem))
-    corners = [(pose, exact, corner) for pose, exact in zip(ends, problem.converged, strict=True) for corner in OUTLINE]
-    gaps = [math.dist(pose.to_world(*corner), exact.to_world(*corner)) for pose, exact, corner in corners]
+    corners = [
+        (pose, exact, corner)
+        for pose, exact in zip(ends, problem.converged, strict=True)
+        for corner in OUTLINE
+    ]
+    gaps = [
+        math.dist(pose.to_world(*corner), exact.to_world(*corner))
+        for pose, exact, corner in corners
+    ]
     assert len(gaps) == 48 and 0.0 < max(gaps) < 1e-5
 
 
 def test_the_engines_end_near_converged_and_repeat_themselves(engine):
-    """Rigid bodies with inertia on compliant contacts, and a push leaves nothing behind that would change the next."""
+    """Rigid bodies with inertia on compliant contacts, and a push leaves nothing behind that would
+    change the next.
+    """
     problem = four_corners()
     end_pose = engine.build(problem)
     first, again = problem.ends(end_pose, FEW), problem.ends(end_pose, FEW)

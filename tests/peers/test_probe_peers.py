@@ -1,4 +1,6 @@
-"""What `probe` says of engines: MuJoCo's pyramidal cone pushes by direction, its elliptic one and Drake alike."""
+"""What `probe` says of engines: MuJoCo's pyramidal cone pushes by direction, its elliptic one and
+Drake alike.
+"""
 
 from collections.abc import Callable
 
@@ -17,9 +19,13 @@ ALIKE_DEG, ALIKE_MM = 0.3, 0.3
 def probed(end_pose: Callable[[Pose, SidePush], Pose]) -> Probe:
     """The engine's pushes of MIT's square on its four corners, from all around."""
     loop = CollectionLoop.mit("isotropic", accuracy=1e-6)
-    loop = CollectionLoop(loop.slider, loop.material, footprint=corner_footprint(loop.slider.outline), accuracy=1e-6)
+    loop = CollectionLoop(
+        loop.slider, loop.material, footprint=corner_footprint(loop.slider.outline), accuracy=1e-6
+    )
 
-    def ended(theta: float, start: tuple[float, float], end: tuple[float, float]) -> tuple[float, float, float]:
+    def ended(
+        theta: float, start: tuple[float, float], end: tuple[float, float]
+    ) -> tuple[float, float, float]:
         found = end_pose(Pose(0.0, 0.0, theta), SidePush())
         return found.x, found.y, found.theta
 
@@ -44,7 +50,9 @@ def test_the_pyramidal_cone_depends_on_direction_with_a_fourth_harmonic() -> Non
     found = probed(mujoco_push("pyramidal"))
     assert found.found
     assert largest(found)[0] > 5.0
-    strongest = max((one for one in found.harmonics if one.outcome == "dtheta"), key=lambda one: one.amplitude)
+    strongest = max(
+        (one for one in found.harmonics if one.outcome == "dtheta"), key=lambda one: one.amplitude
+    )
     assert strongest.order == 4
 
 

@@ -1,4 +1,6 @@
-"""One file for object, surface and protocol: what is written is read back, layer by layer, and defaults are told."""
+"""One file for object, surface and protocol: what is written is read back, layer by layer, and
+defaults are told.
+"""
 
 import math
 import warnings
@@ -13,7 +15,13 @@ from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.mechanics import Ellipse, EllipseFriction, FoundWith, Material, Polygon, load_material
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol import loop_from_file, loop_from_settings
-from cyclemap.protocol.collection_file import FILE_NAME, collection_text, data_settings, names_surface, read_settings
+from cyclemap.protocol.collection_file import (
+    FILE_NAME,
+    collection_text,
+    data_settings,
+    names_surface,
+    read_settings,
+)
 from cyclemap.protocol.own_object import check_collection, first_settings, within_reach
 from cyclemap.protocol.settings import layered, warn_of_defaults
 
@@ -32,7 +40,9 @@ def written(tmp_path, text: str):
 
 
 def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
-    """Every part to rounding; no MIT default is left in an own object's file, so nothing is doubted."""
+    """Every part to rounding; no MIT default is left in an own object's file, so nothing is
+    doubted.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         path = written(tmp_path, collection_text(own_loop(), noise=math.radians(2.0)))
@@ -49,7 +59,12 @@ def test_a_loop_with_its_surface_is_read_back_as_it_was(tmp_path) -> None:
     assert names_surface(path) and load_material(path).friction == found.material.friction
     moved = loop_from_file(path, surface="plywood")
     assert moved.material.name == "plywood" and moved.slider == own_loop().slider
-    refused(read_settings, written(tmp_path, "[push]\npush_m = 3\n"), told="did you mean 'push_mm'", kind=DataFileError)
+    refused(
+        read_settings,
+        written(tmp_path, "[push]\npush_m = 3\n"),
+        told="did you mean 'push_mm'",
+        kind=DataFileError,
+    )
 
 
 def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
@@ -57,7 +72,9 @@ def test_what_was_found_with_a_surface_stays_in_force(tmp_path) -> None:
     found = FoundWith(pusher_friction=0.2, pin_friction_radius=2e-3)
     loop = own_loop().with_material(replace(WALNUT, found_with=found))
     again = loop_from_file(written(tmp_path, collection_text(loop)))
-    assert again.pusher.friction == 0.2 and again.reset.pin_friction_radius == pytest.approx(2e-3, abs=1e-12)
+    assert again.pusher.friction == 0.2 and again.reset.pin_friction_radius == pytest.approx(
+        2e-3, abs=1e-12
+    )
     theta = np.linspace(0.0, 6.0, 5)
     assert again.next_theta(theta) == pytest.approx(loop.next_theta(theta), abs=1e-9)
 
@@ -72,7 +89,11 @@ def test_an_own_object_that_leaves_facts_to_mit_is_doubted_once_by_name(tmp_path
     assert len(doubts) == 1
     found = check_collection(written(tmp_path, "[object]\nsemi_x_mm = 40\nsemi_y_mm = 30\n"))
     words = " ".join(finding.words for finding in found.findings)
-    for left in ("the ring is not said", "the length of the push is not said", "no surface is said"):
+    for left in (
+        "the ring is not said",
+        "the length of the push is not said",
+        "no surface is said",
+    ):
         assert left in words
 
 
@@ -99,8 +120,12 @@ def test_the_rod_first_touches_where_the_mechanics_begin(shape, fraction, angle_
 
 
 def test_a_first_guess_turns_a_disc_too() -> None:
-    """A straight push goes through a disc's centre of friction and turns it not at all: the guess slants it."""
-    disc = loop_from_settings(first_settings(Ellipse(0.04, 0.04), "mug"), CollectionLoop.mit(WALNUT))
+    """A straight push goes through a disc's centre of friction and turns it not at all: the guess
+    slants it.
+    """
+    disc = loop_from_settings(
+        first_settings(Ellipse(0.04, 0.04), "mug"), CollectionLoop.mit(WALNUT)
+    )
     straight = replace(disc, push=replace(disc.push, angle=0.0))
     assert abs(disc.cycle(0.0).push_turn) > math.radians(10.0) > abs(straight.cycle(0.0).push_turn)
 
@@ -127,7 +152,9 @@ def test_a_first_guess_pushes_the_box_as_far_as_its_rod_stays_on_it() -> None:
         ({"hitch_x_mm": 9000}, "same unit", True),
     ],
 )
-def test_check_says_what_is_likely_wrong_and_nothing_of_what_is_right(tmp_path, settings, words, wrong) -> None:
+def test_check_says_what_is_likely_wrong_and_nothing_of_what_is_right(
+    tmp_path, settings, words, wrong
+) -> None:
     """The file is one that init wrote, with one fact changed by hand."""
     lines = collection_text(within_reach(own_loop())).splitlines()
     for key, value in settings.items():

@@ -1,4 +1,6 @@
-"""Settings in degrees and millimetres: each reaches its place in the loop, and bad ones are told by name."""
+"""Settings in degrees and millimetres: each reaches its place in the loop, and bad ones are told by
+name.
+"""
 
 import math
 
@@ -47,7 +49,16 @@ PLACES = {
 
 
 def test_every_setting_reaches_its_place_in_si_units_and_no_other():
-    others = {"shape", "object_name", "vertices_mm", "semi_x_mm", "semi_y_mm", "way_points_mm", "footprint", *SHAPES}
+    others = {
+        "shape",
+        "object_name",
+        "vertices_mm",
+        "semi_x_mm",
+        "semi_y_mm",
+        "way_points_mm",
+        "footprint",
+        *SHAPES,
+    }
     assert set(PLACES) | others | {NOISE_KEY} == set(SETTINGS)
     for key, (value, read, wanted) in PLACES.items():
         loop = loop_from_settings({key: value})
@@ -67,7 +78,10 @@ def test_shapes_of_floor_and_plate_reach_the_footprint_in_mean_pressures():
     }
     footprint = loop_from_settings(both).footprint
     assert footprint == PressedFootprint(
-        MIT.slider.outline, SurfaceShape(-1.0, 0.5, math.pi / 4), SurfaceShape(2.0, 3.0, math.pi / 2), (0.0, 0.0)
+        MIT.slider.outline,
+        SurfaceShape(-1.0, 0.5, math.pi / 4),
+        SurfaceShape(2.0, 3.0, math.pi / 2),
+        (0.0, 0.0),
     )
     flat = dict.fromkeys(both, 0)
     assert loop_from_settings(flat, loop_from_settings(both)).footprint is None
@@ -79,7 +93,12 @@ def test_a_heavier_object_has_less_of_a_shape_and_rests_more_evenly():
     assert heavy.footprint.floor.dome == pytest.approx(2 / 3, rel=1e-15)
     corner, middle = ([(0.045, 0.045)], [(0.0, 0.0)])
     contrast = [
-        float((resting_pressure(loop.footprint, 0.0, corner) - resting_pressure(loop.footprint, 0.0, middle))[0])
+        float(
+            (
+                resting_pressure(loop.footprint, 0.0, corner)
+                - resting_pressure(loop.footprint, 0.0, middle)
+            )[0]
+        )
         for loop in (light, heavy)
     ]
     assert 0.0 < contrast[1] < contrast[0]
@@ -105,7 +124,9 @@ def test_outlines_come_by_name_by_vertices_or_by_semi_axes_and_keep_the_ring():
     own = loop_from_settings({"vertices_mm": [[-40, -10], [60, -10], [-40, 40]]})
     assert own.slider.outline.vertices == ((-0.04, -0.01), (0.06, -0.01), (-0.04, 0.04))
     ellipse = loop_from_settings({"semi_x_mm": 50, "semi_y_mm": 70})
-    assert (ellipse.slider.outline.semi_x, ellipse.slider.outline.semi_y) == pytest.approx((0.05, 0.07))
+    assert (ellipse.slider.outline.semi_x, ellipse.slider.outline.semi_y) == pytest.approx(
+        (0.05, 0.07)
+    )
     for loop in (named, own, ellipse):
         assert loop.slider.hitch == MIT.slider.hitch
         assert loop.slider.centre_of_mass == loop.slider.outline.centroid
@@ -129,8 +150,12 @@ def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_
     assert both.model.pressure.rim_share == 0.3
     assert both.model.pressure.centre == pytest.approx((0.004, 0.0), abs=1e-15)
     more = loop_from_settings({"rim_share": 0.2, "pin_friction_mm": 1}, both)
-    assert more.model.pressure == PatchFootprint(Slider.mit("rect1").outline, rim_share=0.2, centre=(0.004, 0.0))
-    assert loop_from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
+    assert more.model.pressure == PatchFootprint(
+        Slider.mit("rect1").outline, rim_share=0.2, centre=(0.004, 0.0)
+    )
+    assert (
+        loop_from_settings({"way_points_mm": [[10, 20]]}, more).reset.pin_friction_radius == 0.001
+    )
     assert loop_from_settings({"footprint": "exact"}, more).model.pressure.rim_share == 0.0
 
 

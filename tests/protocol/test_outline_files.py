@@ -26,7 +26,8 @@ def write_svg(path):
     steps = " ".join(f"L{x} {y}" for x, y in TEE[1:])
     path.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="8cm" height="8cm" viewBox="0 0 80 80">'
-        f'<g transform="translate(0,80) scale(1,-1)"><path d="M0 0 {steps} Z"/></g><circle cx="5" cy="5" r="2"/></svg>'
+        f'<g transform="translate(0,80) scale(1,-1)"><path d="M0 0 {steps} Z"/></g><circle '
+        'cx="5" cy="5" r="2"/></svg>'
     )
 
 
@@ -61,8 +62,9 @@ def write_urdf(path):
     """A mesh in metres, turned by a quarter about z."""
     write_stl(path.with_name("tee_m.stl"), 1e-3)
     path.write_text(
-        '<robot name="t"><link name="base"/><link name="tee"><collision><origin rpy="0 0 1.5707963267948966"/>'
-        '<geometry><mesh filename="package://tee_m.stl"/></geometry></collision></link></robot>'
+        '<robot name="t"><link name="base"/><link name="tee"><collision><origin rpy="0 0 '
+        '1.5707963267948966"/><geometry><mesh '
+        'filename="package://tee_m.stl"/></geometry></collision></link></robot>'
     )
 
 
@@ -110,15 +112,17 @@ def test_the_underside_of_a_mesh_is_its_foot_print(tmp_path) -> None:
     high = trimesh.creation.box((100.0, 60.0, 10.0)).apply_translation((0.0, 0.0, 10.0))
     trimesh.util.concatenate([low, high]).export(tmp_path / "table.stl")
     assert read_outline(tmp_path / "table.stl").outline.area == pytest.approx(6e-3, rel=1e-5)
-    assert read_outline(tmp_path / "table.stl", underside=True).outline.area == pytest.approx(1.6e-3, rel=1e-5)
+    assert read_outline(tmp_path / "table.stl", underside=True).outline.area == pytest.approx(
+        1.6e-3, rel=1e-5
+    )
 
 
 @pytest.mark.slow
 def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> None:
     path = tmp_path / "disc.svg"
     path.write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">'
-        '<circle cx="50" cy="50" r="40"/></svg>'
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 '
+        '100"><circle cx="50" cy="50" r="40"/></svg>'
     )
     sides = []
     for tolerance in (1e-5, 1e-4, 1e-3):
@@ -131,32 +135,48 @@ def test_curves_are_simplified_within_the_tolerance_and_no_more(tmp_path) -> Non
 
 VISUAL = '<robot><link name="a"><visual><geometry>{}</geometry></visual></link></robot>'
 REFUSED = [
-    ("open.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H80V20"/></svg>', "no closed line"),
+    (
+        "open.svg",
+        '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0H80V20"/></svg>',
+        "no closed line",
+    ),
     ("no.svg", "not a drawing", "not an SVG drawing"),
     ("no.dxf", "not a drawing", "not a DXF drawing"),
     ("no.stl", "solid nothing\nendsolid nothing\n", "not a mesh|no triangles"),
     ("no.urdf", "<robot/>", "0 links with a geometry"),
-    ("box.urdf", VISUAL.format('<box size="0.1 0..2 1"/>'), r"a geometry or origin of a .* \('0..2' is not a number"),
+    (
+        "box.urdf",
+        VISUAL.format('<box size="0.1 0..2 1"/>'),
+        r"a geometry or origin of a .* \('0..2' is not a number",
+    ),
     ("two.csv", "0,0\n1,0\n", "2 vertices; an outline has three"),
     ("bad.csv", "x,y\n0,0\n1,zero\n", "line 3: two numbers x,y are wanted"),
     ("gone.svg", None, "there is no such file"),
 ]
 
 
-def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(tmp_path, monkeypatch) -> None:
+def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(
+    tmp_path, monkeypatch
+) -> None:
     for name, content, told in REFUSED:
         if content is not None:
             (tmp_path / name).write_text(content)
         refused(read_outline, tmp_path / name, told=told, kind=DataFileError)
     (tmp_path / "tee.step").write_text("x")
-    refused(read_outline, tmp_path / "tee.step", told=r"read from \.svg, \.dxf, .*, not from \.step")
+    refused(
+        read_outline, tmp_path / "tee.step", told=r"read from \.svg, \.dxf, .*, not from \.step"
+    )
     write_svg(tmp_path / "tee.svg")
 
     def missing(name):
         raise ImportError(name)
 
     monkeypatch.setattr(outline_files, "import_module", missing)
-    refused(read_outline, tmp_path / "tee.svg", told=r"needs svgpathtools: python -m pip install '\.\[outlines\]'")
+    refused(
+        read_outline,
+        tmp_path / "tee.svg",
+        told=r"needs svgpathtools: python -m pip install '\.\[outlines\]'",
+    )
 
 
 @pytest.mark.parametrize(
@@ -173,13 +193,17 @@ def test_what_is_no_outline_another_kind_of_file_and_a_missing_library_are_told(
         ("x,y\n0,0\n8,0\n8,2\n", 80.0, 20.0, "cm"),
     ],
 )
-def test_vertices_are_read_by_the_names_and_units_of_their_columns(tmp_path, text, width, height, unit) -> None:
+def test_vertices_are_read_by_the_names_and_units_of_their_columns(
+    tmp_path, text, width, height, unit
+) -> None:
     """Size, and which corner is the right one: a mirror image has it elsewhere."""
     (tmp_path / "part.csv").write_text(text)
     corners = 1e3 * read_outline(tmp_path / "part.csv", unit).outline.array
     assert np.ptp(corners, axis=0) == pytest.approx([width, height], abs=1e-6)
     right_angle = corners[
-        np.argmin([abs((corners[k - 1] - corners[k]) @ (corners[k - 2] - corners[k])) for k in range(3)])
+        np.argmin(
+            [abs((corners[k - 1] - corners[k]) @ (corners[k - 2] - corners[k])) for k in range(3)]
+        )
     ]
     assert right_angle == pytest.approx([width / 3.0, -height / 3.0], abs=1e-6)
 
@@ -202,5 +226,11 @@ def test_vertices_whose_columns_are_unclear_are_refused(tmp_path, text, told) ->
 def test_a_drawing_of_very_many_curves_is_refused_before_it_is_cut_up(tmp_path) -> None:
     pytest.importorskip("svgpathtools")
     curves = "".join(f"C{k} 0 {k} 1 {k + 1} {k % 2}" for k in range(31_000))
-    (tmp_path / "many.svg").write_text(f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0{curves}Z"/></svg>')
-    refused(read_outline, tmp_path / "many.svg", told="curves: 3.1e.04, of at most 3e.04; simplify the drawing")
+    (tmp_path / "many.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0{curves}Z"/></svg>'
+    )
+    refused(
+        read_outline,
+        tmp_path / "many.svg",
+        told="curves: 3.1e.04, of at most 3e.04; simplify the drawing",
+    )

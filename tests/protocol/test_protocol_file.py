@@ -1,4 +1,6 @@
-"""Protocol files: every strategy comes back as it was, a loop too, and a bad file is told by file, key and value."""
+"""Protocol files: every strategy comes back as it was, a loop too, and a bad file is told by file,
+key and value.
+"""
 
 import math
 import re
@@ -56,7 +58,9 @@ STRATEGIES = {
     "gripper": ResetStrategy(gripper_turns(36)),
     "all at once": ResetStrategy(
         (
-            CycleAction(((0.1, 0.0), (1.0 / 3.0, -0.2)), SidePush(2, 1.0 / 3.0, 0.1, 0.07), math.pi / 7.0),
+            CycleAction(
+                ((0.1, 0.0), (1.0 / 3.0, -0.2)), SidePush(2, 1.0 / 3.0, 0.1, 0.07), math.pi / 7.0
+            ),
             CycleAction(()),
             CycleAction(),
         ),
@@ -96,10 +100,14 @@ LOOPS = {
     "another material": CollectionLoop.mit("delrin"),
     "what a material brings along": CollectionLoop.mit("plywood-measured"),
     "another push and rod": CollectionLoop.mit(
-        push=SidePush(2, 1.0 / 3.0, 0.2, 0.07), pusher=Pusher(0.006, 0.31), reset=DragBack(((0.03, 0.1),), 0.001)
+        push=SidePush(2, 1.0 / 3.0, 0.2, 0.07),
+        pusher=Pusher(0.006, 0.31),
+        reset=DragBack(((0.03, 0.1),), 0.001),
     ),
     "another ring, mass and centre": CollectionLoop.mit(
-        slider=replace(Slider.mit("hex"), hitch=(0.01, -0.02), mass=2.0, centre_of_mass=(0.004, 0.001))
+        slider=replace(
+            Slider.mit("hex"), hitch=(0.01, -0.02), mass=2.0, centre_of_mass=(0.004, 0.001)
+        )
     ),
     "an ellipse": CollectionLoop.mit(slider=Slider(Ellipse(0.05, 0.07))),
     "a triangle on its rim": CollectionLoop.mit(
@@ -122,7 +130,9 @@ def test_a_loop_comes_back_and_runs_the_same_cycle(tmp_path) -> None:
 
 
 def test_what_a_material_brings_along_is_left_to_the_material() -> None:
-    """A protocol made for one surface must not carry that surface's own rod friction and ring to another."""
+    """A protocol made for one surface must not carry that surface's own rod friction and ring to
+    another.
+    """
     brought, other = (
         {key for table in tomllib.loads(protocol_text(LOOPS[name], None)).values() for key in table}
         for name in ("what a material brings along", "another push and rod")
@@ -133,7 +143,13 @@ def test_what_a_material_brings_along_is_left_to_the_material() -> None:
 
 def test_noise_and_prediction_stand_in_the_file_and_do_not_disturb_it(tmp_path) -> None:
     path = tmp_path / "protocol.toml"
-    scores = {"tv_from_uniform": 0.04, "reach_cycles": 12, "certified": True, "peaks_deg": [10.0, 200.0], "none": None}
+    scores = {
+        "tv_from_uniform": 0.04,
+        "reach_cycles": 12,
+        "certified": True,
+        "peaks_deg": [10.0, 200.0],
+        "none": None,
+    }
     write_protocol(path, LOOP, COIN, noise=0.02, predicted=scores)
     settings, strategy = read_protocol(path)
     assert settings["noise_deg"] == pytest.approx(math.degrees(0.02), abs=1e-14)
@@ -157,7 +173,10 @@ BAD_STRATEGIES = [
     ("actions = [{ sid = 1 }]", "unknown key 'sid': did you mean 'side'"),
     ("actions = [{ side = 1, push_mm = 9 }]", "fraction is missing"),
     ("actions = [{ side = 1.5, fraction = 0.5, push_mm = 9 }]", "side must be a whole number"),
-    ("actions = [{ side = 1, fraction = 0.5, push_mm = nan }]", "push_mm = NaN: must be a finite number"),
+    (
+        "actions = [{ side = 1, fraction = 0.5, push_mm = nan }]",
+        "push_mm = NaN: must be a finite number",
+    ),
     ("actions = [{ side = 1, fraction = 0.5, push_mm = -3 }]", "push distance must be positive"),
     ("actions = [{ way_points_mm = [[1, 2, 3]] }]", "way_points_mm must hold [x, y]"),
     ("actions = [{ gripper_turn_deg = true }]", "must be a number"),
@@ -169,9 +188,15 @@ BAD_STRATEGIES = [
     (f"hitch_mm = 3\nactions = [{ONE}]", "hitch_mm must hold [x, y]"),
 ]
 BAD_FILES = [
-    ('strategy = "leg"', "[strategy]: must be a table with order, block, hitch_mm, actions, not 'leg'"),
+    (
+        'strategy = "leg"',
+        "[strategy]: must be a table with order, block, hitch_mm, actions, not 'leg'",
+    ),
     (f"[push]\npush_mm = 1{'0' * 5000}", "a number has more digits"),
-    ("[push]\npush_mm = 1e99999999999999999999", "a number has more digits, or a larger power of ten"),
+    (
+        "[push]\npush_mm = 1e99999999999999999999",
+        "a number has more digits, or a larger power of ten",
+    ),
     (f"[push]\nway_points_mm = {'[' * 2000}{']' * 2000}", "nested too deeply"),
     ("[predicted]\nscore = {a = 1}", "[predicted] score must be a number"),
     ("predicted = 3", "predicted must be a table of scores"),
@@ -180,13 +205,20 @@ BAD_FILES = [
 ]
 
 
-def test_a_bad_protocol_is_told_by_file_key_and_value_and_what_is_left_out_takes_its_default(protocol_file) -> None:
+def test_a_bad_protocol_is_told_by_file_key_and_value_and_what_is_left_out_takes_its_default(
+    protocol_file,
+) -> None:
     action = "[[strategy.actions]]\nside = 2\nfraction = 0.6\npush_mm = 80\n"
     found = read_protocol(protocol_file(f"[push]\nside = 2\n[strategy]\n{action}"))
     assert found == ({"side": 2}, ResetStrategy((CycleAction(push=SidePush(2, 0.6, 0.0, 0.08)),)))
     for text, said in BAD_FILES:
         path = protocol_file(f"{text}\n")
-        refused(read_protocol, path, told=f"^{re.escape(str(path))}.*{re.escape(said)}", kind=DataFileError)
+        refused(
+            read_protocol,
+            path,
+            told=f"^{re.escape(str(path))}.*{re.escape(said)}",
+            kind=DataFileError,
+        )
 
 
 def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) -> None:
@@ -200,7 +232,8 @@ def test_what_could_not_be_read_back_leaves_the_file_as_it_was(protocol_file) ->
 
 
 def test_a_floor_without_the_variation_that_its_material_has_is_refused_not_changed() -> None:
-    """No key says that a floor does not vary with the place: read back, the loop would be another."""
+    """No key says that a floor does not vary with the place: read back,
+    the loop would be another."""
     loop = CollectionLoop.mit("plywood-floor")
     assert isinstance(loop.footprint, PressedFootprint)
     alike = replace(loop, footprint=replace(loop.footprint, field=None))

@@ -1,4 +1,6 @@
-"""Schedules as CSV: the same actions come back, the robot's columns agree with the mechanics, damage is refused."""
+"""Schedules as CSV: the same actions come back, the robot's columns agree with the mechanics,
+damage is refused.
+"""
 
 import csv
 import math
@@ -46,22 +48,32 @@ def test_a_change_of_any_digit_is_noticed_by_the_checksum(schedule) -> None:
         refused(read_schedule, schedule, told="not as it was written", kind=DataFileError)
 
 
-def test_the_actions_come_back_exactly_with_push_and_way_points_filled_in(schedule, tmp_path) -> None:
+def test_the_actions_come_back_exactly_with_push_and_way_points_filled_in(
+    schedule, tmp_path
+) -> None:
     assert read_schedule(schedule) == tuple(action.filled(LOOP) for action in MIXED.run(6, 3))
-    ring = ResetStrategy((CycleAction(turn=math.pi / 7.0), CycleAction(())), hitch=(0.01, 1.0 / 300.0))
+    ring = ResetStrategy(
+        (CycleAction(turn=math.pi / 7.0), CycleAction(())), hitch=(0.01, 1.0 / 300.0)
+    )
     write_schedule(tmp_path / "ring.csv", LOOP, ring, 25, seed=7)
     prepared = ring.prepared(LOOP)
-    assert read_schedule(tmp_path / "ring.csv") == tuple(action.filled(prepared) for action in ring.run(25, 7))
+    assert read_schedule(tmp_path / "ring.csv") == tuple(
+        action.filled(prepared) for action in ring.run(25, 7)
+    )
 
 
 def test_a_run_by_the_file_is_the_run_that_was_written(schedule) -> None:
-    """The robot's schedule, run by the mechanics, gives the orientations of the strategy with that seed."""
+    """The robot's schedule, run by the mechanics, gives the orientations of the strategy with that
+    seed.
+    """
     told = run_strategy(LOOP, MIXED, 6, sigma=0.02, seed=3)
     follower = ResetStrategy(read_schedule(schedule), order="in turn")
     assert np.array_equal(told.theta, run_strategy(LOOP, follower, 6, sigma=0.02, seed=3).theta)
     assert len(set(told.action[0].tolist())) == 2
     text = schedule.read_text()
-    assert {"# strategy: 2 actions, random", "# seed: 3", "# cycles: 6", "# needs: gripper"} <= set(text.splitlines())
+    assert {"# strategy: 2 actions, random", "# seed: 3", "# cycles: 6", "# needs: gripper"} <= set(
+        text.splitlines()
+    )
     assert "its ring at (-10.6066" in text
 
 
@@ -76,21 +88,32 @@ def test_the_robots_columns_are_where_the_mechanics_puts_rod_and_ring(schedule) 
     assert len(rows) == 6
     for row, action in zip(rows, read_schedule(schedule), strict=True):
         pushed = LOOP.model.push(LOOP.start_pose(0.4), action.push)
-        start, direction = pushed.trajectory.pusher[0], np.diff(pushed.trajectory.pusher[[0, -1]], axis=0)[0]
+        start, direction = (
+            pushed.trajectory.pusher[0],
+            np.diff(pushed.trajectory.pusher[[0, -1]], axis=0)[0],
+        )
         at = LOOP.start_pose(0.4).to_object(*start)
-        assert [float(row["rod_x_mm"]), float(row["rod_y_mm"])] == pytest.approx([1e3 * part for part in at], abs=1e-8)
+        assert [float(row["rod_x_mm"]), float(row["rod_y_mm"])] == pytest.approx(
+            [1e3 * part for part in at], abs=1e-8
+        )
         turned = math.atan2(direction[1], direction[0]) - 0.4
-        assert [float(row["push_dx"]), float(row["push_dy"])] == pytest.approx([math.cos(turned), math.sin(turned)])
+        assert [float(row["push_dx"]), float(row["push_dy"])] == pytest.approx(
+            [math.cos(turned), math.sin(turned)]
+        )
         place = np.array([float(row["way_point_1_x_mm"]), float(row["way_point_1_y_mm"])])
         for leg in (1, 2):
             bearing = math.radians(float(row[f"leg_{leg}_direction_deg"]))
-            place = place + float(row[f"leg_{leg}_mm"]) * np.array([math.cos(bearing), math.sin(bearing)])
+            place = place + float(row[f"leg_{leg}_mm"]) * np.array(
+                [math.cos(bearing), math.sin(bearing)]
+            )
         assert place == pytest.approx([0.0, 0.0], abs=1e-8)
         assert float(row["leg_2_mm"]) == pytest.approx(50.0)
 
 
 def test_a_damaged_field_is_refused_with_its_line(unsealed) -> None:
-    """A way-point moved by a hundredth of a micrometre, too: beside it stand direction and length of the leg."""
+    """A way-point moved by a hundredth of a micrometre, too: beside it stand direction and length
+    of the leg.
+    """
     lines = unsealed.read_text().splitlines()
     at = next(number for number, line in enumerate(lines) if line.startswith("2,"))
     header = next(line for line in lines if line.startswith("cycle,")).split(",")
@@ -113,11 +136,14 @@ def test_a_damaged_field_is_refused_with_its_line(unsealed) -> None:
         fields = lines[at].split(",")
         fields[header.index(column)] = value
         unsealed.write_text("\n".join([*lines[:at], ",".join(fields), *lines[at + 1 :]]) + "\n")
-        refused(read_schedule, unsealed, told=f"schedule.csv, line {at + 1}.*{said}", kind=DataFileError)
+        refused(
+            read_schedule, unsealed, told=f"schedule.csv, line {at + 1}.*{said}", kind=DataFileError
+        )
 
 
 def test_a_file_cut_anywhere_is_refused(unsealed) -> None:
-    """Every proper beginning of the file, at every character: none is read as a shorter schedule."""
+    """Every proper beginning of the file, at every character:
+    none is read as a shorter schedule."""
     text = unsealed.read_text()
     body = text.index("cycle,side")
     cuts = range(body, len(text), 7)
@@ -132,7 +158,10 @@ def test_a_file_that_lacks_something_is_refused(unsealed) -> None:
     lines = text.splitlines()
     for changed, said in (
         (text.replace("# cycles: 6\n", ""), "'# cycles: N' is missing"),
-        (text.replace("# cycles: 6", f"# cycles: {'9' * 5000}"), "'# cycles: N' is missing or damaged"),
+        (
+            text.replace("# cycles: 6", f"# cycles: {'9' * 5000}"),
+            "'# cycles: N' is missing or damaged",
+        ),
         (text.replace("push_mm,", "push,"), "push_mm is missing"),
         (text.replace("way_point_1_x_mm,", "way_point_1_x_m,"), "unknown column 'way_point_1_x_m'"),
         ("\n".join(lines[:-1]) + "\n", "5 cycles of the 6 that the comments promise"),

@@ -1,4 +1,6 @@
-"""Arcs of the circle that a collection keeps to: told within thirty pushes, and never of a climb, however slow."""
+"""Arcs of the circle that a collection keeps to: told within thirty pushes, and never of a climb,
+however slow.
+"""
 
 import math
 
@@ -24,7 +26,9 @@ def evidence_of(path, seed=0) -> float:
 
 
 def first_alarm(path, seed=0) -> float:
-    """At which push the monitor's kinds of evidence raise an alarm, coverage left out; inf where they do not."""
+    """At which push the monitor's kinds of evidence raise an alarm, coverage left out; inf where
+    they do not.
+    """
     rest, blocks, arcs = RestEvidence(RestRule()), VisitEvidence(seed=seed), ArcEvidence(seed)
     for push, theta in enumerate(np.asarray(path).tolist()):
         for one in (rest, blocks, arcs):
@@ -52,10 +56,14 @@ def test_the_monitor_tells_half_a_circle_and_where_it_lies() -> None:
 
 
 def unbiased_climb(random, pushes):
-    """Steady turns of 1.5 to 40 degrees with 1.1 to 8 degrees of noise, from anywhere, either way round."""
+    """Steady turns of 1.5 to 40 degrees with 1.1 to 8 degrees of noise, from anywhere, either way
+    round.
+    """
     turn, noise = np.radians(np.exp(random.uniform(np.log([1.5, 1.1]), np.log([40.0, 8.0]))))
     way = random.choice([-1.0, 1.0])
-    return random.uniform(0.0, 2.0 * np.pi) + np.cumsum(way * turn + noise * random.standard_normal(pushes))
+    return random.uniform(0.0, 2.0 * np.pi) + np.cumsum(
+        way * turn + noise * random.standard_normal(pushes)
+    )
 
 
 @pytest.mark.slow
@@ -69,7 +77,9 @@ def test_a_thousand_unbiased_climbs_raise_ten_alarms_at_most() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("material", ["isotropic", "pu"])
 def test_slow_climbs_with_the_mechanics_turns_are_no_arcs(material) -> None:
-    """Pu turns the square by 4 to 16 degrees a cycle: in 48 pushes it goes round, more slowly here than there."""
+    """Pu turns the square by 4 to 16 degrees a cycle: in 48 pushes it goes round, more slowly here
+    than there.
+    """
     loop, noise = CollectionLoop.mit(material), WrappedNormal(math.radians(1.1))
     starts = np.random.default_rng(9).uniform(0.0, 2.0 * np.pi, 100)
     paths = sample_staircases(loop.circle_map(tolerance=1e-3), noise, CHECKS[-1], starts, seed=9)
@@ -79,7 +89,9 @@ def test_slow_climbs_with_the_mechanics_turns_are_no_arcs(material) -> None:
 
 @pytest.mark.slow
 def test_the_mean_evidence_is_one_at_most_for_turns_of_any_law() -> None:
-    """Where turns are wide the first look promises something once in some dozens; within four standard errors."""
+    """Where turns are wide the first look promises something once in some dozens; within four
+    standard errors.
+    """
     random = np.random.default_rng(5)
     found = []
     for number in range(400):
@@ -95,7 +107,9 @@ def test_evidence_knows_neither_the_origin_nor_whole_turns_nor_the_way_of_lookin
     plain = evidence_of(path)
     assert plain > 1.0 and evidence_of(path) == plain
     assert evidence_of(path + 0.7) == pytest.approx(plain, rel=1e-6)
-    assert evidence_of(path + 2 * np.pi * random.integers(-2, 3, 25)) == pytest.approx(plain, rel=1e-6)
+    assert evidence_of(path + 2 * np.pi * random.integers(-2, 3, 25)) == pytest.approx(
+        plain, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("turn_deg", [0.0, 3.0, 8.0, 120.0])
@@ -105,18 +119,25 @@ def test_equal_turns_tell_nothing_for_all_their_orders_are_one(turn_deg) -> None
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 1000), st.floats(0.5, 30.0), st.floats(0.0, 3.0))
-def test_a_climb_that_never_turns_back_tells_nothing_whatever_its_turns_depend_on(seed, mean_deg, pull) -> None:
+def test_a_climb_that_never_turns_back_tells_nothing_whatever_its_turns_depend_on(
+    seed, mean_deg, pull
+) -> None:
     """Turns that swing with θ0 and in any order: all orders lie between the same ends."""
     random, path = np.random.default_rng(seed), [0.0]
     for _ in range(49):
-        path.append(path[-1] + np.radians(mean_deg) * np.exp(pull * np.cos(path[-1]) + random.standard_normal()))
+        path.append(
+            path[-1]
+            + np.radians(mean_deg) * np.exp(pull * np.cos(path[-1]) + random.standard_normal())
+        )
     assert evidence_of(path) == 0.0
 
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 1000))
 def test_the_likelihood_over_all_second_pushes_has_the_mean_of_chance(seed) -> None:
-    """A density over the uniform one: its mean over even places of the second visit is that of the first alone, 1."""
+    """A density over the uniform one: its mean over even places of the second visit is that of the
+    first alone, 1.
+    """
     places = np.arange(36) * (2 * np.pi / 36) + 1e-3 * seed / 1000
     assert arc_likelihoods(places[:, None]).mean() == pytest.approx(1.0)
 

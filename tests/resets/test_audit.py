@@ -1,4 +1,6 @@
-"""An audit tells a lock-in from a spread, what the reset took back, and says when the data cannot tell."""
+"""An audit tells a lock-in from a spread, what the reset took back, and says when the data cannot
+tell.
+"""
 
 import numpy as np
 import pytest
@@ -31,7 +33,9 @@ def test_a_collection_that_ends_in_one_direction_is_told_from_which_push_on(tmp_
     assert 20 <= found.locked_from <= 30
     assert found.gathered > 0.95 and found.worth < 40 and not found.is_good
     assert "locks in from push" in audit_headline(found)
-    assert "lock in about 6" in audit_paragraph(found) and "cyclemap reset" in audit_paragraph(found)
+    assert "lock in about 6" in audit_paragraph(found) and "cyclemap reset" in audit_paragraph(
+        found
+    )
 
 
 def test_orientations_spread_evenly_are_good_as_they_are(tmp_path) -> None:
@@ -51,7 +55,9 @@ def test_part_of_the_circle_is_named_and_too_few_pushes_are_refused(tmp_path) ->
 
 @pytest.mark.slow
 def test_what_the_reset_took_back_is_told_where_poses_tell_it(tmp_path) -> None:
-    """Pushes of 60 ± 5 degrees and resets that take back nine tenths of each: exactly, by construction."""
+    """Pushes of 60 ± 5 degrees and resets that take back nine tenths of each: exactly, by
+    construction.
+    """
     turn = 60.0 + np.random.default_rng(4).normal(0.0, 5.0, 80)
     theta = np.concatenate([[0.0], np.cumsum(0.1 * turn)])[:80]
     found = audit(table(tmp_path, theta, turn))

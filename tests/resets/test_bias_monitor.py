@@ -1,4 +1,6 @@
-"""The monitor raises its alarm early where data lock in, as seldom as promised where they do not, and starts anew."""
+"""The monitor raises its alarm early where data lock in, as seldom as promised where they do not,
+and starts anew.
+"""
 
 import math
 
@@ -19,8 +21,12 @@ def apart(a, b) -> float:
     return abs((a - b + math.pi) % (2 * math.pi) - math.pi)
 
 
-def test_on_measured_plywood_the_alarm_comes_within_twenty_pushes_of_the_first_long_rest(measured_data) -> None:
-    """Push 0 is no reset start; the first rest begins at push 2 near 81 degrees and creeps to 100 in 470 pushes."""
+def test_on_measured_plywood_the_alarm_comes_within_twenty_pushes_of_the_first_long_rest(
+    measured_data,
+) -> None:
+    """Push 0 is no reset start; the first rest begins at push 2 near 81 degrees and creeps to 100
+    in 470 pushes.
+    """
     path = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv").path
     assert path.size == 2000
     monitor = BiasMonitor()
@@ -40,10 +46,14 @@ def test_on_measured_plywood_the_alarm_comes_within_twenty_pushes_of_the_first_l
 
 UNBIASED = {
     "independent uniform": lambda random: random.uniform(0, 2 * np.pi, 600),
-    "isotropic rotation": lambda random: np.cumsum(np.radians(8.0 + 1.1 * random.standard_normal(600))),
+    "isotropic rotation": lambda random: np.cumsum(
+        np.radians(8.0 + 1.1 * random.standard_normal(600))
+    ),
     "slow walk": lambda random: np.cumsum(np.radians(3.0 + 1.1 * random.standard_normal(600))),
     "slower walk": lambda random: np.cumsum(np.radians(2.0 + 1.1 * random.standard_normal(600))),
-    "thirds of a turn": lambda random: np.cumsum(np.radians(120.0 + 5.0 * random.standard_normal(600))),
+    "thirds of a turn": lambda random: np.cumsum(
+        np.radians(120.0 + 5.0 * random.standard_normal(600))
+    ),
     "half turns": lambda random: np.cumsum(np.radians(180.0 + 5.0 * random.standard_normal(600))),
     "wide noise": lambda random: np.cumsum(np.radians(40.0 * random.standard_normal(600))),
 }
@@ -52,7 +62,9 @@ UNBIASED = {
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(UNBIASED))
 def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> None:
-    """20 collections at a rate of one fifth: 4 at most on average, 3 standard deviations above allowed."""
+    """20 collections at a rate of one fifth: 4 at most on average, 3 standard deviations above
+    allowed.
+    """
     random = np.random.default_rng(17)
     alarms = 0
     for seed in range(20):
@@ -69,7 +81,12 @@ def test_unbiased_collections_raise_alarms_no_more_often_than_promised(kind) -> 
 def test_the_monitor_joins_both_kinds_of_evidence_and_halves_the_rate_between_them() -> None:
     random = np.random.default_rng(8)
     path = random.vonmises(1.0, 3.0, 200).tolist()
-    rest, visits, arcs, monitor = RestEvidence(RestRule()), VisitEvidence(), ArcEvidence(), BiasMonitor(0.05)
+    rest, visits, arcs, monitor = (
+        RestEvidence(RestRule()),
+        VisitEvidence(),
+        ArcEvidence(),
+        BiasMonitor(0.05),
+    )
     raised = []
     for push, theta in enumerate(path):
         report = monitor.update(theta)
@@ -130,7 +147,11 @@ def test_a_number_that_is_none_is_refused_and_leaves_the_monitor_as_it_was() -> 
     for wrong in (math.nan, math.inf, "1.0", None):
         refused(monitor.update, wrong, told="theta must be a finite number")
     for far in (1e300, -1.0001e9):
-        refused(monitor.update, far, told=r"theta .*1e[+]\d+ rad is over 1e[+]09: its fraction of a turn is lost")
+        refused(
+            monitor.update,
+            far,
+            told=r"theta .*1e[+]\d+ rad is over 1e[+]09: its fraction of a turn is lost",
+        )
     assert monitor.report == before and monitor.update(-1e9).push == before.push + 1
     for rate in (0.0, 1.0, -0.1, math.nan):
         refused(BiasMonitor, rate, told="alarm_rate must")

@@ -58,7 +58,11 @@ def test_following_the_advice_halves_the_gaps_again_and_again() -> None:
 def test_the_least_covered_direction_is_the_least_visited_one_where_all_are_visited() -> None:
     """A crowd opposite does not outweigh what is near by."""
     even = np.arange(0.0, 2 * np.pi, np.radians(2.0))
-    visited = np.r_[even[np.abs(even - 4.0) > 0.15], np.full(1000, 1.0), np.tile(even[np.abs(even - 4.0) > 0.6], 5)]
+    visited = np.r_[
+        even[np.abs(even - 4.0) > 0.15],
+        np.full(1000, 1.0),
+        np.tile(even[np.abs(even - 4.0) > 0.6], 5),
+    ]
     assert covering(visited).state().least_covered == pytest.approx(4.0, abs=0.1)
 
 
@@ -91,7 +95,9 @@ def test_the_next_action_is_the_one_that_lands_where_least_is_recorded() -> None
     maps = [CircleMap.rigid(turns) for turns in (0.02, 0.5, 0.1)]
     chosen = next_action(maps, coverage, 1.0)
     assert (chosen.number, chosen.lands) == (1, pytest.approx(1.0 + np.pi))
-    assert chosen.crowding == pytest.approx(float(coverage.crowding.at(np.array([[1.0 + np.pi]]))[0, 0]))
+    assert chosen.crowding == pytest.approx(
+        float(coverage.crowding.at(np.array([[1.0 + np.pi]]))[0, 0])
+    )
     assert next_action(maps, Coverage(), 1.0).number == 0
     for bad, maps_given in ((math.nan, maps), (1.0, [])):
         refused(next_action, maps_given, coverage, bad)

@@ -1,4 +1,6 @@
-"""Distributions of orientations against closed forms, operators made otherwise, brute force and simulation."""
+"""Distributions of orientations against closed forms, operators made otherwise, brute force and
+simulation.
+"""
 
 import math
 
@@ -14,7 +16,9 @@ N = 720
 THETA = 2.0 * math.pi * np.arange(N) / N
 ONE = ResetStrategy((CycleAction(),))
 PAIR = ResetStrategy((CycleAction(), CycleAction(turn=1.0)))
-TURNS = np.array([0.5 + 0.3 * np.sin(THETA), 2.0 - 0.25 * np.cos(2.0 * THETA) + 0.1 * np.sin(THETA)])
+TURNS = np.array(
+    [0.5 + 0.3 * np.sin(THETA), 2.0 - 0.25 * np.cos(2.0 * THETA) + 0.1 * np.sin(THETA)]
+)
 
 
 def test_one_map_has_the_stationary_distribution_of_the_transfer_operator() -> None:
@@ -36,7 +40,9 @@ def test_a_rotation_keeps_the_uniform_distribution_and_forgets_by_its_noise_alon
     sigma = 0.4
     law = orientation_law(np.full((1, N), 2.0), ONE, sigma, pushes=20)
     assert law.total_variation == pytest.approx(0.0, abs=1e-12)
-    assert slowest_factor(np.full((1, N), 2.0), ONE, sigma) == pytest.approx(math.exp(-0.5 * sigma**2))
+    assert slowest_factor(np.full((1, N), 2.0), ONE, sigma) == pytest.approx(
+        math.exp(-0.5 * sigma**2)
+    )
     orders = np.arange(1, 30)
     left = np.exp(-0.5 * 20 * (orders * sigma) ** 2)
     density = 2.0 * np.cos(np.outer(THETA, orders)) @ left
@@ -47,7 +53,9 @@ def test_a_rotation_keeps_the_uniform_distribution_and_forgets_by_its_noise_alon
 def test_turning_the_surface_changes_no_total_variation(order) -> None:
     """f -> alpha + f(theta - alpha) for every action conjugates the chain."""
     strategy = ResetStrategy(PAIR.actions, order=order)
-    laws = [orientation_law(np.roll(TURNS, shift, axis=1), strategy, 0.05) for shift in (0, 60, 250)]
+    laws = [
+        orientation_law(np.roll(TURNS, shift, axis=1), strategy, 0.05) for shift in (0, 60, 250)
+    ]
     assert laws[0].total_variation > 0.01
     for law in laws[1:]:
         assert law.total_variation == pytest.approx(laws[0].total_variation, abs=2e-4)
@@ -56,20 +64,29 @@ def test_turning_the_surface_changes_no_total_variation(order) -> None:
 
 @pytest.mark.parametrize("order", ["random", "in turn", "shuffled"])
 def test_simulated_orientations_follow_the_law(order) -> None:
-    """40,000 orientations from the maps in 24 bins: chi-square over runs, each bin within four standard errors."""
+    """40,000 orientations from the maps in 24 bins: chi-square over runs, each bin within four
+    standard errors.
+    """
     strategy = ResetStrategy(PAIR.actions, order=order)
     law = orientation_law(TURNS, strategy, 0.3)
     theta = sampled_orientations(TURNS, strategy, 400, 200, 0.3, seed=1)[:, 200:]
-    counts = np.array([np.histogram(row % (2 * math.pi), 24, (0.0, 2 * math.pi))[0] for row in theta]) / 200.0
+    counts = (
+        np.array([np.histogram(row % (2 * math.pi), 24, (0.0, 2 * math.pi))[0] for row in theta])
+        / 200.0
+    )
     around = np.r_[law.density, law.density[:1]]
-    exact = np.array([np.trapezoid(around[15 * k : 15 * k + 16]) for k in range(24)]) * math.radians(1.0)
+    exact = np.array(
+        [np.trapezoid(around[15 * k : 15 * k + 16]) for k in range(24)]
+    ) * math.radians(1.0)
     error = counts.std(axis=0, ddof=1) / math.sqrt(len(counts))
     assert np.all(np.abs(counts.mean(axis=0) - exact) < 4.5 * error + 2e-4)
 
 
 @pytest.mark.parametrize("pushes", [4, 6])
 def test_blocks_of_unequal_shares_are_averaged_over_all_their_orders_alike(pushes) -> None:
-    """Three of one action and one of another: what is left is the mean over the orders, made one by one on a grid."""
+    """Three of one action and one of another: what is left is the mean over the orders, made one by
+    one on a grid.
+    """
     strategy = ResetStrategy(PAIR.actions, (3.0, 1.0), order="shuffled")
     law = orientation_law(TURNS, strategy, 0.2, pushes)
     step = THETA[:, None] - THETA[None]
@@ -90,7 +107,9 @@ def test_blocks_of_unequal_shares_are_averaged_over_all_their_orders_alike(pushe
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("order", "pushes"), [("random", 6), ("shuffled", 5)])
-def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show(order, pushes) -> None:
+def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show(
+    order, pushes
+) -> None:
     """In the middle of a block, too."""
     strategy = ResetStrategy(PAIR.actions, order=order)
     law = orientation_law(TURNS, strategy, 0.2, pushes)
@@ -107,4 +126,6 @@ def test_after_n_pushes_is_what_simulated_collections_from_the_worst_start_show(
 
 def test_blocks_too_long_to_average_over_are_refused() -> None:
     many = ResetStrategy(tuple(CycleAction(turn=float(k)) for k in range(12)), order="shuffled")
-    refused(orientation_law, np.zeros((12, 96)), many, 0.1, told="passes through 4096 sets of actions")
+    refused(
+        orientation_law, np.zeros((12, 96)), many, 0.1, told="passes through 4096 sets of actions"
+    )

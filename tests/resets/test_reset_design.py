@@ -1,4 +1,6 @@
-"""The design of a reset for plywood: what it promises is what the mechanics do, and demands bind as they should."""
+"""The design of a reset for plywood: what it promises is what the mechanics do, and demands bind as
+they should.
+"""
 
 import math
 from dataclasses import replace
@@ -40,8 +42,12 @@ def row_of(design, role):
     return found
 
 
-def test_it_finds_what_is_more_uniform_and_more_certain_than_the_coin_between_sides_1_and_2(design) -> None:
-    """The loop's own push on two sides leaves .0385, and .0387 after 50 pushes from the worst start."""
+def test_it_finds_what_is_more_uniform_and_more_certain_than_the_coin_between_sides_1_and_2(
+    design,
+) -> None:
+    """The loop's own push on two sides leaves .0385, and .0387 after 50 pushes from the worst
+    start.
+    """
     chosen, coin = design.chosen, row_of(design, "yours")
     assert coin.nominal.total_variation == pytest.approx(0.0385, abs=2e-4)
     assert coin.nominal.after == pytest.approx(0.0387, abs=2e-4)
@@ -54,7 +60,9 @@ def test_it_finds_what_is_more_uniform_and_more_certain_than_the_coin_between_si
 
 
 def test_rows_are_few_and_each_has_its_role(design) -> None:
-    """Six at most beside the chosen one; one's own strategy is told in place of what a gripper could do."""
+    """Six at most beside the chosen one; one's own strategy is told in place of what a gripper
+    could do.
+    """
     roles = [role for row in design.rows for role in row.roles]
     assert len(design.rows) <= 7 and roles[0] == "chosen" and roles[-1] == "as it is"
     assert len(set(roles)) == len(roles)
@@ -71,29 +79,46 @@ def test_the_worst_of_the_range_is_where_it_is_said_to_be(design) -> None:
     """Laws made anew on every material that was tried, from finer samples."""
     row = design.chosen
     materials = design.about.materials
-    turns = sample_turns(row.strategy.prepared(LOOP), row.strategy.actions, materials, 72).refined(1024)
-    laws = {m.name: orientation_law(turn, row.strategy, SIGMA) for m, turn in zip(materials, turns, strict=True)}
+    turns = sample_turns(row.strategy.prepared(LOOP), row.strategy.actions, materials, 72).refined(
+        1024
+    )
+    laws = {
+        m.name: orientation_law(turn, row.strategy, SIGMA)
+        for m, turn in zip(materials, turns, strict=True)
+    }
     assert row.worst == pytest.approx(max(law.total_variation for law in laws.values()), abs=3e-3)
     assert row.worst_after == pytest.approx(max(law.after for law in laws.values()), abs=3e-3)
     assert laws[row.worst_material.name].after == pytest.approx(row.worst_after, abs=3e-3)
 
 
-def test_thousands_of_pushes_by_the_mechanics_show_the_histograms_that_were_promised(design) -> None:
-    """40 collections of 250 pushes on the worst material, against the same number from the row's promise."""
+def test_thousands_of_pushes_by_the_mechanics_show_the_histograms_that_were_promised(
+    design,
+) -> None:
+    """40 collections of 250 pushes on the worst material, against the same number from the row's
+    promise.
+    """
     demands = replace(design.demands, pushes=250)
     row, runs = design.chosen, 40
     loop = replace(LOOP, material=row.worst_material, accuracy=1e-5)
     turn = sample_turns(loop, row.strategy.actions, [row.worst_material], 72).refined(720)[0]
-    promised = cm.resets.sampled_orientations(turn, row.strategy, demands.pushes, 400, SIGMA, seed=9)
+    promised = cm.resets.sampled_orientations(
+        turn, row.strategy, demands.pushes, 400, SIGMA, seed=9
+    )
     start = np.random.default_rng(3).uniform(0.0, 2.0 * math.pi, runs)
-    run = run_strategy(loop, row.strategy, demands.pushes, runs=runs, start=start, sigma=SIGMA, seed=8)
-    expected, found = (histogram_distances(histogram_shares(path)) for path in (promised, run.theta[:, :-1]))
+    run = run_strategy(
+        loop, row.strategy, demands.pushes, runs=runs, start=start, sigma=SIGMA, seed=8
+    )
+    expected, found = (
+        histogram_distances(histogram_shares(path)) for path in (promised, run.theta[:, :-1])
+    )
     error = math.sqrt(found.var(ddof=1) / runs + expected.var(ddof=1) / 400)
     assert abs(found.mean() - expected.mean()) < 3.5 * error
 
 
 def test_every_pair_of_pushes_was_looked_at() -> None:
-    """Brute force over the pairs of a small set: none is more uniform than the best that the search kept."""
+    """Brute force over the pairs of a small set: none is more uniform than the best that the search
+    kept.
+    """
     about = material_range(LOOP.material)
     source = push_set(LOOP, about, SIGMA, 0.12)
     pairs = np.array(list(combinations(range(len(source.actions)), 2)))
@@ -108,7 +133,9 @@ def test_every_pair_of_pushes_was_looked_at() -> None:
 
 
 def test_a_loop_whose_histogram_is_nearer_to_uniform_than_any_reset_is_left_as_it_is() -> None:
-    """On friction that is isotropic for certain cycles step evenly around the circle, though each tells its start."""
+    """On friction that is isotropic for certain cycles step evenly around the circle, though each
+    tells its start.
+    """
     even = replace(LOOP, material=cm.load_material("isotropic"))
     demands = ResetDemands(keep_push=True, abilities=("gripper",))
     left = design_reset(even, demands, materials=material_range(even.material, 0.0, 0.0))
@@ -120,7 +147,9 @@ def test_a_loop_whose_histogram_is_nearer_to_uniform_than_any_reset_is_left_as_i
 
 
 def test_contact_is_demanded_at_least() -> None:
-    """The loop's own push keeps the object for 132 mm: enough for 120, too little for 140, which is then what binds."""
+    """The loop's own push keeps the object for 132 mm: enough for 120, too little for 140, which is
+    then what binds.
+    """
     narrow = material_range(LOOP.material, 0.0, 0.0)
     for contact, misses in ((0.12, False), (0.14, True)):
         demands = ResetDemands(keep_push=True, abilities=("gripper",), contact=contact, pushes=100)
@@ -131,21 +160,28 @@ def test_contact_is_demanded_at_least() -> None:
 
 
 def test_demands_that_nothing_meets_are_answered_by_the_nearest_and_what_binds() -> None:
-    kept = design_reset(LOOP, ResetDemands(keep_push=True), materials=material_range(LOOP.material, 0.1, 0.0))
+    kept = design_reset(
+        LOOP, ResetDemands(keep_push=True), materials=material_range(LOOP.material, 0.1, 0.0)
+    )
     assert not kept.met and {"tv", "after"} <= set(kept.chosen.misses)
     assert all(action.push is None for action in kept.chosen.strategy.actions)
     least = {limit.demand: limit.value for limit in kept.binding}
     assert least["tv"] > kept.demands.allow_tv and least["after"] >= least["tv"] - 1e-9
-    assert "gripper" not in kept.chosen.strategy.needs and row_of(kept, "with a gripper").lacking == ("gripper",)
+    assert "gripper" not in kept.chosen.strategy.needs and row_of(
+        kept, "with a gripper"
+    ).lacking == ("gripper",)
     assert len(kept.rows) <= 7
     able = design_reset(
-        LOOP, replace(kept.demands, abilities=("gripper",)), materials=material_range(LOOP.material, 0.1, 0.0)
+        LOOP,
+        replace(kept.demands, abilities=("gripper",)),
+        materials=material_range(LOOP.material, 0.1, 0.0),
     )
     assert able.met and able.chosen.strategy.needs == ("gripper",)
 
 
 def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
-    """Where offsets may be half as large only gripper turns in steps of 10 degrees do it; where they are known, four.
+    """Where offsets may be half as large only gripper turns in steps of 10 degrees do it; where
+    they are known, four.
 
     The worst of the samples, against laws made anew from loops on each of them.
     """
@@ -154,9 +190,14 @@ def test_a_material_with_a_narrow_posterior_is_designed_for_by_that() -> None:
     posterior = MaterialPosterior(("mu_a", "m0", "pusher_mu"), tuple(drawn.tolist()))
     known = replace(LOOP.material, found_with=FoundWith(pusher_friction=0.15), posterior=posterior)
     demands = ResetDemands(keep_push=True, abilities=("gripper",))
-    wide, narrow = (design_reset(replace(LOOP, material=one), demands) for one in (LOOP.material, known))
+    wide, narrow = (
+        design_reset(replace(LOOP, material=one), demands) for one in (LOOP.material, known)
+    )
     assert len(wide.chosen.strategy.actions) == 36 and wide.about.told.startswith("axis ratio")
-    assert len(narrow.chosen.strategy.actions) == 4 and narrow.about.told == "6 of the 6 samples of its posterior"
+    assert (
+        len(narrow.chosen.strategy.actions) == 4
+        and narrow.about.told == "6 of the 6 samples of its posterior"
+    )
     worst = []
     for sample in (known.sample(k) for k in range(6)):
         loop = cm.CollectionLoop.mit(sample)

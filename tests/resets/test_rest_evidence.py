@@ -1,4 +1,6 @@
-"""The bet on a rest is fair at a chance of one half, finds rests of every period, and leaves climbs alone."""
+"""The bet on a rest is fair at a chance of one half, finds rests of every period, and leaves climbs
+alone.
+"""
 
 import itertools
 import math
@@ -23,7 +25,9 @@ def rest_evidence_of(path, rule=WIDE) -> np.ndarray:
 
 
 def path_of(hits) -> list[float]:
-    """A lingering start, then each push on the mean of the window (hit) or just beyond its half width (miss)."""
+    """A lingering start, then each push on the mean of the window (hit) or just beyond its half
+    width (miss).
+    """
     path = [0.02 * math.sin(k) for k in range(SINGLE.window)]
     for number, hit in enumerate(hits):
         mean = float(np.angle(np.exp(1j * np.array(path[-SINGLE.window :])).sum()))
@@ -35,7 +39,9 @@ def wealth(hits) -> float:
     return math.exp(rest_evidence_of(path_of(hits), SINGLE)[-1])
 
 
-def test_at_a_chance_of_one_half_the_mean_wealth_is_one_over_all_outcomes_and_at_a_smaller_one_less() -> None:
+def test_at_a_chance_of_one_half_the_mean_wealth_is_one_over_all_outcomes_and_at_a_smaller_one_less() -> (
+    None
+):
     outcomes = list(itertools.product([True, False], repeat=8))
     wealths = [wealth(hits) for hits in outcomes]
     assert len(wealths) == 256 and max(wealths) > 5.0
@@ -48,7 +54,9 @@ def test_at_a_chance_of_one_half_the_mean_wealth_is_one_over_all_outcomes_and_at
 def test_the_wealth_of_a_standstill_is_the_sum_over_starts_and_rates(count) -> None:
     rates = [0.75, 0.9, 0.98]
     started = [
-        (2 * rate) ** (count - start + 1) / (start * (start + 1)) for rate in rates for start in range(1, count + 1)
+        (2 * rate) ** (count - start + 1) / (start * (start + 1))
+        for rate in rates
+        for start in range(1, count + 1)
     ]
     expected = sum(started) / len(rates) + 1 / (count + 1)
     found = rest_evidence_of(np.full(SINGLE.window + count, 2.0), SINGLE)[-1]

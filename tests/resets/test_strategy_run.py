@@ -1,4 +1,6 @@
-"""Runs by the mechanics and from sampled maps are the same collections; histograms lie as far from uniform as told."""
+"""Runs by the mechanics and from sampled maps are the same collections; histograms lie as far from
+uniform as told.
+"""
 
 import math
 
@@ -44,7 +46,9 @@ def test_runs_from_sampled_maps_follow_the_mechanics() -> None:
 
 
 def test_runs_and_seeds_are_drawn_by_themselves() -> None:
-    """Turns of 1 and 2 rad and some noise: what was done and what was kicked are other in every run and seed."""
+    """Turns of 1 and 2 rad and some noise: what was done and what was kicked are other in every run
+    and seed.
+    """
     turns = np.array([np.full(8, 1.0), np.full(8, 2.0)])
     strategy = ResetStrategy((CycleAction(), CycleAction(turn=1.0)))
     found = [sampled_orientations(turns, strategy, 61, 5, 0.1, seed=seed) for seed in (1, 2)]
@@ -66,7 +70,9 @@ def test_a_surface_that_wears_does_so_in_a_run() -> None:
 
 
 @pytest.mark.parametrize("pushes", [500, 73, 5, 1])
-def test_the_mean_distance_of_independent_pushes_is_de_moivres_and_shares_are_numpys(pushes) -> None:
+def test_the_mean_distance_of_independent_pushes_is_de_moivres_and_shares_are_numpys(
+    pushes,
+) -> None:
     theta = np.random.default_rng(1).uniform(0.0, 2.0 * math.pi, (4000, pushes))
     shares = histogram_shares(theta)
     found = histogram_distances(shares)
@@ -76,7 +82,9 @@ def test_the_mean_distance_of_independent_pushes_is_de_moivres_and_shares_are_nu
 
 
 def test_steered_runs_do_what_the_next_action_says() -> None:
-    """Without noise: the monitor's coverage and the exact maps, push by push; evener than what is drawn."""
+    """Without noise: the monitor's coverage and the exact maps, push by push; evener than what is
+    drawn.
+    """
     maps = strategy_maps(LOOP, COIN)
     turns = map_turns(maps, 2880)
     theta = steered_orientations(turns, 15, 1, 0.0, seed=1)[0]

@@ -1,4 +1,6 @@
-"""Orientations from files that grow, stop in mid-line, are cut, replaced or damaged; and from folders of pushes."""
+"""Orientations from files that grow, stop in mid-line, are cut, replaced or damaged; and from
+folders of pushes.
+"""
 
 import json
 import os
@@ -77,7 +79,8 @@ def written(rows) -> str:
 
 
 CHANGES = [
-    # Cut short; cut at its start and written on; an edit of any row; a rotated log that begins with some of the same.
+    # Cut short; cut at its start and written on; an edit of any row; a rotated log that begins with
+    # some of the same.
     *(ROWS[:1], ROWS[1:], [*ROWS[1:], "1.5", "2.5"]),
     *([*ROWS[:row], ROWS[row][:-1] + "9", *ROWS[row + 1 :]] for row in range(len(ROWS))),
     *([*ROWS[:kept], "111.5", "222.5"] for kept in range(len(ROWS))),
@@ -87,7 +90,9 @@ CHANGES = [
 @pytest.mark.parametrize("how", ["in place", "replaced", "removed"])
 @pytest.mark.parametrize("rows", CHANGES)
 def test_a_file_that_begins_anew_is_read_from_its_start(tmp_path, how, rows) -> None:
-    """By the same inode, by another's, or by one that is used again: the checksum of all that was read tells."""
+    """By the same inode, by another's, or by one that is used again: the checksum of all that was
+    read tells.
+    """
     file, other = tmp_path / "data.csv", tmp_path / "other.csv"
     file.write_text(written(ROWS))
     feed = theta0_feed(file)
@@ -123,23 +128,37 @@ def test_a_file_that_is_empty_for_a_while_is_what_was_read_until_new_rows_come(t
 
 def test_a_pipe_and_a_file_without_end_are_refused(tmp_path, monkeypatch) -> None:
     os.mkfifo(tmp_path / "pipe.csv")
-    refused(theta0_feed(tmp_path / "pipe.csv").look, told=r"pipe\.csv: not a regular file", kind=DataFileError)
+    refused(
+        theta0_feed(tmp_path / "pipe.csv").look,
+        told=r"pipe\.csv: not a regular file",
+        kind=DataFileError,
+    )
     monkeypatch.setattr(module, "MOST_BYTES", 100)
     (tmp_path / "long.csv").write_text(written(ROWS * 5))
-    refused(theta0_feed(tmp_path / "long.csv").look, told=r"long\.csv: over 0 MB more at one look", kind=DataFileError)
+    refused(
+        theta0_feed(tmp_path / "long.csv").look,
+        told=r"long\.csv: over 0 MB more at one look",
+        kind=DataFileError,
+    )
 
 
 def test_bad_rows_are_named_with_line_and_value(tmp_path) -> None:
     file = tmp_path / "data.csv"
     refused(theta0_feed(file).look, told="there is no such file", kind=DataFileError)
     for content, told in (
-        ("theta0_deg\n1\nabc\n", r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number"),
+        (
+            "theta0_deg\n1\nabc\n",
+            r"data.csv, line 3: theta0_deg is 'abc'; it must be a finite number",
+        ),
         ("theta0_deg\n1\n\nnan\n", r"line 4: theta0_deg is 'nan'"),
         ("theta0_deg,flag\n1,\n2\n", r"line 3: 1 of 2 fields \('2'\)"),
         ("theta0", r"line 1: the header is theta0; it must have theta0_deg or theta0_accum_deg"),
         ("speed,flag\n1,\n", r"say which, --columns theta0=NAME; it has speed, flag"),
         ('theta0_deg\n"1\n', r"line 2: .* mend the quotes"),
-        ("theta0_deg\n1\n1e300\n", r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost"),
+        (
+            "theta0_deg\n1\n1e300\n",
+            r"line 3: theta0_deg is '1e300'; at such a size the fraction of a turn is lost",
+        ),
         ("theta0_accum_deg\n-6e10\n", r"line 2: theta0_accum_deg is '-6e10'; at such a size"),
         ("theta0_deg\n", "no row of θ0"),
         ("", "no row of θ0"),
@@ -156,7 +175,10 @@ def push_text(theta: float) -> str:
 
 
 def push_file(folder, repetition: int):
-    return folder / f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
+    return (
+        folder
+        / f"motion_surface=abs_shape=hex_a=0_v=20_i=0.000_s=0.700_t=0.000_rep={repetition:04d}.json"
+    )
 
 
 def test_a_folder_gives_its_pushes_in_order_and_waits_for_one_half_written(tmp_path) -> None:
@@ -186,13 +208,17 @@ def test_an_empty_folder_is_no_collection(tmp_path) -> None:
     refused(feed.look, finished=True, told="holds no recorded push", kind=DataFileError)
     (folder / "plywood").mkdir()
     (folder / "plywood" / "push.h5").touch()
-    refused(feed.look, finished=True, told=r"there are some in .*plywood: give that", kind=DataFileError)
+    refused(
+        feed.look, finished=True, told=r"there are some in .*plywood: give that", kind=DataFileError
+    )
     shutil.rmtree(folder)
     folder.write_text("")
     refused(feed.look, told=r"pushes: cannot be read \(Not a directory\)", kind=DataFileError)
 
 
-def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(tmp_path) -> None:
+def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_pushes_again(
+    tmp_path,
+) -> None:
     folder = tmp_path / "pushes"
     folder.mkdir()
     push_file(folder, 1).write_text(push_text(0.1))
@@ -201,7 +227,12 @@ def test_a_folder_that_is_away_is_empty_for_now_and_read_anew_once_it_holds_push
     shutil.rmtree(folder)
     for _ in range(2):
         assert feed.look() == NewOrientations(())
-    refused(feed.look, finished=True, told="pushes: there is no such folder; check the path", kind=DataFileError)
+    refused(
+        feed.look,
+        finished=True,
+        told="pushes: there is no such folder; check the path",
+        kind=DataFileError,
+    )
     folder.mkdir()
     assert feed.look() == NewOrientations(())
     push_file(folder, 1).write_text(push_text(0.3))
@@ -219,14 +250,23 @@ def test_folders_pipes_and_links_to_nothing_among_the_pushes_are_passed_over(tmp
     link.symlink_to(tmp_path / "elsewhere" / "push.json")
     feed = theta0_feed(tmp_path)
     assert feed.look().theta == pytest.approx((0.1,))
-    refused(feed.look, finished=True, told=r"link\.json: a link to a file that is not there", kind=DataFileError)
+    refused(
+        feed.look,
+        finished=True,
+        told=r"link\.json: a link to a file that is not there",
+        kind=DataFileError,
+    )
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "push.json").write_text(push_text(0.7))
     assert feed.look(finished=True).theta == pytest.approx((0.7,))
 
 
-def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(tmp_path, monkeypatch) -> None:
-    """A file deleted between listing and reading is passed over while following; a failing disk is named."""
+def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(
+    tmp_path, monkeypatch
+) -> None:
+    """A file deleted between listing and reading is passed over while following; a failing disk is
+    named.
+    """
     file = push_file(tmp_path, 1)
     file.write_text(push_text(0.1))
 
@@ -242,11 +282,18 @@ def test_a_push_that_goes_while_it_is_read_or_cannot_be_read_is_no_bare_error(tm
     assert [feed.look().theta, feed.look().theta] == [(), ()]
     file.write_text(push_text(0.1))
     monkeypatch.setattr(module, "read_push_file", failing)
-    refused(feed.look, finished=True, told=r"rep=0001\.json: cannot be read \(Input/output error\)", kind=DataFileError)
+    refused(
+        feed.look,
+        finished=True,
+        told=r"rep=0001\.json: cannot be read \(Input/output error\)",
+        kind=DataFileError,
+    )
 
 
 def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
-    """Semicolons and decimal commas, a line cut off in its number, a missing value, an edit: θ0 as they stand there."""
+    """Semicolons and decimal commas, a line cut off in its number, a missing value, an edit: θ0 as
+    they stand there.
+    """
     file = tmp_path / "log.csv"
     file.write_text("Nr;yaw")
     feed = theta0_feed(file, {"theta0": "yaw"}, ["deg"])
@@ -268,8 +315,16 @@ def test_a_table_of_ones_own_is_followed_row_by_row(tmp_path) -> None:
 
 def test_what_rows_to_come_would_read_otherwise_is_not_followed(tmp_path) -> None:
     for name, content, told in (
-        ("small.csv", "yaw\n0.5\n1.0\n", "later rows may tell another unit of yaw: say it, --units deg or rad"),
-        ("stream.csv", "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n", "stream of poses is cut into pushes once it is whole"),
+        (
+            "small.csv",
+            "yaw\n0.5\n1.0\n",
+            "later rows may tell another unit of yaw: say it, --units deg or rad",
+        ),
+        (
+            "stream.csv",
+            "t,x,y,yaw_deg\n0,0,0,10\n1,0,0,20\n",
+            "stream of poses is cut into pushes once it is whole",
+        ),
         ("log.xlsx", "no\nmatter\n", "only a CSV file is read while it grows"),
     ):
         (tmp_path / name).write_text(content)

@@ -1,4 +1,6 @@
-"""Blocks in shuffled order: a fair game for every law of the turns, and a telling one where visits gather."""
+"""Blocks in shuffled order: a fair game for every law of the turns, and a telling one where visits
+gather.
+"""
 
 import math
 
@@ -19,7 +21,9 @@ def evidence_of(path, **how) -> VisitEvidence:
 
 
 def walk(random, count, turn_deg, noise_deg):
-    return np.cumsum(np.radians(turn_deg + noise_deg * random.standard_normal(count))) + random.uniform(0, 2 * np.pi)
+    return np.cumsum(
+        np.radians(turn_deg + noise_deg * random.standard_normal(count))
+    ) + random.uniform(0, 2 * np.pi)
 
 
 @pytest.mark.parametrize(("turn_deg", "noise_deg"), [(0.0, 20.0), (8.0, 8.0), (0.0, 200.0)])
@@ -27,7 +31,11 @@ def test_the_mean_wealth_is_one_for_turns_of_any_law(turn_deg, noise_deg) -> Non
     """250 collections of six short blocks; within four standard errors."""
     random = np.random.default_rng(5)
     wealth = [
-        math.exp(evidence_of(walk(random, 37, turn_deg, noise_deg), block=6, orders=9, seed=seed).log_evidence)
+        math.exp(
+            evidence_of(
+                walk(random, 37, turn_deg, noise_deg), block=6, orders=9, seed=seed
+            ).log_evidence
+        )
         for seed in range(250)
     ]
     assert len(wealth) == 250
@@ -37,7 +45,9 @@ def test_the_mean_wealth_is_one_for_turns_of_any_law(turn_deg, noise_deg) -> Non
 
 def test_a_rigid_rotation_gives_no_evidence_at_all() -> None:
     """All orders of equal turns are the same path."""
-    assert evidence_of(np.radians(8.0) * np.arange(500)).log_evidence == pytest.approx(0.0, abs=1e-9)
+    assert evidence_of(np.radians(8.0) * np.arange(500)).log_evidence == pytest.approx(
+        0.0, abs=1e-9
+    )
     assert evidence_of(np.full(500, 1.0)).log_evidence == pytest.approx(0.0, abs=1e-9)
 
 
@@ -46,7 +56,9 @@ def test_independent_biased_directions_and_a_slow_zone_give_evidence_and_their_d
     paths = [(centre, random.vonmises(centre, 0.8, 800)) for centre in (0.5, 3.0)]
     slow = [0.0]
     for _ in range(900):
-        slow.append(slow[-1] + np.radians(9.0 - 4.0 * np.cos(slow[-1]) + 1.1 * random.standard_normal()))
+        slow.append(
+            slow[-1] + np.radians(9.0 - 4.0 * np.cos(slow[-1]) + 1.1 * random.standard_normal())
+        )
     for centre, path in (*paths, (0.0, slow[1:])):
         found = evidence_of(path)
         assert found.log_evidence > 10.0
@@ -60,7 +72,9 @@ def test_evidence_knows_neither_the_origin_nor_whole_turns_and_repeats_with_its_
     assert plain > 1.0
     assert evidence_of(path).log_evidence == plain
     assert evidence_of(path + 0.7).log_evidence == pytest.approx(plain, abs=1e-6)
-    assert evidence_of(path + 2 * np.pi * random.integers(-2, 3, 300)).log_evidence == pytest.approx(plain, abs=1e-6)
+    assert evidence_of(
+        path + 2 * np.pi * random.integers(-2, 3, 300)
+    ).log_evidence == pytest.approx(plain, abs=1e-6)
     assert evidence_of(path, seed=1).log_evidence != plain
 
 
@@ -71,7 +85,8 @@ def test_evidence_changes_where_a_block_is_full_and_not_before() -> None:
         evidence.add(theta)
         course.append(evidence.log_evidence)
     changed = np.flatnonzero(np.diff(course)) + 1
-    # The first block teaches the law of visits; the others are betted on when their last push has come.
+    # The first block teaches the law of visits; the others are betted on when their last push has
+    # come.
     assert changed.tolist() == [40, 60, 80, 100]
 
 

@@ -16,8 +16,10 @@ from cyclemap.sweeps.portrait_numbers import GROUPS
 class FakeNumbers:
     """Rotation and fixed points by formulas of mu_a (default 0.25) and hitch_x_mm (default 0).
 
-    log : a file that gets a line for each point begun. seconds : how long a point takes. refused_above : mu_a from
-    which on points are refused. fails_at, dies_at : numbers of points at which there is a bug, or a process ends.
+    log : a file that gets a line for each point begun. seconds
+        : how long a point takes. refused_above : mu_a from which on points are refused. fails_at,
+        dies_at : numbers of points
+        at which there is a bug, or a process ends.
     """
 
     log: str = ""
@@ -44,14 +46,18 @@ class FakeNumbers:
             os._exit(3)
         if point.number == self.fails_at:
             raise ZeroDivisionError("a bug")
-        mu, x = float(point.settings.get("mu_a", 0.25)), float(point.settings.get("hitch_x_mm", 0.0))
+        mu, x = (
+            float(point.settings.get("mu_a", 0.25)),
+            float(point.settings.get("hitch_x_mm", 0.0)),
+        )
         if mu > self.refused_above:
             return PointOutcome({}, str(UnsupportedContact(f"mu_a is {mu:g}")))
         return PointOutcome(fake_values(mu, x))
 
 
 def fake_values(mu, x):
-    """Two fixed points where x is below -5, else none and a rotation number that is not a fraction."""
+    """Two fixed points where x is below -5,
+    else none and a rotation number that is not a fraction."""
     locked = x < -5.0
     rotation = 0.0 if locked else np.sqrt(2.0) * 0.01 * (1.0 + x + mu)
     theta = (0.1 - x / 7.0, 3.0 + mu / 3.0) if locked else ()
@@ -72,14 +78,19 @@ def fake_values(mu, x):
 
 def fake_plan(rows=5, columns=4, **options):
     """A grid of fake points: mu_a from 0.2 to 0.3 by hitch_x_mm from -20 to 0."""
-    over = {"mu_a": np.linspace(0.2, 0.3, rows).tolist(), "hitch_x_mm": np.linspace(-20.0, 0.0, columns).tolist()}
+    over = {
+        "mu_a": np.linspace(0.2, 0.3, rows).tolist(),
+        "hitch_x_mm": np.linspace(-20.0, 0.0, columns).tolist(),
+    }
     return SweepPlan.grid("plywood", over, numbers=FakeNumbers(**options))
 
 
 def fake_sample(count, sequence="sobol", **options):
     """A sample of fake points in the box of the grid."""
     ranges = {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}
-    return SweepPlan.sample("plywood", ranges, count, sequence=sequence, numbers=FakeNumbers(**options))
+    return SweepPlan.sample(
+        "plywood", ranges, count, sequence=sequence, numbers=FakeNumbers(**options)
+    )
 
 
 def swept(path, plan):
@@ -89,7 +100,9 @@ def swept(path, plan):
 
 
 def opened(path):
-    """How many points the plan of a store has, as told by the store, which is made where there is none."""
+    """How many points the plan of a store has, as told by the store, which is made where there is
+    none.
+    """
     with SweepStore(path, fake_plan()) as store:
         return store.status().points
 

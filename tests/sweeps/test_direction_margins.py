@@ -1,4 +1,6 @@
-"""How far settings are from a change of the stable directions, against full cycle maps and their saddle-nodes."""
+"""How far settings are from a change of the stable directions, against full cycle maps and their
+saddle-nodes.
+"""
 
 import numpy as np
 import pytest
@@ -26,7 +28,11 @@ def margins():
 
 
 def test_full_maps_have_the_told_directions_on_both_sides_of_a_change(margins) -> None:
-    assert [one.key for one in margins.values()] == ["mu_b", "hitch_x_mm", "pusher_mu"]  # nearest first
+    assert [one.key for one in margins.values()] == [
+        "mu_b",
+        "hitch_x_mm",
+        "pusher_mu",
+    ]  # nearest first
     seen = 0
     for key, unit in (("hitch_x_mm", 1e-3), ("mu_b", 1.0)):
         one = margins[key]
@@ -35,18 +41,30 @@ def test_full_maps_have_the_told_directions_on_both_sides_of_a_change(margins) -
             assert change.kind == "saddle-node" and change.value.error_bound < 1e-7 * one.span
             for side, many in ((-1e-3, one.directions), (1e-3, change.directions)):
                 outward = np.sign(change.value - one.value)
-                assert stable(map_at(key, (change.value + outward * side * one.span) / unit)) == many
+                assert (
+                    stable(map_at(key, (change.value + outward * side * one.span) / unit)) == many
+                )
                 seen += 1
     assert seen == 8
-    assert margins["pusher_mu"].nearest is None and (margins["pusher_mu"].low, margins["pusher_mu"].high) == (0.0, 0.8)
+    assert margins["pusher_mu"].nearest is None and (
+        margins["pusher_mu"].low,
+        margins["pusher_mu"].high,
+    ) == (0.0, 0.8)
 
 
 def test_full_maps_touch_whole_turns_where_the_saddle_node_is_told(margins) -> None:
-    """By the least turn of whole sampled maps, good to 1e-6 rad, instead of Newton's method on cycles."""
+    """By the least turn of whole sampled maps, good to 1e-6 rad, instead of Newton's method on
+    cycles.
+    """
     change = margins["hitch_x_mm"].above
     at, near = 1000 * change.value, change.theta + np.linspace(-0.3, 0.3, 4001)
 
-    root = brentq(lambda value: float(map_at("hitch_x_mm", value).turn(near).min()), at - 0.4, at + 0.4, xtol=1e-7)
+    root = brentq(
+        lambda value: float(map_at("hitch_x_mm", value).turn(near).min()),
+        at - 0.4,
+        at + 0.4,
+        xtol=1e-7,
+    )
     # The turn moves by some 0.05 rad a millimetre, so 1e-6 rad is 2e-5 mm.
     assert abs(root - at) < 5e-5
 
@@ -57,7 +75,9 @@ def test_a_curve_in_the_plane_of_the_ring_is_where_full_maps_touch_whole_turns(m
     change = margins["hitch_x_mm"].above
     curve = change_curve(LOOP, "hitch_x_mm", change, "hitch_y_mm", (-6.30, -6.271), (10.606, 10.64))
     assert curve.kind == "saddle-node" and curve.residual < 1e-8
-    assert np.min(np.hypot(curve.first - 1000 * change.value, curve.second - 1000 * 0.0106066)) < 1e-4
+    assert (
+        np.min(np.hypot(curve.first - 1000 * change.value, curve.second - 1000 * 0.0106066)) < 1e-4
+    )
     for index in (0, -1):
         ring = {"hitch_x_mm": float(curve.first[index]), "hitch_y_mm": float(curve.second[index])}
         turned = loop_from_settings(ring, LOOP).circle_map()
@@ -67,6 +87,11 @@ def test_a_curve_in_the_plane_of_the_ring_is_where_full_maps_touch_whole_turns(m
 
 def test_what_has_no_range_or_no_value_is_refused() -> None:
     refused(direction_margins, LOOP, ("mass_kg",), told="mass_kg has no usual range")
-    refused(direction_margins, LOOP, ("floor_bow",), told="floor_bow has no usual range or no value here")
+    refused(
+        direction_margins,
+        LOOP,
+        ("floor_bow",),
+        told="floor_bow has no usual range or no value here",
+    )
     refused(direction_margins, LOOP, ("hitch",), told="hitch")
     refused(direction_margins, "plywood", told="CollectionLoop")

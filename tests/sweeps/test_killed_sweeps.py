@@ -24,11 +24,21 @@ if __name__ == "__main__":
 """
 
 
-def start(folder: Path, path: Path, log: Path, seconds: float = SECONDS, workers: int = 2) -> subprocess.Popen:
+def start(
+    folder: Path, path: Path, log: Path, seconds: float = SECONDS, workers: int = 2
+) -> subprocess.Popen:
     script = folder / "sweep.py"
     script.write_text(SCRIPT)
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
-    command = [sys.executable, str(script), str(path), str(ROWS), str(seconds), str(log), str(workers)]
+    command = [
+        sys.executable,
+        str(script),
+        str(path),
+        str(ROWS),
+        str(seconds),
+        str(log),
+        str(workers),
+    ]
     return subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
 
 
@@ -47,7 +57,8 @@ def test_killed_three_times_it_is_complete_and_the_same_to_the_byte(tmp_path) ->
         log = tmp_path / f"log {attempt}"
         before = sweep_status(path, fake_plan(rows=ROWS)).stored
         process = start(tmp_path, path, log, workers=workers)
-        # A random moment once it works: between 5 and 40 points of the 240, in the middle of anything.
+        # A random moment once it works: between 5 and 40 points of the 240, in the middle of
+        # anything.
         wanted = moments.randint(5, 40)
         wait_for(lambda log=log, wanted=wanted: len(logged(log)) >= wanted)
         # Its worker processes, and the one that watches over what they share.
@@ -55,14 +66,18 @@ def test_killed_three_times_it_is_complete_and_the_same_to_the_byte(tmp_path) ->
         assert process.poll() is None and (workers == 1 or len(numbers) >= 2)
         process.send_signal(signal.SIGKILL)
         process.wait()
-        wait_for(lambda numbers=numbers: not any(Path(f"/proc/{number}").exists() for number in numbers))
+        wait_for(
+            lambda numbers=numbers: not any(Path(f"/proc/{number}").exists() for number in numbers)
+        )
         assert before <= sweep_status(path).stored < 4 * ROWS
     kept, log = set(load_sweep(path).number.tolist()), tmp_path / "log last"
     assert kept
     assert start(tmp_path, path, log).wait() == 0
     assert sorted(logged(log)) == sorted(set(range(4 * ROWS)) - kept)
     write_csv(load_sweep(path), tmp_path / "killed.csv")
-    write_csv(swept(tmp_path / "undisturbed.sqlite", fake_plan(rows=ROWS)), tmp_path / "undisturbed.csv")
+    write_csv(
+        swept(tmp_path / "undisturbed.sqlite", fake_plan(rows=ROWS)), tmp_path / "undisturbed.csv"
+    )
     assert (tmp_path / "killed.csv").read_bytes() == (tmp_path / "undisturbed.csv").read_bytes()
 
 

@@ -25,7 +25,9 @@ from cyclemap.sweeps.point_sets import SWEPT, parse_over
         ("mu_a=0.2:0.4", SweepRange("mu_a", 0.2, 0.4)),
     ],
 )
-def test_lists_keep_their_order_and_kind_three_parts_are_even_values_and_two_a_range(text, wanted) -> None:
+def test_lists_keep_their_order_and_kind_three_parts_are_even_values_and_two_a_range(
+    text, wanted
+) -> None:
     assert parse_over(text) == wanted
 
 
@@ -54,14 +56,20 @@ def test_bad_words_grids_and_samples_are_refused_by_name() -> None:
     refused(Grid, (ranged,), told="mu_a is a range without a count")
     refused(Grid, (parse_over("mu_a=1,2"), parse_over("mu_a=3,4")), told="mu_a is swept twice")
     refused(Grid, (), told="nothing is swept")
-    for options, told in (({"count": 0}, "sample must be at least 1"), ({"sequence": "latin"}, ""), ({"seed": -1}, "")):
+    for options, told in (
+        ({"count": 0}, "sample must be at least 1"),
+        ({"sequence": "latin"}, ""),
+        ({"seed": -1}, ""),
+    ):
         refused(Sample, (ranged,), **{"count": 4, **options}, told=told or next(iter(options)))
 
 
 def test_a_grid_runs_through_every_combination_once_the_last_axis_fastest() -> None:
     """Every setting, noise and material can be swept."""
     assert set(SWEPT) == {*SETTINGS, "material"}
-    grid = Grid((parse_over("mu_a=0.2,0.3"), parse_over("side=0,1,2"), parse_over("material=abs,pu")))
+    grid = Grid(
+        (parse_over("mu_a=0.2,0.3"), parse_over("side=0,1,2"), parse_over("material=abs,pu"))
+    )
     found = [tuple(grid.settings(number).values()) for number in range(len(grid))]
     assert len(found) == len(set(found)) == 12
     assert found[:3] == [(0.2, 0.0, "abs"), (0.2, 0.0, "pu"), (0.2, 1.0, "abs")]
@@ -74,7 +82,9 @@ def box(sample: Sample):
 
 @pytest.mark.parametrize("sequence", ["sobol", "uniform"])
 def test_a_sample_is_the_same_for_a_seed_and_begins_with_the_shorter_one(sequence) -> None:
-    """Points are drawn in blocks: the same whichever are asked for, in whatever order, beyond one block too."""
+    """Points are drawn in blocks: the same whichever are asked for, in whatever order, beyond one
+    block too.
+    """
     ranges = (SweepRange("mu_a", 0.2, 0.3), SweepRange("hitch_x_mm", -12.0, 4.0))
     long, short = Sample(ranges, 2100, 3, sequence), Sample(ranges, 10, 3, sequence)
     points = box(long)
@@ -86,7 +96,9 @@ def test_a_sample_is_the_same_for_a_seed_and_begins_with_the_shorter_one(sequenc
 
 
 def test_a_sobol_sample_fills_the_box_more_evenly_than_a_uniform_one() -> None:
-    """Each of the 64 cells of an 8 by 8 grid holds 32 of 2048 points of a Sobol net, exactly (Sobol 1967)."""
+    """Each of the 64 cells of an 8 by 8 grid holds 32 of 2048 points of a Sobol net, exactly (Sobol
+    1967).
+    """
     ranges = (SweepRange("mu_a", 0.0, 8.0), SweepRange("mu_b", 0.0, 8.0))
     counts = {}
     for sequence in ("sobol", "uniform"):

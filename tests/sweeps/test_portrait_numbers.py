@@ -1,4 +1,6 @@
-"""A swept point has the portrait's own numbers, to the last bit; what has no loop or no number says so."""
+"""A swept point has the portrait's own numbers, to the last bit; what has no loop or no number says
+so.
+"""
 
 import numpy as np
 import pytest
@@ -16,9 +18,16 @@ def test_every_number_is_the_portraits_to_the_last_bit() -> None:
     """At a point that changes friction, ring and noise."""
     plan = SweepPlan.grid("plywood", {"mu_a": (0.26,), "hitch_x_mm": (-11.0,)}, {"noise_deg": 10.0})
     found = PortraitNumbers(("all",), TOLERANCE, rotation_tolerance=0.0)(plan.point(0))
-    loop = loop_from_settings({"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood"))
+    loop = loop_from_settings(
+        {"mu_a": 0.26, "hitch_x_mm": -11.0}, CollectionLoop.mit(material="plywood")
+    )
     drawn = portrait(loop, sigma=float(np.radians(10.0)), cycles=1, tolerance=TOLERANCE)
-    points, rotation, turns, operator = drawn.fixed_points, drawn.rotation, drawn.turns, drawn.operator
+    points, rotation, turns, operator = (
+        drawn.fixed_points,
+        drawn.rotation,
+        drawn.turns,
+        drawn.operator,
+    )
     assert len(points) == 2 and rotation.locked == 0 and drawn.tv_from_uniform is not None
     assert found.refusal == ""
     assert found.values == {
@@ -61,7 +70,9 @@ def test_neighbours_that_differ_in_noise_alone_share_a_map(monkeypatch) -> None:
     monkeypatch.setattr(CollectionLoop, "circle_map", counted)
     module._map_of.cache_clear()
     plan = SweepPlan.grid(
-        "isotropic", {"noise_deg": (10.0, 20.0, 40.0)}, numbers=PortraitNumbers(("stationary",), 1e-2)
+        "isotropic",
+        {"noise_deg": (10.0, 20.0, 40.0)},
+        numbers=PortraitNumbers(("stationary",), 1e-2),
     )
     gaps = [plan.numbers(plan.point(number)).values["spectral_gap"] for number in range(3)]
     assert len(made) == 1
@@ -87,14 +98,26 @@ def test_a_group_that_cannot_be_found_leaves_the_others(monkeypatch) -> None:
         raise module.CycleMapError("too steep")
 
     monkeypatch.setitem(module._FOUND, "rotation", refused)
-    plan = SweepPlan.grid("isotropic", {"mu_a": (0.25,)}, numbers=PortraitNumbers(("rotation", "turns"), 1e-2))
+    plan = SweepPlan.grid(
+        "isotropic", {"mu_a": (0.25,)}, numbers=PortraitNumbers(("rotation", "turns"), 1e-2)
+    )
     found = plan.numbers(plan.point(0))
     assert found.refusal == "rotation: too steep"
-    assert set(found.values) == {"samples", "max_error", "mean_turn", "min_turn", "max_turn", "min_slope", "max_slope"}
+    assert set(found.values) == {
+        "samples",
+        "max_error",
+        "mean_turn",
+        "min_turn",
+        "max_turn",
+        "min_slope",
+        "max_slope",
+    }
 
 
 def test_a_coarser_map_is_taken_only_where_it_settles_what_is_asked() -> None:
-    """The ring goes out through the saddle-node: counts and locks are those of fine maps, and bounds overlap."""
+    """The ring goes out through the saddle-node: counts and locks are those of fine maps, and
+    bounds overlap.
+    """
     fine = PortraitNumbers(tolerance=1e-7, rotation_tolerance=0.0)
 
     def point_at(radius: float) -> SweptPoint:
@@ -104,14 +127,19 @@ def test_a_coarser_map_is_taken_only_where_it_settles_what_is_asked() -> None:
     low, high = 9.0, 11.0
     while high - low > 1e-6:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if fine(point_at(middle)).values["min_turn"] > 0.0 else (low, middle)
+        low, high = (
+            (middle, high) if fine(point_at(middle)).values["min_turn"] > 0.0 else (low, middle)
+        )
     coarse = 0
     for radius in (4.0, 8.0, low - 2e-4, low, high, high + 2e-4, 12.0, 14.0, 18.0):
         swept, exact = PortraitNumbers()(point_at(radius)).values, fine(point_at(radius)).values
         if abs(radius - low) > 1e-3:
             assert swept["fixed_points"] == exact["fixed_points"] == (2.0 if radius > low else 0.0)
             assert swept["locked_period"] == exact["locked_period"]
-        assert swept["rotation_lower"] <= exact["rotation_upper"] and exact["rotation_lower"] <= swept["rotation_upper"]
+        assert (
+            swept["rotation_lower"] <= exact["rotation_upper"]
+            and exact["rotation_lower"] <= swept["rotation_upper"]
+        )
         coarse += swept["max_error"] > 1e-5
         assert swept["max_error"] <= (1e-4 if abs(radius - low) > 1e-3 else 1e-5)
     assert coarse == 5
@@ -119,22 +147,38 @@ def test_a_coarser_map_is_taken_only_where_it_settles_what_is_asked() -> None:
 
 @pytest.mark.slow
 def test_by_default_rotation_and_law_are_told_finely_enough_for_a_phase_diagram() -> None:
-    """Away from the tongue 0/1, where nothing is exact: within 1e-4 turns a cycle, and the law is certain."""
-    plan = SweepPlan.grid("plywood", {"hitch_x_mm": (-5.0,)}, {"hitch_y_mm": 5.0}, PortraitNumbers(("all",)))
+    """Away from the tongue 0/1, where nothing is exact: within 1e-4 turns a cycle, and the law is
+    certain.
+    """
+    plan = SweepPlan.grid(
+        "plywood", {"hitch_x_mm": (-5.0,)}, {"hitch_y_mm": 5.0}, PortraitNumbers(("all",))
+    )
     found = plan.numbers(plan.point(0))
     assert found.refusal == "" and found.values["locked_period"] == 0.0
     assert 0.0 < found.values["rotation_upper"] - found.values["rotation_lower"] <= 2e-4
     assert 0.0 < found.values["tv_from_uniform"] < 1.0
 
 
-SOURCES = ("mechanics/push.py", "mechanics/engine/steps.c", "maps/lifts/lift.py", "collection/loop.py")
+SOURCES = (
+    "mechanics/push.py",
+    "mechanics/engine/steps.c",
+    "maps/lifts/lift.py",
+    "collection/loop.py",
+)
 OTHERS = ("mechanics/push.pyc", "mechanics/notes.txt", "views/page.py", "sweeps/sweep_store.py")
 
 
-def test_an_edit_of_a_source_is_another_version_and_of_anything_else_is_not(tmp_path, monkeypatch) -> None:
-    """In a package of a few files; the engine that runs the strokes is among the sources of the real one."""
+def test_an_edit_of_a_source_is_another_version_and_of_anything_else_is_not(
+    tmp_path, monkeypatch
+) -> None:
+    """In a package of a few files; the engine that runs the strokes is among the sources of the
+    real one.
+    """
     assert {path.suffix for path in (module.PACKAGE / "mechanics").rglob("*.c")} == {".c"}
-    names, digest = (*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"), module.code_version.__wrapped__
+    names, digest = (
+        (*SOURCES, *OTHERS, "sweeps/portrait_numbers.py"),
+        module.code_version.__wrapped__,
+    )
     for name in names:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(name)

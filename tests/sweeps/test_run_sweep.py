@@ -1,4 +1,5 @@
-"""A sweep finds the same numbers whoever works, in whatever order, however often it is interrupted."""
+"""A sweep finds the same numbers whoever works, in whatever order,
+however often it is interrupted."""
 
 import os
 import time
@@ -12,7 +13,14 @@ from fake_numbers import FakeNumbers, fake_plan, fake_sample, logged
 from refusals import refused
 
 from cyclemap.errors import CycleMapError
-from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_status, write_csv
+from cyclemap.sweeps import (
+    PortraitNumbers,
+    SweepPlan,
+    load_sweep,
+    run_sweep,
+    sweep_status,
+    write_csv,
+)
 from cyclemap.sweeps.run_sweep import own_executor
 
 
@@ -20,7 +28,12 @@ class Shuffled(Executor):
     """One thread that takes its time, and then whichever of the waiting calls chance picks."""
 
     def __init__(self, seed: int) -> None:
-        self.thread, self.random, self.held, self.largest = ThreadPoolExecutor(1), np.random.default_rng(seed), [], 0
+        self.thread, self.random, self.held, self.largest = (
+            ThreadPoolExecutor(1),
+            np.random.default_rng(seed),
+            [],
+            0,
+        )
 
     def submit(self, fn, /, *args, **kwargs):
         future = Future()
@@ -142,7 +155,9 @@ def peak_memory(path, count) -> int:
 
 @pytest.mark.slow
 def test_memory_is_flat_over_a_sweep_of_any_length(tmp_path) -> None:
-    """Six thousand points more take less than 50 bytes each: fewer than a point, an outcome or a future has."""
+    """Six thousand points more take less than 50 bytes each: fewer than a point, an outcome or a
+    future has.
+    """
     peak_memory(tmp_path / "warm.sqlite", 100)
     short, long = (peak_memory(tmp_path / f"{count}.sqlite", count) for count in (1500, 7500))
     assert long - short < 50 * 6000
@@ -171,14 +186,21 @@ def test_workers_have_one_thread_each_where_nothing_else_is_said(monkeypatch) ->
         assert found == dict.fromkeys(VARIABLES, "1") | said
         with own_executor(1) as pool:
             assert pool.submit(os.getpid).result() == os.getpid()
-            assert [pool.submit(os.getenv, name).result() for name in VARIABLES] == [said.get(n) for n in VARIABLES]
+            assert [pool.submit(os.getenv, name).result() for name in VARIABLES] == [
+                said.get(n) for n in VARIABLES
+            ]
         assert dict(os.environ) == before
 
 
 @pytest.fixture(scope="module")
 def executor():
     """The executor of a local cluster of two worker processes."""
-    options = {"n_workers": 2, "threads_per_worker": 1, "processes": True, "dashboard_address": None}
+    options = {
+        "n_workers": 2,
+        "threads_per_worker": 1,
+        "processes": True,
+        "dashboard_address": None,
+    }
     with distributed.LocalCluster(**options) as cluster, distributed.Client(cluster) as client:
         yield client.get_executor()
 
@@ -186,9 +208,13 @@ def executor():
 @pytest.mark.slow
 def test_two_processes_and_a_dask_cluster_find_the_same_as_one(tmp_path, executor) -> None:
     fake = fake_plan(rows=30, refused_above=0.28)
-    real = SweepPlan.grid("isotropic", {"hitch_x_mm": (-11.0, -9.0)}, numbers=PortraitNumbers(tolerance=1e-2))
+    real = SweepPlan.grid(
+        "isotropic", {"hitch_x_mm": (-11.0, -9.0)}, numbers=PortraitNumbers(tolerance=1e-2)
+    )
     for name, plan in (("fake", fake), ("real", real)):
         here = swept_csv(tmp_path / f"{name} here.sqlite", plan, workers=1)
-        assert swept_csv(tmp_path / f"{name} there.sqlite", plan, executor=executor, workers=2) == here
+        assert (
+            swept_csv(tmp_path / f"{name} there.sqlite", plan, executor=executor, workers=2) == here
+        )
         assert swept_csv(tmp_path / f"{name} two.sqlite", plan, workers=2) == here
         assert here.count(b"\n") == 1 + len(plan)

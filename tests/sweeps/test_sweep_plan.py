@@ -1,4 +1,6 @@
-"""A plan is checked before anything runs, and tells its points apart by all that their numbers depend on."""
+"""A plan is checked before anything runs, and tells its points apart by all that their numbers
+depend on.
+"""
 
 from dataclasses import replace
 
@@ -21,7 +23,9 @@ def test_points_carry_what_is_set_and_what_is_swept() -> None:
     assert (point.number, dict(point.swept)) == (1, {"mu_a": 0.3})
     assert dict(point.settings) == {"side": 1.0, "push_mm": 100.0, "mu_a": 0.3}
     assert point.material == load_material("plywood")
-    arrays = SweepPlan.grid("plywood", {"mu_a": np.array([0.2, 0.3])}, {"side": np.int64(1), "push_mm": 100.0})
+    arrays = SweepPlan.grid(
+        "plywood", {"mu_a": np.array([0.2, 0.3])}, {"side": np.int64(1), "push_mm": 100.0}
+    )
     assert arrays.described() == plan.described()
     assert arrays.point(1).digest == point.digest
 
@@ -81,7 +85,9 @@ def test_a_bad_plan_is_refused_before_anything_runs() -> None:
 def test_unknown_groups_of_quantities_are_refused_and_map_is_always_there() -> None:
     assert PortraitNumbers(("turns", "rotation")).groups == ("map", "rotation", "turns")
     assert PortraitNumbers(("all",)).groups[-1] == "staircase"
-    refused(PortraitNumbers, ("turn",), told="unknown group of quantities 'turn': did you mean 'turns'")
+    refused(
+        PortraitNumbers, ("turn",), told="unknown group of quantities 'turn': did you mean 'turns'"
+    )
     refused(PortraitNumbers, (), told="no quantities")
     refused(PortraitNumbers, tolerance=0.0, told="tolerance must be positive")
 
@@ -91,7 +97,9 @@ FEET = "x_mm,y_mm,weight\n-30,-30,1\n30,-30,1\n0,30,{weight}\n"
 
 @pytest.mark.parametrize("swept", [True, False])
 def test_a_footprint_file_counts_by_what_it_holds(tmp_path, swept) -> None:
-    """Support points that were edited make other points and another plan; the same ones again make the same."""
+    """Support points that were edited make other points and another plan; the same ones again make
+    the same.
+    """
     feet, plans = tmp_path / "feet.csv", []
     for weight in (1, 2, 1):
         feet.write_text(FEET.format(weight=weight))

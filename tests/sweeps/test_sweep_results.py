@@ -1,4 +1,5 @@
-"""Results are found again by what was swept and by what was found, on the grid they were swept on."""
+"""Results are found again by what was swept and by what was found,
+on the grid they were swept on."""
 
 import csv
 
@@ -17,7 +18,10 @@ def sweep(tmp_path_factory):
     grid = fake_plan().points.axes
     over = {"material": ("abs", "pu", "delrin"), **{axis.key: axis.values for axis in grid}}
     numbers = FakeNumbers(refused_above=0.28)
-    return swept(tmp_path_factory.mktemp("sweep") / "sweep.sqlite", SweepPlan.grid(None, over, numbers=numbers))
+    return swept(
+        tmp_path_factory.mktemp("sweep") / "sweep.sqlite",
+        SweepPlan.grid(None, over, numbers=numbers),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +69,11 @@ def test_a_bad_question_is_refused_by_name(sweep, sample) -> None:
     refused(sweep.select, mu_a=0.21, told="mu_a does not take 0.21; its values are 0.2, 0.225")
     refused(sweep.select, material=(1.0, 2.0), told="material is no number")
     refused(sweep.values, "tv_from_uniform", told="unknown column 'tv_from_uniform'")
-    refused(sweep.on_grid, "rotations", told="unknown quantity of this sweep 'rotations': did you mean 'rotation'")
+    refused(
+        sweep.on_grid,
+        "rotations",
+        told="unknown quantity of this sweep 'rotations': did you mean 'rotation'",
+    )
     refused(sweep.where, [True], told="where needs 60 true or false")
     refused(sweep.where, np.ones(60), told="not float64")
     refused(sample.on_grid, "rotation", told="a sample has no grid")
@@ -88,17 +96,27 @@ def test_csv_reads_back_every_number_exactly(tmp_path, small) -> None:
             value = small.columns[name][place]
             assert (row[name] == "") if np.isnan(value) else (float(row[name]) == value)
         theta = np.degrees(small.lists["fixed_point_theta"][place])
-        assert [row[f"fixed_point_theta_deg_{k}"] for k in (1, 2)] == [*map(repr, theta.tolist()), "", ""][:2]
+        assert [row[f"fixed_point_theta_deg_{k}"] for k in (1, 2)] == [
+            *map(repr, theta.tolist()),
+            "",
+            "",
+        ][:2]
         assert row["refusal"] == small.refusals[place]
 
 
 def test_words_and_points_are_written_as_such(tmp_path) -> None:
-    over = {"material": ("abs", "pu"), "way_points_mm": (((0.0, 50.0),), ((0.0, 60.0), (10.0, 60.0)))}
+    over = {
+        "material": ("abs", "pu"),
+        "way_points_mm": (((0.0, 50.0),), ((0.0, 60.0), (10.0, 60.0))),
+    }
     found = swept(tmp_path / "sweep.sqlite", SweepPlan.grid(None, over, numbers=FakeNumbers()))
     write_csv(found, tmp_path / "sweep.csv")
     rows = read(tmp_path / "sweep.csv")
     assert [row["material"] for row in rows] == ["abs", "abs", "pu", "pu"]
-    assert [row["way_points_mm"] for row in rows[:2]] == ["[[0.0, 50.0]]", "[[0.0, 60.0], [10.0, 60.0]]"]
+    assert [row["way_points_mm"] for row in rows[:2]] == [
+        "[[0.0, 50.0]]",
+        "[[0.0, 60.0], [10.0, 60.0]]",
+    ]
     assert found.swept["way_points_mm"][1] == ((0.0, 60.0), (10.0, 60.0))
     assert found.select(way_points_mm=((0.0, 50.0),)).shape == (2,)
 
@@ -126,7 +144,9 @@ def test_netcdf_reads_back_the_same_dataset(tmp_path, request, which) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["sweep.nc"]
 
 
-def test_a_sample_becomes_a_dataset_over_its_points_and_words_are_coordinates(sample, sweep) -> None:
+def test_a_sample_becomes_a_dataset_over_its_points_and_words_are_coordinates(
+    sample, sweep
+) -> None:
     chosen = sample.select(mu_a=(0.2, 0.25))
     assert len(chosen) == 32 and chosen.values("mu_a").max() <= 0.25
     found, words = to_dataset(sample), to_dataset(sweep)

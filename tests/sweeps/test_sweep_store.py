@@ -15,7 +15,14 @@ from fake_numbers import FakeNumbers, fake_plan, opened, swept
 from refusals import refused
 
 from cyclemap.errors import DataFileError
-from cyclemap.sweeps import PointOutcome, StoreWriteError, SweepStore, load_sweep, run_sweep, sweep_status
+from cyclemap.sweeps import (
+    PointOutcome,
+    StoreWriteError,
+    SweepStore,
+    load_sweep,
+    run_sweep,
+    sweep_status,
+)
 
 
 @pytest.fixture
@@ -32,13 +39,21 @@ def test_every_float_comes_back_as_it_went(path) -> None:
     plan = fake_plan()
     kept = (0.1 + 0.2, np.inf, -np.inf, 5e-324, 1.7976931348623157e308)
     with SweepStore(path, plan) as store:
-        values = {"rotation": kept[0], "rotation_lower": np.inf, "rotation_upper": np.nan, "fixed_point_theta": kept}
+        values = {
+            "rotation": kept[0],
+            "rotation_lower": np.inf,
+            "rotation_upper": np.nan,
+            "fixed_point_theta": kept,
+        }
         store.add([(plan.point(3), PointOutcome(values, "partly refused: 'θ'"))])
         assert store.status().stored == store.status().refused == 1
     found = load_sweep(path)
     assert found.columns["rotation"].tolist() == [0.1 + 0.2]
     assert found.columns["rotation_lower"].tolist() == [np.inf]
-    assert np.isnan(found.columns["rotation_upper"]).all() and np.isnan(found.columns["locked_period"]).all()
+    assert (
+        np.isnan(found.columns["rotation_upper"]).all()
+        and np.isnan(found.columns["locked_period"]).all()
+    )
     assert tuple(found.lists["fixed_point_theta"][0].tolist()) == kept
     assert found.refusals == ("partly refused: 'θ'",)
     assert found.number.tolist() == [3]
@@ -85,10 +100,15 @@ def written_to(path, statement) -> None:
 
 
 def test_a_damaged_or_foreign_file_is_refused_by_name(path) -> None:
-    """One number changed, in a file that is otherwise sound; another database; no database at all."""
+    """One number changed, in a file that is otherwise sound; another database;
+    no database at all."""
     full_store(path, rows=60)
     written_to(path, "UPDATE points SET rotation = 0.5 WHERE number = 7")
-    for told in ("a row of its table points is not as it was", "not a store of this version's", "not a database"):
+    for told in (
+        "a row of its table points is not as it was",
+        "not a store of this version's",
+        "not a database",
+    ):
         before = path.read_bytes()
         told = rf"^{path}.*{told}.*remove it"
         refused(load_sweep, path, fake_plan(rows=60), told=told, kind=DataFileError)
@@ -116,7 +136,13 @@ def test_a_folder_is_no_store_and_a_store_that_cannot_be_made_is_a_write_error(t
     for plan in (None, fake_plan()):
         refused(SweepStore, tmp_path, plan, told="is a folder", kind=DataFileError)
     (tmp_path / "file").write_text("")
-    refused(SweepStore, tmp_path / "file" / "a.sqlite", fake_plan(), told="cannot be written", kind=StoreWriteError)
+    refused(
+        SweepStore,
+        tmp_path / "file" / "a.sqlite",
+        fake_plan(),
+        told="cannot be written",
+        kind=StoreWriteError,
+    )
 
 
 def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
@@ -125,7 +151,10 @@ def test_a_held_store_is_a_write_error(path, monkeypatch) -> None:
     holder = sqlite3.connect(path, isolation_level=None)
     holder.execute("BEGIN IMMEDIATE")
     plan = fake_plan()
-    with SweepStore(path, plan) as store, pytest.raises(StoreWriteError, match="held by another process"):
+    with (
+        SweepStore(path, plan) as store,
+        pytest.raises(StoreWriteError, match="held by another process"),
+    ):
         store.add([(plan.point(0), PointOutcome({}))])
     holder.close()
 
@@ -145,11 +174,15 @@ except StoreWriteError as error:
 
 @pytest.mark.slow
 def test_a_full_disk_stops_the_sweep_keeps_what_is_stored_and_lets_it_go_on(path, tmp_path) -> None:
-    """A limit on the size of files stands for the disk: SQLite meets a refused write in both cases."""
+    """A limit on the size of files stands for the disk:
+    SQLite meets a refused write in both cases."""
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
     command = [sys.executable, "-c", FULL_DISK, str(path), "250000"]
     ended = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    assert "cannot be written" in ended.stdout and "make room, then run the same sweep again" in ended.stdout
+    assert (
+        "cannot be written" in ended.stdout
+        and "make room, then run the same sweep again" in ended.stdout
+    )
     kept, log, plan = load_sweep(path), tmp_path / "log", fake_plan(rows=300)
     assert 100 < len(kept) < 1200
     object.__setattr__(plan, "numbers", FakeNumbers(log=str(log)))
@@ -169,20 +202,32 @@ def test_a_store_that_was_cut_is_refused_and_not_a_point_shorter(path) -> None:
 
 @pytest.mark.slow
 def test_a_flipped_byte_is_refused_or_changes_nothing(path, tmp_path) -> None:
-    """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not used."""
+    """Wherever it falls: in SQLite's structure, the description, a row, or in room that is not
+    used.
+    """
     full_store(path)
     whole, before, outcomes = path.read_bytes(), load_sweep(path), {True: 0, False: 0}
     chance, damaged = np.random.default_rng(5), tmp_path / "damaged.sqlite"
     for place in chance.integers(len(whole), size=300).tolist():
-        damaged.write_bytes(whole[:place] + bytes([whole[place] ^ int(chance.integers(1, 256))]) + whole[place + 1 :])
+        damaged.write_bytes(
+            whole[:place]
+            + bytes([whole[place] ^ int(chance.integers(1, 256))])
+            + whole[place + 1 :]
+        )
         try:
             found = load_sweep(damaged)
         except DataFileError as error:
             assert str(damaged) in str(error)
             outcomes[False] += 1
             continue
-        assert found.description == before.description and found.number.tolist() == before.number.tolist()
-        assert all(np.array_equal(found.columns[name], before.columns[name], True) for name in before.columns)
+        assert (
+            found.description == before.description
+            and found.number.tolist() == before.number.tolist()
+        )
+        assert all(
+            np.array_equal(found.columns[name], before.columns[name], True)
+            for name in before.columns
+        )
         outcomes[True] += 1
     assert min(outcomes.values()) > 20
 

@@ -1,4 +1,6 @@
-"""Sticking and sliding twists of an ellipsoid: their closed forms are what minimisers find, and one of them holds."""
+"""Sticking and sliding twists of an ellipsoid: their closed forms are what minimisers find, and one
+of them holds.
+"""
 
 import math
 
@@ -16,7 +18,9 @@ STICKING = sp.lambdify(_ELLIPSOID, theory.sticking_twist(), cse=True)
 SLIDING = sp.lambdify((*_ELLIPSOID, theory.NU, theory.SMU), theory.sliding_twist(), cse=True)
 MOBILITY = sp.lambdify((*_FACTOR, *_PLACE), theory.mobility(), cse=True)
 EDGE_WRENCH = sp.lambdify((*_PLACE, theory.NU, theory.SMU), list(theory.sliding_wrench()))
-FAMILY = sp.lambdify((*_PLACE, theory.U_X, theory.U_Y, theory.OMEGA), list(theory.sticking_family(theory.OMEGA)))
+FAMILY = sp.lambdify(
+    (*_PLACE, theory.U_X, theory.U_Y, theory.OMEGA), list(theory.sticking_family(theory.OMEGA))
+)
 
 
 def flat_directions(footprint, twist):
@@ -34,11 +38,14 @@ def test_dissipation_is_flat_along_the_twist_alone_unless_all_support_lies_on_a_
     about_its_own, beside = (0.0, -0.5, 1.0), (0.4, -0.5, 1.0)
     assert [flat_directions(triangle, twist) for twist in (about_its_own, beside)] == [1, 1]
     assert [flat_directions(line, twist) for twist in (about_its_own, beside)] == [2, 1]
-    assert {flat_directions(square, twist) for twist in np.random.default_rng(4).normal(size=(20, 3))} == {1}
+    assert {
+        flat_directions(square, twist) for twist in np.random.default_rng(4).normal(size=(20, 3))
+    } == {1}
 
 
 def random_ellipsoid(rng):
-    """Lower triangular C, A = (C C^T)^-1, with spread axes and all couplings; a contact and a rod."""
+    """Lower triangular C, A = (C C^T)^-1, with spread axes and all couplings;
+    a contact and a rod."""
     factor = np.diag(rng.uniform(0.5, 3.0, 3)) + np.tril(rng.normal(size=(3, 3)), -1)
     return factor, rng.normal(size=2), rng.normal(size=2)
 
@@ -54,7 +61,9 @@ def test_a_minimiser_finds_the_ellipsoids_closed_sticking_twist():
         factor, place, rod = random_ellipsoid(rng)
         lower, power = factor[np.tril_indices(3)], power_of(factor)
         twist = STICKING(*lower, *place, *rod).ravel()
-        assert np.allclose((twist[0] - twist[2] * place[1], twist[1] + twist[2] * place[0]), rod, atol=1e-12)
+        assert np.allclose(
+            (twist[0] - twist[2] * place[1], twist[1] + twist[2] * place[0]), rod, atol=1e-12
+        )
         found = minimize_scalar(lambda spin: power(np.array(FAMILY(*place, *rod, spin))), tol=1e-12)  # noqa: B023
         assert abs(found.x - twist[2]) < 1e-6 * max(1.0, abs(twist[2]))
         assert abs(found.fun / power(twist) - 1.0) < 1e-13
@@ -76,12 +85,17 @@ def test_a_minimiser_finds_the_ellipsoids_closed_sliding_twist():
 
 
 def test_on_an_ellipsoid_exactly_one_of_sticking_and_the_two_slides_is_consistent():
-    """Complementarity: sticking inside the friction cone, or slip the way the force on the cone's edge points."""
+    """Complementarity: sticking inside the friction cone, or slip the way the force on the cone's
+    edge points.
+    """
     rng, counts, mu = np.random.default_rng(3), {"stick": 0, "left": 0, "right": 0}, 0.4
     for _ in range(400):
         factor, place, rod = random_ellipsoid(rng)
         nu = rng.uniform(0, 7)
-        normal, tangent = np.array((math.cos(nu), math.sin(nu))), np.array((-math.sin(nu), math.cos(nu)))
+        normal, tangent = (
+            np.array((math.cos(nu), math.sin(nu))),
+            np.array((-math.sin(nu), math.cos(nu))),
+        )
         mobility = MOBILITY(*factor[np.tril_indices(3)], *place)
         edges = {sign: mobility @ (-normal + sign * mu * tangent) for sign in (1, -1)}
         if normal @ rod >= 0.0 or max(normal @ edge for edge in edges.values()) >= 0.0:

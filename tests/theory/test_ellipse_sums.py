@@ -1,4 +1,6 @@
-"""The sums under ellipses: proved where they are identities, and their rules' errors as far as they say."""
+"""The sums under ellipses: proved where they are identities, and their rules' errors as far as they
+say.
+"""
 
 import math
 
@@ -48,7 +50,9 @@ def image(law, outline):
 
 @pytest.mark.parametrize("away", [0.3, 0.8, 1.5])
 def test_chords_add_up_to_the_codes_dissipation_as_exponentially_as_the_singularities_are_far(away):
-    """Of a spin about a place inside or outside: even steps in t, each chord summed as its direction times |w|."""
+    """Of a spin about a place inside or outside: even steps in t, each chord summed as its
+    direction times |w|.
+    """
     linear, centre = image(LAW, OVAL), away * np.array([0.6, 0.8])
     place = centre * (OVAL.semi_x, OVAL.semi_y)
     wanted = float(LimitSurface(PatchFootprint(OVAL), LAW).dissipation([place[1], -place[0], 1.0]))
@@ -74,12 +78,16 @@ def test_chords_add_up_to_the_codes_dissipation_as_exponentially_as_the_singular
 
 @pytest.mark.parametrize("modulus", [0.3, 0.9, 0.999])
 def test_elliptic_steps_around_the_circle_integrate_legendres_root_to_rounding(modulus):
-    """The length of |Z^2 - s^2| around the circle, by even steps of v and by many even steps of the angle."""
+    """The length of |Z^2 - s^2| around the circle, by even steps of v and by many even steps of the
+    angle.
+    """
     s = (1.0 - math.sqrt(1.0 - modulus**2)) / modulus
     whole, count = 4.0 * ellipk(modulus**2), 160
     _, cosine, dense, _ = ellipj((np.arange(count) + 0.5) * whole / count, modulus**2)
     density = math.sqrt(1.0 - modulus**2) / dense
-    found = float(np.mean(whole * density * (1.0 + s**2) * np.sqrt(1.0 - (modulus * cosine / dense) ** 2)))
+    found = float(
+        np.mean(whole * density * (1.0 + s**2) * np.sqrt(1.0 - (modulus * cosine / dense) ** 2))
+    )
     phi = (np.arange(200_000) + 0.5) * 2.0 * math.pi / 200_000
     plain = float(np.mean(2.0 * math.pi * np.abs(np.exp(2j * phi) - s**2)))
     assert found == pytest.approx(plain, rel=1e-12)

@@ -1,4 +1,6 @@
-"""Half-turn symmetry of a centred ellipse: in symbols, in the code's cycles, and what it means for steps."""
+"""Half-turn symmetry of a centred ellipse: in symbols, in the code's cycles, and what it means for
+steps.
+"""
 
 import math
 
@@ -11,7 +13,10 @@ from theory import half_turn_symmetry as theory
 from theory.plane_rotation import rotation
 from theory.turned_surface import M0, N0, THETA, VELOCITY_X, VELOCITY_Y
 
-CENTRED, OFFSET = EllipseFriction(0.35, 0.18, phi=0.7), EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
+CENTRED, OFFSET = (
+    EllipseFriction(0.35, 0.18, phi=0.7),
+    EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7),
+)
 NO_OFFSET = {M0: 0, N0: 0}
 TWO_PI = 2.0 * math.pi
 
@@ -21,7 +26,11 @@ def loop_on(law):
 
 
 def test_without_offset_every_residual_is_zero_and_with_it_the_offset_is_all_that_is_left():
-    for residual in (theory.oddness_of_the_support(), theory.half_turn_residual(), theory.reversal_residual()):
+    for residual in (
+        theory.oddness_of_the_support(),
+        theory.half_turn_residual(),
+        theory.reversal_residual(),
+    ):
         assert residual.subs(NO_OFFSET) == 0
     velocity = rotation(-theory.PHI) * sp.Matrix([VELOCITY_X, VELOCITY_Y])
     offset = -2 * (M0 * velocity[0] + N0 * velocity[1])
@@ -33,12 +42,15 @@ def test_the_codes_cycle_commutes_with_half_a_turn_only_without_offset():
     for law, holds in ((CENTRED, True), (OFFSET, False)):
         loop, off = loop_on(law), []
         for theta in rng.uniform(-3, 3, 4):
-            off.append(abs(loop.cycle(theta + math.pi).theta_next - loop.cycle(theta).theta_next - math.pi))
+            off.append(
+                abs(loop.cycle(theta + math.pi).theta_next - loop.cycle(theta).theta_next - math.pi)
+            )
         assert (max(off) < 1e-8) if holds else (max(off) > 1e-2)
 
 
 def test_a_retraced_drag_undoes_itself_only_without_offset():
-    """Out along a bent path and back along it: the object lies as before, whatever the anisotropy."""
+    """Out along a bent path and back along it: the object lies as before,
+    whatever the anisotropy."""
     out = ((0.1, 0.0), (0.12, 0.08), (-0.05, 0.1))
     for law, holds in ((CENTRED, True), (EllipseFriction.isotropic(0.3), True), (OFFSET, False)):
         model = QuasiStaticModel(Slider.mit("rect1"), law, accuracy=1e-10)
@@ -47,12 +59,18 @@ def test_a_retraced_drag_undoes_itself_only_without_offset():
             there = model.drag(pose, out)
             back = model.drag(there.end, (*out[-2::-1], pose.to_world(*model.slider.hitch)))
             assert abs(there.turn) > 0.1
-            assert (abs(back.turn + there.turn) < 1e-7) if holds else (abs(back.turn + there.turn) > 1e-2)
+            assert (
+                (abs(back.turn + there.turn) < 1e-7)
+                if holds
+                else (abs(back.turn + there.turn) > 1e-2)
+            )
 
 
 def test_only_even_harmonics_are_left():
     k = theory.HARMONIC
-    assert [sp.simplify(theory.harmonic_factor().subs(k, n) - (-1) ** n) for n in range(6)] == [0] * 6
+    assert [sp.simplify(theory.harmonic_factor().subs(k, n) - (-1) ** n) for n in range(6)] == [
+        0
+    ] * 6
 
 
 def test_even_maps_commute_with_half_a_turn_and_descend_to_the_doubled_circle():

@@ -1,4 +1,6 @@
-"""Isotropic friction: a rigid rotation, in symbols and in the code; the ellipsoid's rotation beside the real one."""
+"""Isotropic friction: a rigid rotation, in symbols and in the code; the ellipsoid's rotation beside
+the real one.
+"""
 
 import math
 
@@ -33,7 +35,9 @@ def test_the_leg_back_looks_the_same_from_every_start():
 
 
 def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():
-    """MIT's push: the square turns back by 66.52 degrees, the ellipsoid of its second moment by 71.50."""
+    """MIT's push: the square turns back by 66.52 degrees, the ellipsoid of its second moment by
+    71.50.
+    """
     loop = loop_with()
     cycle = loop.cycle(0.0)
     ring = np.array(cycle.push.end.to_world(*loop.model.slider.hitch))
@@ -48,6 +52,8 @@ def test_the_ellipsoids_drag_turn_is_five_degrees_more_than_the_squares():
         theory.RATE: kappa,
     }
     tangent = theory.turn_of_the_ellipsoids_leg()
-    end, start = (2.0 * math.atan(float(tangent.subs(one))) for one in (numbers, {**numbers, theory.RATE: 0}))
+    end, start = (
+        2.0 * math.atan(float(tangent.subs(one))) for one in (numbers, {**numbers, theory.RATE: 0})
+    )
     assert abs(math.degrees(cycle.drag_turn) + 66.51814) < 1e-4
     assert abs(math.degrees(end - start) + 71.498) < 1e-3

@@ -1,4 +1,6 @@
-"""The ellipsoid's drag: every residual is zero in symbols, and the code's own maps and minimisers agree."""
+"""The ellipsoid's drag: every residual is zero in symbols, and the code's own maps and minimisers
+agree.
+"""
 
 import math
 
@@ -30,13 +32,16 @@ def test_the_half_angle_solution_satisfies_the_equation_of_motion_and_the_start(
 
 
 def test_the_moebius_map_is_the_half_angle_solution():
-    """With t = tan(ψ/2), z = (1 + it)/(1 - it); the leg multiplies t by e^{-κℓ} = (1 - a)/(1 + a)."""
+    """With t = tan(ψ/2), z = (1 + it)/(1 - it);
+    the leg multiplies t by e^{-κℓ} = (1 - a)/(1 + a)."""
     t = sp.Symbol("t", real=True)
     image = theory.leg_of_the_lever(A).subs(Z, (1 + sp.I * t) / (1 - sp.I * t))
     shrunk = t * (1 - A) / (1 + A)
     assert sp.simplify(image - (1 + sp.I * shrunk) / (1 - sp.I * shrunk)) == 0
     x = sp.Symbol("x", positive=True)
-    assert sp.simplify(((1 - sp.tanh(x / 2)) / (1 + sp.tanh(x / 2))).rewrite(sp.exp) - sp.exp(-x)) == 0
+    assert (
+        sp.simplify(((1 - sp.tanh(x / 2)) / (1 + sp.tanh(x / 2))).rewrite(sp.exp) - sp.exp(-x)) == 0
+    )
 
 
 @pytest.mark.slow
@@ -53,7 +58,9 @@ def test_legs_add_and_turned_legs_multiply_their_matrices():
 
 
 def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
-    """The slope of a Möbius map runs from (1 - a)/(1 + a) to its inverse; the legs are the code's maps, turned."""
+    """The slope of a Möbius map runs from (1 - a)/(1 + a) to its inverse; the legs are the code's
+    maps, turned.
+    """
     legs = ((0.4, 0.3), (0.7, 2.0), (0.2, -1.1))
     matrix, lever, slope = sp.eye(2), np.linspace(-np.pi, np.pi, 200_001), 1.0
     for a, direction in legs:
@@ -66,7 +73,10 @@ def test_a_bent_path_is_one_moebius_map_with_the_strength_of_the_product():
     assert abs(slope.max() / ((1.0 + whole) / (1.0 - whole)) - 1.0) < 1e-7
     assert abs(slope.min() / ((1.0 - whole) / (1.0 + whole)) - 1.0) < 1e-7
     mapped = sp.lambdify(Z, (matrix[0, 0] * Z + matrix[0, 1]) / (matrix[1, 0] * Z + matrix[1, 1]))
-    assert np.abs(mapped(np.exp(1j * np.linspace(-np.pi, np.pi, 200_001))) - np.exp(1j * lever)).max() < 1e-12
+    assert (
+        np.abs(mapped(np.exp(1j * np.linspace(-np.pi, np.pi, 200_001))) - np.exp(1j * lever)).max()
+        < 1e-12
+    )
 
 
 def test_the_trails_map_is_the_codes_moebius_map():
@@ -78,10 +88,15 @@ def test_the_trails_map_is_the_codes_moebius_map():
 
 
 @pytest.mark.parametrize(
-    ("outline", "second_moment"), [(Ellipse(0.05, 0.05), 0.05**2 / 4), (Slider.mit("rect1").outline, 0.09**2 / 12)]
+    ("outline", "second_moment"),
+    [(Ellipse(0.05, 0.05), 0.05**2 / 4), (Slider.mit("rect1").outline, 0.09**2 / 12)],
 )
-def test_a_disc_and_a_square_turn_less_than_their_ellipsoid_by_up_to_twelve_degrees(outline, second_moment):
-    """c² is the pressure's second moment, so that short headings agree: no exact footprint is an ellipsoid."""
+def test_a_disc_and_a_square_turn_less_than_their_ellipsoid_by_up_to_twelve_degrees(
+    outline, second_moment
+):
+    """c² is the pressure's second moment, so that short headings agree: no exact footprint is an
+    ellipsoid.
+    """
     slider = Slider(outline)
     model = QuasiStaticModel(slider, EllipseFriction.isotropic(0.25))
     after = sp.lambdify((PSI, R, C, ELL), theory.heading_after())

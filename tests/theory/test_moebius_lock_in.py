@@ -1,4 +1,6 @@
-"""A Möbius cycle: rotation number, lock-in, multiplier and square-root law in symbols, and by the code's own route."""
+"""A Möbius cycle: rotation number, lock-in, multiplier and square-root law in symbols, and by the
+code's own route.
+"""
 
 import numpy as np
 import pytest
@@ -57,7 +59,8 @@ def test_the_least_move_has_the_stated_place_gap_and_curvature():
     place, gap, curvature = theory.least_move()
     assert sp.simplify(theory.slope().subs(CHI, place) - 1) == 0
     assert sp.simplify(sp.diff(theory.slope(), CHI).subs(CHI, place) / 2 - curvature) == 0
-    # The move is 2πΩ + 2 atan(a sin χ/(1 - a cos χ)), whose arctangent at the place is that of -a/√(1 - a²).
+    # The move is 2πΩ + 2 atan(a sin χ/(1 - a cos χ)), whose arctangent at the place is that of
+    # -a/√(1 - a²).
     tangent = (A * sp.sin(CHI) / (1 - A * sp.cos(CHI))).subs(CHI, place)
     assert sp.simplify(tangent + sp.tan(sp.asin(A))) == 0
     assert sp.simplify(gap - (2 * sp.pi * OMEGA - 2 * sp.asin(A))) == 0
@@ -69,7 +72,9 @@ def test_the_square_root_law_is_the_expansion_of_the_closed_form():
     beyond = sp.expand_trig(theory.half_trace().subs(OMEGA, theory.lock_in_edge() + ETA).expand())
     assert sp.simplify(sp.expand(beyond.expand(trig=True)) - theory.cosine_beyond_the_edge()) == 0
     # cos πρ = 1 - (πρ)²/2 + ..., so ρ² = 2(1 - cos πρ)/π² to leading order in η.
-    rest = sp.series(2 * (1 - theory.cosine_beyond_the_edge()) / sp.pi**2 - theory.square_root_law(), ETA, 0, 2)
+    rest = sp.series(
+        2 * (1 - theory.cosine_beyond_the_edge()) / sp.pi**2 - theory.square_root_law(), ETA, 0, 2
+    )
     assert sp.simplify(rest.removeO()) == 0
 
 
@@ -82,7 +87,9 @@ def test_near_the_edge_a_turn_is_the_passage_through_the_bottleneck():
 
 @pytest.mark.slow
 def test_the_code_finds_the_closed_forms():
-    rho, multiplier = (sp.lambdify((A, OMEGA), f()) for f in (theory.rotation_number, theory.stable_multiplier))
+    rho, multiplier = (
+        sp.lambdify((A, OMEGA), f()) for f in (theory.rotation_number, theory.stable_multiplier)
+    )
     locked = turning = 0
     for a, turns in np.random.default_rng(3).uniform((0.1, 0.02), (0.95, 0.48), (12, 2)):
         circle_map = CircleMap.moebius(a, turns)

@@ -1,10 +1,19 @@
-"""An offset ellipse acts as one constant force at the centre of pressure: proved, and so in the code's footprints."""
+"""An offset ellipse acts as one constant force at the centre of pressure: proved, and so in the
+code's footprints.
+"""
 
 import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, PointFootprint, Polygon
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    PointFootprint,
+    Polygon,
+)
 from theory import offset_force as theory
 from theory.traction_law import M0, N0
 

@@ -1,4 +1,6 @@
-"""Passage through a bottleneck: the flow's integral, its next order, the soluble map; counted iterates confirm them."""
+"""Passage through a bottleneck: the flow's integral, its next order, the soluble map; counted
+iterates confirm them.
+"""
 
 import math
 
@@ -30,7 +32,9 @@ def test_the_end_correction_is_the_expansion_of_the_finite_passage():
 
 
 def test_the_interpolating_flow_gives_back_the_map_to_fourth_order():
-    """With every move multiplied by η the displacement over one cycle differs from it by η⁴ or less."""
+    """With every move multiplied by η the displacement over one cycle differs from it by η⁴ or
+    less.
+    """
     move = ETA * sp.Function("g")(X)
     back = sp.expand((theory.time_one_map(theory.interpolating_flow(move)) - move).doit())
     assert [sp.simplify(back.coeff(ETA, k)) for k in range(4)] == [0, 0, 0, 0]
@@ -38,7 +42,8 @@ def test_the_interpolating_flow_gives_back_the_map_to_fourth_order():
 
 
 def test_the_counting_time_is_the_integral_of_one_over_the_interpolating_flow():
-    """1/v = 1/g + g'/2g - g'²/12g - g''/12 + ..., and that is the derivative of the counting time."""
+    """1/v = 1/g + g'/2g - g'²/12g - g''/12 + ...,
+    and that is the derivative of the counting time."""
     g, slope, bend = theory.move(), sp.diff(theory.move(), X), sp.diff(theory.move(), X, 2)
     inverse = 1 / g + slope / (2 * g) - slope**2 / (12 * g) - bend / 12
     assert sp.simplify(sp.diff(theory.counting_time(), X) - inverse) == 0
@@ -77,7 +82,9 @@ def test_the_soluble_map_is_the_bottleneck_to_leading_order_and_its_count_expand
 
 @pytest.mark.slow
 def test_the_interpolating_flow_of_the_soluble_map_is_its_exact_one_to_fourth_order():
-    """Its flow is known: (arctan √(aε)/√(aε)) (ε + a x²). Here x counts as η, ε as η², a move as η²."""
+    """Its flow is known: (arctan √(aε)/√(aε)) (ε + a x²). Here x counts as η, ε as η², a move as
+    η².
+    """
     move = (theory.soluble_map() - X).together()
     exact = sp.atan(sp.sqrt(A * EPS)) / sp.sqrt(A * EPS) * theory.move()
     difference = theory.interpolating_flow(move) - exact

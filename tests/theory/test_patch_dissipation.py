@@ -1,4 +1,6 @@
-"""The closed form of a polygon's dissipation: proved, and equal to the code's patch and to plain quadrature."""
+"""The closed form of a polygon's dissipation: proved, and equal to the code's patch and to plain
+quadrature.
+"""
 
 import numpy as np
 import pytest
@@ -24,13 +26,17 @@ def test_the_integrals_start_at_zero_and_a_side_through_the_centre_of_rotation_a
 
 
 def closed_form(corners):
-    """Return a numerical function (twist, law) -> mean of |w| over a polygon and its derivative by v."""
+    """Return a numerical function (twist, law) -> mean of |w| over a polygon and its derivative by
+    v.
+    """
     symbols = [sp.symbols(f"x_{i} y_{i}", real=True) for i in range(len(corners))]
     v_x, v_y, phi = sp.symbols("v_x v_y phi", real=True)
     matrix = theory.traction_matrix(phi)
     images = [sp.symbols(f"p_{i} q_{i}", real=True) for i in range(len(corners))]
     flat = [c for image in images for c in image]
-    integrals = sp.lambdify(flat, [theory.polygon_integral(images), *theory.polygon_force(images)], cse=True)
+    integrals = sp.lambdify(
+        flat, [theory.polygon_integral(images), *theory.polygon_force(images)], cse=True
+    )
     image = sp.lambdify(
         [[c for s in symbols for c in s], v_x, v_y, theory.OMEGA, theory.MU_A, theory.MU_B, phi],
         [c for w in theory.velocity_image(symbols, (v_x, v_y), theory.OMEGA, matrix) for c in w],
@@ -52,12 +58,16 @@ def random_polygons(count, seed):
     for k in range(count):
         angle = (np.arange(3 + k % 4) + 0.8 * rng.uniform(size=3 + k % 4)) * 2 * np.pi / (3 + k % 4)
         radius = rng.uniform(0.03, 0.08, angle.size)
-        yield tuple(zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True))
+        yield tuple(
+            zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True)
+        )
     yield CONCAVE
 
 
 def random_twist(corners, rng):
-    """Centre of rotation within 2 extents of the middle, inside the patch and outside, either sense of turning."""
+    """Centre of rotation within 2 extents of the middle, inside the patch and outside, either sense
+    of turning.
+    """
     centre = np.mean(corners, axis=0) + rng.normal(size=2) * 0.08
     omega = rng.choice((-1.0, 1.0)) * rng.uniform(0.5, 30.0)
     return np.array((omega * centre[1], -omega * centre[0], omega))
@@ -67,7 +77,10 @@ def random_twist(corners, rng):
 def test_the_codes_patch_is_the_closed_form_to_rounding():
     rng, compared = np.random.default_rng(1), 0
     for corners in random_polygons(4, seed=2):
-        evaluate, surface = closed_form(corners), LimitSurface(PatchFootprint(Polygon(corners)), LAW)
+        evaluate, surface = (
+            closed_form(corners),
+            LimitSurface(PatchFootprint(Polygon(corners)), LAW),
+        )
         for _ in range(20):
             twist = random_twist(corners, rng)
             mean, force = evaluate(twist, LAW)
@@ -87,5 +100,7 @@ def test_the_curvature_of_a_polygon_is_the_derivative_of_its_force():
     force = sp.lambdify(flat, list(theory.polygon_force(moved)), cse=True)
     bend = sp.lambdify(flat, theory.polygon_curvature(moved), cse=True)
     place, step = (0.3, -0.4, 0.9, 0.1, 0.2, 0.8), 1e-5
-    slopes = [np.subtract(force(*e, *place), force(*-e, *place)) / (2 * step) for e in step * np.eye(2)]
+    slopes = [
+        np.subtract(force(*e, *place), force(*-e, *place)) / (2 * step) for e in step * np.eye(2)
+    ]
     assert np.allclose(np.array(slopes).T, bend(0.0, 0.0, *place), rtol=0, atol=1e-9)

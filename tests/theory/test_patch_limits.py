@@ -1,4 +1,6 @@
-"""Limits of the patch: translation, far centres of rotation, rims and grids, proved and measured on the code."""
+"""Limits of the patch: translation, far centres of rotation, rims and grids, proved and measured on
+the code.
+"""
 
 import math
 
@@ -6,7 +8,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.mechanics import EllipseFriction, LimitSurface, PatchFootprint, Polygon, grid_footprint
+from cyclemap.mechanics import (
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    Polygon,
+    grid_footprint,
+)
 from theory import patch_limits as theory
 from theory.patch_dissipation import traction_matrix, velocity_image
 
@@ -26,7 +34,9 @@ def predicted_near_translation(patch, velocity, omega):
 
 
 @pytest.mark.parametrize(("outline", "order"), [(SQUARE, 4), (TRIANGLE, 3)])
-def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error_of_the_next_order(outline, order):
+def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error_of_the_next_order(
+    outline, order
+):
     """A patch that a half turn maps to itself has no term in omega^3."""
     patch, velocity, errors = PatchFootprint(outline), np.array((0.5, -0.8)), []
     x, y = patch.centre
@@ -39,7 +49,9 @@ def test_the_codes_patch_near_translation_is_the_second_order_form_with_an_error
 
 
 def image_of(outline, twist):
-    matrix = np.array(traction_matrix(LAW.phi).subs({theory.MU_A: LAW.mu_a, theory.MU_B: LAW.mu_b}), dtype=float)
+    matrix = np.array(
+        traction_matrix(LAW.phi).subs({theory.MU_A: LAW.mu_a, theory.MU_B: LAW.mu_b}), dtype=float
+    )
     floats = [(sp.Float(x), sp.Float(y)) for x, y in outline.vertices]
     return velocity_image(
         floats, (sp.Float(twist[0]), sp.Float(twist[1])), sp.Float(twist[2]), sp.Matrix(matrix)
@@ -49,7 +61,11 @@ def image_of(outline, twist):
 @pytest.mark.slow
 def test_weight_on_the_rim_alone_dissipates_the_closed_forms_derivative_by_the_scale():
     """For a square and a triangle, turning both ways."""
-    for outline, twist in ((SQUARE, (0.4, -0.2, 9.0)), (TRIANGLE, (0.1, 0.3, -20.0)), (TRIANGLE, (0.6, 0.1, 4.0))):
+    for outline, twist in (
+        (SQUARE, (0.4, -0.2, 9.0)),
+        (TRIANGLE, (0.1, 0.3, -20.0)),
+        (TRIANGLE, (0.6, 0.1, 4.0)),
+    ):
         corners = image_of(outline, twist)[0]
         centre = image_of(Polygon((outline.centroid, (1.0, 0.0), (1.0, 1.0))), twist)[0][0]
         found = LimitSurface(PatchFootprint(outline, rim_share=1.0), LAW).dissipation(twist)
@@ -60,9 +76,15 @@ def grid_errors(twist, counts):
     """Errors of n x n grids on the square, and what is left of them after the leading term."""
     exact = float(LimitSurface(PatchFootprint(SQUARE), LAW).dissipation(twist))
     corners = [(sp.Float(x), sp.Float(y)) for x, y in SQUARE.vertices]
-    velocity, matrix = (sp.Float(twist[0]), sp.Float(twist[1])), sp.Matrix(image_of(SQUARE, twist)[1])
+    velocity, matrix = (
+        (sp.Float(twist[0]), sp.Float(twist[1])),
+        sp.Matrix(image_of(SQUARE, twist)[1]),
+    )
     unit = float(theory.grid_defect(corners, velocity, sp.Float(twist[2]), matrix, sp.Integer(1)))
-    errors = [float(LimitSurface(grid_footprint(SQUARE, n), LAW).dissipation(twist)) - exact for n in counts]
+    errors = [
+        float(LimitSurface(grid_footprint(SQUARE, n), LAW).dissipation(twist)) - exact
+        for n in counts
+    ]
     return np.array(errors), np.array(errors) - unit * (0.09 / np.array(counts)) ** 2
 
 
@@ -74,7 +96,9 @@ def test_a_grid_errs_by_the_derived_leading_term_and_the_rest_falls_with_the_fou
 
 
 def test_with_the_centre_of_rotation_inside_the_rest_falls_with_the_third_power():
-    """The cone of |w| adds an error that depends on where in its cell the centre lies, but stays below C h^3."""
+    """The cone of |w| adds an error that depends on where in its cell the centre lies, but stays
+    below C h^3.
+    """
     rng, counts, compared = np.random.default_rng(0), (8, 16, 32), 0
     for _ in range(6):
         x, y = rng.uniform(-0.04, 0.04, 2)
@@ -89,9 +113,14 @@ def test_a_square_that_spins_about_its_centre_on_the_papers_grid_lacks_the_deriv
     friction, spin = EllipseFriction.isotropic(0.25), (0.0, 0.0, 1.0)
     exact = LimitSurface(PatchFootprint(SQUARE), friction).dissipation(spin)
     counts = np.array((8, 16, 32))
-    lacks = [LimitSurface(grid_footprint(SQUARE, n), friction).dissipation(spin) / exact - 1.0 for n in (8, 16, 32)]
+    lacks = [
+        LimitSurface(grid_footprint(SQUARE, n), friction).dissipation(spin) / exact - 1.0
+        for n in (8, 16, 32)
+    ]
     assert abs(lacks[0] + 0.0057) < 5e-5
     # The cone of |w| lies on a corner of the cells: what is left is of third order.
-    rest = (np.array(lacks) / [float(theory.spinning_square_grid_defect(int(n))) for n in counts] - 1.0) * counts
+    rest = (
+        np.array(lacks) / [float(theory.spinning_square_grid_defect(int(n))) for n in counts] - 1.0
+    ) * counts
     assert np.ptp(rest) < 0.02
     assert abs(rest.mean() + 0.45) < 0.02

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from cyclemap.mechanics import EllipseFriction, LimitSurface, Polygon, PressedFootprint, SurfaceShape
+from cyclemap.mechanics import (
+    EllipseFriction,
+    LimitSurface,
+    Polygon,
+    PressedFootprint,
+    SurfaceShape,
+)
 from theory import pressed_contact as theory
 
 X, Y = theory.W_X, theory.W_Y
@@ -44,7 +50,9 @@ def test_the_rim_moves_without_a_load():
 
 
 def test_the_codes_dissipation_is_the_cones_sum_over_a_disc_that_is_pressed():
-    """A dome that rests in the middle: p = 2/(pi a^2) (1 - r^2/a^2), whose rim is four quarter arcs."""
+    """A dome that rests in the middle: p = 2/(pi a^2) (1 - r^2/a^2), whose rim is four quarter
+    arcs.
+    """
     square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
     footprint = PressedFootprint(square, SurfaceShape(-20.0))
     # Its volume is the load: the mean pressure times the square's area.

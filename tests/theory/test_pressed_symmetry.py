@@ -1,4 +1,6 @@
-"""Shapes of plate and floor under isotropic friction: harmonics in symbols, and those of the code's map."""
+"""Shapes of plate and floor under isotropic friction: harmonics in symbols, and those of the code's
+map.
+"""
 
 import math
 from dataclasses import replace
@@ -42,7 +44,11 @@ def test_a_bow_adds_the_second_harmonic_and_the_offset_the_first():
 def test_three_supports_bear_what_balance_asks_for():
     loads = theory.loads_of_three_supports()
     assert not any(symbol.name.startswith("q") for symbol in loads.free_symbols)
-    shapes = {symbol for symbol in theory.level_of_three_supports().free_symbols if symbol.name.startswith("q")}
+    shapes = {
+        symbol
+        for symbol in theory.level_of_three_supports().free_symbols
+        if symbol.name.startswith("q")
+    }
     assert len(shapes) == 3
 
 

@@ -1,4 +1,6 @@
-"""A leg in a random direction leaves no bias: in symbols, in the code's drag, and for the ellipsoid's memory."""
+"""A leg in a random direction leaves no bias: in symbols, in the code's drag, and for the
+ellipsoid's memory.
+"""
 
 import numpy as np
 import pytest
@@ -39,7 +41,9 @@ def test_one_leg_gives_even_headings_the_powers_of_its_strength_as_moments():
 
 
 def moments_left(strength, rotation, directions, order=64):
-    """Stationary moments E e^{inθ}, n = -order..order, of a Möbius leg in one of K directions at random."""
+    """Stationary moments E e^{inθ}, n = -order..order, of a Möbius leg in one of K directions at
+    random.
+    """
     grid = np.arange(8 * order) * 2.0 * np.pi / (8 * order)
     numbers = np.arange(-order, order + 1)
     matrix = np.zeros((numbers.size, numbers.size), dtype=complex)
@@ -56,7 +60,9 @@ def moments_left(strength, rotation, directions, order=64):
 
 
 def test_k_directions_leave_only_every_kth_harmonic_of_the_bias():
-    """One fixed direction leaves a bias a; two leave no first harmonic; three no first and no second."""
+    """One fixed direction leaves a bias a; two leave no first harmonic; three no first and no
+    second.
+    """
     for directions in (1, 2, 3, 4):
         moments = moments_left(0.3, 1.0, directions)
         for n in range(1, 7):

@@ -7,7 +7,14 @@ import pytest
 import sympy as sp
 from scipy.special import ellipe
 
-from cyclemap.mechanics import Ellipse, EllipseFriction, LimitSurface, PatchFootprint, Polygon, corner_footprint
+from cyclemap.mechanics import (
+    Ellipse,
+    EllipseFriction,
+    LimitSurface,
+    PatchFootprint,
+    Polygon,
+    corner_footprint,
+)
 from theory import square_torque as theory
 
 SPIN = (0.0, 0.0, 3.0)
@@ -23,7 +30,11 @@ def rectangle(a, b):
 
 def regular(count, radius):
     angle = 2 * np.pi * np.arange(count) / count
-    return Polygon(tuple(zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True)))
+    return Polygon(
+        tuple(
+            zip((radius * np.cos(angle)).tolist(), (radius * np.sin(angle)).tolist(), strict=True)
+        )
+    )
 
 
 def test_the_codes_square_and_rectangles_have_the_derived_torque_to_rounding():
@@ -33,7 +44,10 @@ def test_the_codes_square_and_rectangles_have_the_derived_torque_to_rounding():
         friction = EllipseFriction.isotropic(mu)
         square = float(theory.square_torque(sp.Float(mu), sp.Float(a)))
         assert abs(torque(PatchFootprint(rectangle(a, a)), friction) / square - 1.0) < 1e-13
-        assert abs(torque(PatchFootprint(rectangle(a, b)), friction) / of_rectangle(mu, a, b) - 1.0) < 1e-13
+        assert (
+            abs(torque(PatchFootprint(rectangle(a, b)), friction) / of_rectangle(mu, a, b) - 1.0)
+            < 1e-13
+        )
 
 
 def test_the_integrals_of_the_secant_start_at_zero():
@@ -43,7 +57,9 @@ def test_the_integrals_of_the_secant_start_at_zero():
 
 @pytest.mark.parametrize("count", [3, 4, 5, 6, 17])
 def test_the_codes_regular_polygons_have_the_derived_torque(count):
-    derived = float(theory.polygon_torque(count).subs({theory.MU: sp.Float(0.3), theory.R: sp.Float(0.06)}))
+    derived = float(
+        theory.polygon_torque(count).subs({theory.MU: sp.Float(0.3), theory.R: sp.Float(0.06)})
+    )
     found = torque(PatchFootprint(regular(count, 0.06)), EllipseFriction.isotropic(0.3))
     assert abs(found / derived - 1.0) < 1e-13
 
@@ -54,7 +70,10 @@ def test_regular_polygons_approach_the_disc_with_the_second_order_of_the_series(
     assert sp.expand(theory.polygon_series() - disc * (1 - x**2 / 3)) == 0
     exact = torque(PatchFootprint(Ellipse(0.06, 0.06)), EllipseFriction.isotropic(0.3))
     assert abs(exact / (2.0 / 3.0 * 0.3 * 0.06) - 1.0) < 1e-13
-    lacking = [1.0 - torque(PatchFootprint(regular(n, 0.06)), EllipseFriction.isotropic(0.3)) / exact for n in (12, 48)]
+    lacking = [
+        1.0 - torque(PatchFootprint(regular(n, 0.06)), EllipseFriction.isotropic(0.3)) / exact
+        for n in (12, 48)
+    ]
     assert abs(lacking[1] / (math.pi**2 / (3 * 48**2)) - 1.0) < 0.01
     assert abs(lacking[0] / lacking[1] - 16.0) < 0.5
 
@@ -63,7 +82,9 @@ def test_weight_on_the_rim_and_on_the_corners_raises_the_torque_as_derived():
     """Weight nearer the rim resists turning more: patch < line of the rim (3/2) < corners."""
     friction, outline = EllipseFriction.isotropic(0.25), rectangle(0.09, 0.09)
     patch = torque(PatchFootprint(outline), friction)
-    assert abs(torque(PatchFootprint(outline, rim_share=1.0), friction) / (1.5 * patch) - 1.0) < 1e-12
+    assert (
+        abs(torque(PatchFootprint(outline, rim_share=1.0), friction) / (1.5 * patch) - 1.0) < 1e-12
+    )
     for corners in (corner_footprint(outline), PatchFootprint(outline, corner_share=1.0)):
         assert abs(torque(corners, friction) / (0.25 * 0.09 / math.sqrt(2.0)) - 1.0) < 1e-13
     assert 1.5 * patch < torque(corner_footprint(outline), friction)
@@ -73,6 +94,10 @@ def test_a_disc_under_an_ellipse_has_the_torque_of_the_complete_elliptic_integra
     axes = sp.symbols("a b")
     known = [{"elliptic_e": ellipe}, "numpy"]
     derived = sp.lambdify((theory.R, *axes), theory.anisotropic_disc_torque(*axes), known)
-    for mu_a, mu_b, radius in np.random.default_rng(1).uniform((0.1, 0.1, 0.02), (0.6, 0.6, 0.2), (20, 3)):
-        found = torque(PatchFootprint(Ellipse(radius, radius)), EllipseFriction(mu_a, mu_b, phi=0.4))
+    for mu_a, mu_b, radius in np.random.default_rng(1).uniform(
+        (0.1, 0.1, 0.02), (0.6, 0.6, 0.2), (20, 3)
+    ):
+        found = torque(
+            PatchFootprint(Ellipse(radius, radius)), EllipseFriction(mu_a, mu_b, phi=0.4)
+        )
         assert abs(found / derived(radius, mu_a, mu_b) - 1.0) < 1e-12

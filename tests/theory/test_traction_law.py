@@ -1,4 +1,6 @@
-"""Maximum dissipation on the limit ellipse gives the traction law, and the code's friction is that law."""
+"""Maximum dissipation on the limit ellipse gives the traction law, and the code's friction is that
+law.
+"""
 
 import math
 
@@ -19,9 +21,17 @@ def random_laws(count, seed=0):
     rng = np.random.default_rng(seed)
     for _ in range(count):
         mu_a = rng.uniform(0.1, 0.5)
-        mu_b, off, towards = mu_a * 3.0 ** rng.uniform(-1, 1), 0.95 * math.sqrt(rng.uniform()), rng.uniform(0, 7)
+        mu_b, off, towards = (
+            mu_a * 3.0 ** rng.uniform(-1, 1),
+            0.95 * math.sqrt(rng.uniform()),
+            rng.uniform(0, 7),
+        )
         yield EllipseFriction(
-            mu_a, mu_b, off * mu_a * math.cos(towards), off * mu_b * math.sin(towards), rng.uniform(0, 7)
+            mu_a,
+            mu_b,
+            off * mu_a * math.cos(towards),
+            off * mu_b * math.sin(towards),
+            rng.uniform(0, 7),
         )
 
 
@@ -37,7 +47,9 @@ def test_the_codes_dissipation_and_traction_are_the_derived_ones_to_rounding():
         c, s = math.cos(law.phi), math.sin(law.phi)
         turn = np.array(((c, -s), (s, c)))
         along, across = (velocities @ turn).T
-        assert np.allclose(law.dissipation(velocities), h(*numbers(law), along, across), rtol=1e-13, atol=1e-15)
+        assert np.allclose(
+            law.dissipation(velocities), h(*numbers(law), along, across), rtol=1e-13, atol=1e-15
+        )
         derived = np.stack(force(*numbers(law), along, across), axis=-1) @ turn.T
         assert np.allclose(law.traction(velocities), derived, rtol=0, atol=1e-14)
         compared += len(velocities)

@@ -1,10 +1,20 @@
-"""Forgetting length, bias and multiplier of a leg: zero residuals, and iterates of the code's Möbius maps."""
+"""Forgetting length, bias and multiplier of a leg: zero residuals, and iterates of the code's
+Möbius maps.
+"""
 
 import pytest
 import sympy as sp
 
 from theory import trailing_leg as theory
-from theory.moebius_drag import HEADING, LENGTH, POINT, half_angle_tangent, heading_after, leg_of_the_lever, strength
+from theory.moebius_drag import (
+    HEADING,
+    LENGTH,
+    POINT,
+    half_angle_tangent,
+    heading_after,
+    leg_of_the_lever,
+    strength,
+)
 
 A = sp.Symbol("a", positive=True)
 
@@ -35,7 +45,9 @@ def test_the_share_within_is_that_of_the_headings_which_end_on_the_tolerance():
 
 
 def test_a_uniform_heading_becomes_wrapped_cauchy():
-    """The density is the slope of the inverse leg over 2π, and the mean of e^{iψ} is a, as a residue too."""
+    """The density is the slope of the inverse leg over 2π, and the mean of e^{iψ} is a, as a
+    residue too.
+    """
     backwards = theory.slope((1 + A) / (1 - A)) / (2 * sp.pi)
     cosine = sp.Symbol("C", real=True)
     whole = {sp.cos(HEADING / 2) ** 2: (1 + cosine) / 2, sp.sin(HEADING / 2) ** 2: (1 - cosine) / 2}

@@ -1,4 +1,6 @@
-"""The trailing direction's fixed point and rate: exact in symbols for every pressure, and so in the code's drag."""
+"""The trailing direction's fixed point and rate: exact in symbols for every pressure, and so in the
+code's drag.
+"""
 
 import math
 
@@ -29,7 +31,14 @@ FOOTPRINTS = {
     "grid": grid_footprint(SQUARE, 8),
     "ellipse": PatchFootprint(Ellipse(0.05, 0.03)),
 }
-SYMBOLS = (theory.FIRST, theory.MIXED, theory.SECOND, theory.OFFSET_1, theory.OFFSET_2, theory.TOWARDS)
+SYMBOLS = (
+    theory.FIRST,
+    theory.MIXED,
+    theory.SECOND,
+    theory.OFFSET_1,
+    theory.OFFSET_2,
+    theory.TOWARDS,
+)
 
 
 def law_numbers(law, towards):
@@ -46,13 +55,17 @@ def expression(value, *more):
 
 
 def second_moment(footprint, towards):
-    """Mean of (u.x)^2 over the pressure; over a rim twice the even one: the slope of scale^4 over that of scale^2."""
+    """Mean of (u.x)^2 over the pressure; over a rim twice the even one: the slope of scale^4 over
+    that of scale^2.
+    """
     u = np.array((math.cos(towards), math.sin(towards)))
     if isinstance(footprint, PointFootprint):
         points, weights = footprint.quadrature
         return float(weights @ (points @ u) ** 2)
     evenly = footprint.even_share + INNER**2 * footprint.inner_share + 2.0 * footprint.rim_share
-    corners = np.mean((footprint.outline.points(4)[:-1] @ u) ** 2) if footprint.corner_share else 0.0
+    corners = (
+        np.mean((footprint.outline.points(4)[:-1] @ u) ** 2) if footprint.corner_share else 0.0
+    )
     return float(evenly * (u @ footprint.second_moments @ u) + footprint.corner_share * corners)
 
 
@@ -74,19 +87,28 @@ def test_the_torque_vanishes_where_the_lever_lies_along_the_force():
 
 @pytest.mark.slow
 def test_the_second_derivative_of_a_point_is_the_stated_quadratic():
-    second = sp.diff(theory.dissipation_of_a_point(), theory.SPIN, 2).subs({theory.SPIN: 0, theory.TURN: 0})
+    second = sp.diff(theory.dissipation_of_a_point(), theory.SPIN, 2).subs(
+        {theory.SPIN: 0, theory.TURN: 0}
+    )
     u = theory.direction()
     away = u[0] * (theory.POINT_1 - theory.RING_1) + u[1] * (theory.POINT_2 - theory.RING_2)
     wanted = theory.law_matrix().det() * away**2 / theory.sliding_speed() ** 3
     assert sp.simplify(second - wanted) == 0
-    # The mean of (u·(x - ρ))² over a pressure centred at 0 is (u·ρ)² + ⟨(u·x)²⟩: the mixed term is linear in x.
+    # The mean of (u·(x - ρ))² over a pressure centred at 0 is (u·ρ)² + ⟨(u·x)²⟩: the mixed term is
+    # linear in x.
     along = theory.direction().dot(sp.Matrix([theory.RING_1, theory.RING_2]))
     mixed = sp.expand(away**2 - along**2 - (u[0] * theory.POINT_1 + u[1] * theory.POINT_2) ** 2)
-    assert sp.expand(sp.diff(mixed, theory.POINT_1, 2)) == sp.expand(sp.diff(mixed, theory.POINT_2, 2)) == 0
+    assert (
+        sp.expand(sp.diff(mixed, theory.POINT_1, 2))
+        == sp.expand(sp.diff(mixed, theory.POINT_2, 2))
+        == 0
+    )
 
 
 def test_the_rate_is_the_implicit_derivative():
-    """G(ω, θ) = dD/dω = 0 gives dω/dθ = -G_θ/G_ω, with G_θ = f·ρ, which is |f| r where the ring leads."""
+    """G(ω, θ) = dD/dω = 0 gives dω/dθ = -G_θ/G_ω, with G_θ = f·ρ, which is |f| r where the ring
+    leads.
+    """
     lever, moment = sp.symbols("r X", positive=True)
     force = theory.friction_force()
     size = sp.sqrt(force.dot(force))
@@ -103,7 +125,9 @@ def test_the_rate_is_the_implicit_derivative():
 def test_the_codes_drag_keeps_the_fixed_direction_and_contracts_at_this_rate(name):
     footprint, lever, length = FOOTPRINTS[name], 0.02, 0.05
     force = expression(theory.friction_force())
-    rate = expression(theory.trailing_rate(sp.Symbol("r"), sp.Symbol("X")), sp.Symbol("r"), sp.Symbol("X"))
+    rate = expression(
+        theory.trailing_rate(sp.Symbol("r"), sp.Symbol("X")), sp.Symbol("r"), sp.Symbol("X")
+    )
     slider = Slider(SQUARE, hitch=(lever, 0.0))
     for law, towards in ((EllipseFriction.isotropic(0.3), 1.0), (PLYWOOD, -2.0), (STRONG, 0.4)):
         numbers = law_numbers(law, towards)
@@ -123,5 +147,7 @@ def test_the_codes_drag_keeps_the_fixed_direction_and_contracts_at_this_rate(nam
 
         assert abs(end(leading) - leading) < 1e-11
         step = 2e-3
-        coarse, fine = ((end(leading + h) - end(leading - h)) / (2.0 * h) for h in (step, step / 2.0))
+        coarse, fine = (
+            (end(leading + h) - end(leading - h)) / (2.0 * h) for h in (step, step / 2.0)
+        )
         assert abs((4.0 * fine - coarse) / 3.0 / wanted - 1.0) < 1e-6

@@ -1,4 +1,6 @@
-"""Turning the surface conjugates the cycle map: in symbols, and in the code's cycles, slopes and fixed points."""
+"""Turning the surface conjugates the cycle map: in symbols, and in the code's cycles, slopes and
+fixed points.
+"""
 
 import math
 from dataclasses import replace
@@ -16,7 +18,9 @@ STRONG = EllipseFriction(0.35, 0.18, 0.05, -0.03, 0.7)
 
 
 def loop_on(law, way_points=()):
-    return CollectionLoop.mit(material=Material("test", law), accuracy=1e-9, reset=DragBack(way_points))
+    return CollectionLoop.mit(
+        material=Material("test", law), accuracy=1e-9, reset=DragBack(way_points)
+    )
 
 
 def test_the_support_function_is_the_codes():
@@ -50,7 +54,8 @@ def test_iterates_of_the_turned_map_are_turned_iterates():
 
 
 def test_the_infinitesimal_identity_holds_in_the_codes_sensitivities():
-    """∂f/∂θ + ∂f/∂φ = 1 at every orientation, to rounding, and so dθ*/dφ = (∂f/∂φ)/(1 - ∂f/∂θ) = 1."""
+    """∂f/∂θ + ∂f/∂φ = 1 at every orientation, to rounding,
+    and so dθ*/dφ = (∂f/∂φ)/(1 - ∂f/∂θ) = 1."""
     f = sp.Function("f")(theory.THETA, theory.PHI)
     derived = theory.infinitesimal_identity().doit()
     assert derived - (sp.diff(f, theory.THETA) + sp.diff(f, theory.PHI) - 1) == 0

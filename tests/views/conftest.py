@@ -24,7 +24,11 @@ def sawtooth() -> CircleMap:
     )
 
 
-MAPS = {"locked": CircleMap.arnold(0.01, 0.2), "rotating": CircleMap.arnold(0.02, 0.1), "jumping": sawtooth()}
+MAPS = {
+    "locked": CircleMap.arnold(0.01, 0.2),
+    "rotating": CircleMap.arnold(0.02, 0.1),
+    "jumping": sawtooth(),
+}
 
 
 @pytest.fixture(scope="session")
@@ -35,7 +39,11 @@ def drawn(loop_of) -> Callable[..., tuple[Portrait, Figure]]:
     def draw(kind: str, data: bool = False) -> tuple[Portrait, Figure]:
         found = portrait(loop_of(MAPS[kind]), cycles=200)
         theta = sample_staircase(MAPS[kind], WrappedNormal(0.02), 300, 1.0, seed=5).theta
-        measured = measured_overlay(Theta0Pairs(theta[:-1], theta[1:], theta), found.map.turn) if data else None
+        measured = (
+            measured_overlay(Theta0Pairs(theta[:-1], theta[1:], theta), found.map.turn)
+            if data
+            else None
+        )
         return found, portrait_page(found, portrait_curves(found), measured)
 
     return draw
@@ -49,10 +57,14 @@ def browser_path():
 
 @pytest.fixture
 def open_page():
-    """Open a page of a real browser: at last it fits windows wide and narrow, had no trouble, asked nothing outside."""
+    """Open a page of a real browser: at last it fits windows wide and narrow, had no trouble, asked
+    nothing outside.
+    """
     if browser_path() is None:
         pytest.skip("no Chromium found: pages are not tested in a browser; install chromium")
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser; install it")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="playwright drives the browser; install it"
+    )
     with playwright.sync_playwright() as driver:
         arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
         browser = driver.chromium.launch(executable_path=browser_path(), args=arguments)
@@ -66,7 +78,10 @@ def open_page():
             page.on("pageerror", lambda error: troubles.append(str(error)))
             home = address.partition("#")[0] if address.startswith("http") else "file:"
             page.on(
-                "request", lambda one: None if one.url.startswith((home, "data:", "blob:")) else asked.append(one.url)
+                "request",
+                lambda one: (
+                    None if one.url.startswith((home, "data:", "blob:")) else asked.append(one.url)
+                ),
             )
             page.goto(address)
             return page

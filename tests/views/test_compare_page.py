@@ -1,4 +1,5 @@
-"""The comparison page draws what was measured and predicted, and its sentences carry the answers."""
+"""The comparison page draws what was measured and predicted,
+and its sentences carry the answers."""
 
 import re
 from dataclasses import replace
@@ -15,7 +16,14 @@ from cyclemap.views import compare_page as sentences
 from cyclemap.views.compare_page import compare_page, residual_page
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
-FACTS = {"surface": "plywood", "object": "rect1", "speed": 0.02, "side": 0.0, "fraction": 0.7, "angle": 0.0}
+FACTS = {
+    "surface": "plywood",
+    "object": "rect1",
+    "speed": 0.02,
+    "side": 0.0,
+    "fraction": 0.7,
+    "angle": 0.0,
+}
 
 CYCLES, PUSHES = ["Cycle map", "Directions", "Staircase"], ["Δθ", "Δx", "Δy"]
 NO_CYCLES = {"cycle": None, "orientations": None, "directions": None, "staircase": None}
@@ -24,7 +32,9 @@ NO_CYCLES = {"cycle": None, "orientations": None, "directions": None, "staircase
 def made_pushes() -> PushAgreement:
     rng = np.random.default_rng(1)
     theta = rng.uniform(0.0, 6.0, 50)
-    predicted = np.column_stack([1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)])
+    predicted = np.column_stack(
+        [1.2 + 0.1 * np.sin(theta), 0.04 + 0 * theta, -0.08 + 0.01 * np.cos(theta)]
+    )
     measured = predicted + 0.001 * rng.standard_normal((50, 3))
     columns = zip(("dtheta", "dx", "dy"), measured.T, predicted.T, strict=True)
     quantities = tuple(quantity_agreement(*column) for column in columns)
@@ -57,7 +67,10 @@ def test_a_page_has_a_panel_for_what_is_there_and_its_words_lie_apart(found, sho
 def test_the_sentences_count_the_answers_and_name_what_was_left_out(found) -> None:
     answers = [one.agrees for one in found.verdicts]
     kept, asked = answers.count(True), len(answers) - answers.count(None)
-    assert sentences.headline("sine", found) == f"sine agrees with the data in {kept} of {asked} questions"
+    assert (
+        sentences.headline("sine", found)
+        == f"sine agrees with the data in {kept} of {asked} questions"
+    )
     assert sentences.data_sentence(found) == "Compared: 50 pushes with end poses and 120 cycles."
     left = replace(found, data=replace(found.data, left_out={"jump": 3}, unreadable=2))
     assert sentences.data_sentence(left).endswith("; left out: 3 (jump), 2 unreadable files.")
@@ -68,7 +81,9 @@ def test_what_is_left_is_drawn_and_the_explanation_that_leaves_least_comes_first
     assert len(residual_page(found).axes) == 4
     assert residual_page(replace(found, cycle=None, pushes=())) is None
     of_pushes, of_cycles = sentences.explanation_sentences("sine", found)
-    assert of_pushes.startswith("Of 50 pushes there is left on average: 0.0 mm and 0.0° by isotropic friction")
+    assert of_pushes.startswith(
+        "Of 50 pushes there is left on average: 0.0 mm and 0.0° by isotropic friction"
+    )
     told = [float(word) for word in re.findall(r"([\d.]+)° by", of_cycles)]
     assert told == sorted(told)
     assert "by sine, " in of_cycles
@@ -77,7 +92,9 @@ def test_what_is_left_is_drawn_and_the_explanation_that_leaves_least_comes_first
 
 def test_what_weakens_a_p_value_is_told(found) -> None:
     assert sentences.trust_sentences(found) == []
-    correlated = replace(found, cycle=replace(found.cycle, lag_correlation=0.4), uncertified=("why",))
+    correlated = replace(
+        found, cycle=replace(found.cycle, lag_correlation=0.4), uncertified=("why",)
+    )
     certified, noise = sentences.trust_sentences(correlated)
     assert certified == "Not certified: why."
     assert "correlation 0.40" in noise

@@ -1,4 +1,6 @@
-"""The pictures that commands draw of five materials: words apart, none cut off, minus signs for hyphens."""
+"""The pictures that commands draw of five materials: words apart, none cut off, minus signs for
+hyphens.
+"""
 
 import re
 from dataclasses import replace
@@ -21,14 +23,32 @@ HYPHEN = re.compile(r"(?<![\w°.)\]])-\d| - ")
 
 
 def commands(material: str) -> dict[str, list[str]]:
-    """Every command that draws, but those that search for seconds: reset and identify have tests of their own."""
+    """Every command that draws, but those that search for seconds: reset and identify have tests of
+    their own.
+    """
     data = ["--data", "data"]
     return {
         "portrait": ["portrait", material, *NOISY, "--data", "theta0.csv"],
         "staircase": ["staircase", material, *NOISY],
         "fingerprint": ["fingerprint", material],
-        "sweep over one key": ["sweep", material, *GRID, "--over", "hitch_x_mm=-14:-6:2", "--out", "line"],
-        "sweep over two": ["sweep", material, *GRID, "--over", "hitch_x_mm=-14,-6", "--over", "hitch_y_mm=6,14"],
+        "sweep over one key": [
+            "sweep",
+            material,
+            *GRID,
+            "--over",
+            "hitch_x_mm=-14:-6:2",
+            "--out",
+            "line",
+        ],
+        "sweep over two": [
+            "sweep",
+            material,
+            *GRID,
+            "--over",
+            "hitch_x_mm=-14,-6",
+            "--over",
+            "hitch_y_mm=6,14",
+        ],
         "compare": ["compare", material, *data, "--runs", "19"],
         "fit": ["fit", "data", "--harmonics", "2"],
         "replay": ["replay", material, *data],
@@ -41,7 +61,9 @@ def commands(material: str) -> dict[str, list[str]]:
 
 @pytest.fixture
 def drawn(monkeypatch, tmp_path) -> list[Figure]:
-    """The figures that commands save, on coarse maps, in a folder of their own; nothing is written of them."""
+    """The figures that commands save, on coarse maps, in a folder of their own; nothing is written
+    of them.
+    """
     figures: list[Figure] = []
     exact = CollectionLoop.circle_map
     monkeypatch.setattr(
@@ -55,7 +77,9 @@ def drawn(monkeypatch, tmp_path) -> list[Figure]:
 
 
 def with_few_samples(name: str) -> str:
-    """The file of a material with a dozen samples of its posterior, which are drawn as two hundred are."""
+    """The file of a material with a dozen samples of its posterior, which are drawn as two hundred
+    are.
+    """
     material = cm.load_material(name)
     if material.posterior is not None:
         few = replace(material.posterior, samples=material.posterior.samples[:12])

@@ -1,4 +1,6 @@
-"""The explorer's page: its numbers are Python's, in a browser without a network, and it lets nobody else in."""
+"""The explorer's page: its numbers are Python's, in a browser without a network, and it lets nobody
+else in.
+"""
 
 import base64
 import json
@@ -31,8 +33,16 @@ CASES = [
     ("plywood", {"shape": "ellip1"}, {"fraction": 0.3, "rim_share": 0.2}),
     ("plywood", L_SHAPE, {"angle_deg": 10.0, "pusher_mu": 0.3}),
     ("plywood", {"footprint": "grid:8"}, {}),
-    ("isotropic", {}, {"floor_dome": 4.0, "floor_bow": 4.0, "floor_bow_deg": 90.0, "plate_warp": 1.0}),
-    ("plywood", {}, {"hitch_x_mm": -9.4, "mu_a": 0.3, "phi_deg": 20.0, "rim_share": 0.4, "corner_share": 0.1}),
+    (
+        "isotropic",
+        {},
+        {"floor_dome": 4.0, "floor_bow": 4.0, "floor_bow_deg": 90.0, "plate_warp": 1.0},
+    ),
+    (
+        "plywood",
+        {},
+        {"hitch_x_mm": -9.4, "mu_a": 0.3, "phi_deg": 20.0, "rim_share": 0.4, "corner_share": 0.1},
+    ),
     ("delrin", {}, {"side": 2.0, "push_mm": 80.0, "pusher_radius_mm": 8.0, "m0": 0.01}),
 ]
 # Ask a worker of the page's own for one loop after another.
@@ -61,7 +71,9 @@ def explored(tmp_path_factory):
 
 
 def written(folder, *words):
-    done = CliRunner().invoke(cli, ["explore", "plywood", "--no-browser", "--out", str(folder), *words])
+    done = CliRunner().invoke(
+        cli, ["explore", "plywood", "--no-browser", "--out", str(folder), *words]
+    )
     assert done.exit_code == 0, done.output
     return folder / "explore_plywood.html"
 
@@ -88,13 +100,18 @@ def fixed_points(loop):
 
 @pytest.mark.slow
 def test_numbers_of_the_browser_are_those_of_python(explored, open_page) -> None:
-    """The turn to 1e-6 rad, fixed points to 1e-8 rad, the density to .5 % of its peak, for loops and sliders alike."""
+    """The turn to 1e-6 rad, fixed points to 1e-8 rad, the density to .5 % of its peak, for loops
+    and sliders alike.
+    """
     asked = []
     for material, settings, moved in CASES:
         loop = loop_of(material, settings)
         sigma = math.radians(settings.get("noise_deg", 1.1))
         asked.append(
-            {"tables": browser_tables(loop.model, loop.reset), "values": {**slider_values(loop, sigma), **moved}}
+            {
+                "tables": browser_tables(loop.model, loop.reset),
+                "values": {**slider_values(loop, sigma), **moved},
+            }
         )
     page = open_page(explored.as_uri(), offline=True)
     answers = page.evaluate(ASK, asked)
@@ -103,7 +120,11 @@ def test_numbers_of_the_browser_are_those_of_python(explored, open_page) -> None
     for (material, settings, moved), answer in zip(CASES, answers, strict=True):
         assert "refused" not in answer, (material, moved, answer)
         loop = loop_of(material, {**settings, **moved})
-        off = replace(loop, accuracy=1e-9).next_theta(theta) - theta - np.radians(answer["turn"][:360])
+        off = (
+            replace(loop, accuracy=1e-9).next_theta(theta)
+            - theta
+            - np.radians(answer["turn"][:360])
+        )
         assert np.abs(off).max() < 1e-6, (material, moved)
         points = [math.radians(point["theta_deg"]) for point in answer["fixed_points"]]
         true = fixed_points(loop)
@@ -118,17 +139,31 @@ def test_numbers_of_the_browser_are_those_of_python(explored, open_page) -> None
         cycle = loop.cycle(0.3)
         push, drag = answer["courses"][0]
         end = cycle.push.end
-        assert push[-1][:3] == pytest.approx([1e3 * end.x, 1e3 * end.y, math.degrees(end.theta)], abs=1e-3)
+        assert push[-1][:3] == pytest.approx(
+            [1e3 * end.x, 1e3 * end.y, math.degrees(end.theta)], abs=1e-3
+        )
         assert drag[-1] == pytest.approx(
-            [1e3 * cycle.drag.end.x, 1e3 * cycle.drag.end.y, math.degrees(cycle.theta_next), 0.0, 0.0], abs=1e-3
+            [
+                1e3 * cycle.drag.end.x,
+                1e3 * cycle.drag.end.y,
+                math.degrees(cycle.theta_next),
+                0.0,
+                0.0,
+            ],
+            abs=1e-3,
         )
     assert with_points >= 4
 
 
 @pytest.mark.slow
 def test_cycles_in_webassembly_are_the_native_ones(explored, open_page) -> None:
-    """To 1e-12 rad, and slopes to 1e-10: what differs is the rounding of sines and logarithms alone."""
-    page, loop = open_page(explored.as_uri(), offline=True), cm.CollectionLoop.mit(material="plywood")
+    """To 1e-12 rad, and slopes to 1e-10: what differs is the rounding of sines and logarithms
+    alone.
+    """
+    page, loop = (
+        open_page(explored.as_uri(), offline=True),
+        cm.CollectionLoop.mit(material="plywood"),
+    )
     theta = np.radians(np.arange(0, 360, 15)).tolist()
     source = Path(cm.__file__).parent / "views" / "explorer" / "engine.js"
     ask = """async ([source, tables, values, theta]) => {
@@ -141,7 +176,12 @@ def test_cycles_in_webassembly_are_the_native_ones(explored, open_page) -> None:
       worker.postMessage([wasm, tables, values, theta]);
       return answer;
     }"""
-    given = [source.read_text(), browser_tables(loop.model, loop.reset), slider_values(loop, SIGMA), theta]
+    given = [
+        source.read_text(),
+        browser_tables(loop.model, loop.reset),
+        slider_values(loop, SIGMA),
+        theta,
+    ]
     following, slopes = page.evaluate(ask, given)
     native = replace(loop, accuracy=1e-9)
     assert following == pytest.approx(native.next_theta(theta).tolist(), abs=1e-12)
@@ -151,20 +191,26 @@ def test_cycles_in_webassembly_are_the_native_ones(explored, open_page) -> None:
 
 @pytest.mark.slow
 def test_page_in_a_real_browser(explored, open_page, tmp_path) -> None:
-    """A slider moves pictures, words and address; command and protocol give the same loop; start anew goes back."""
+    """A slider moves pictures, words and address; command and protocol give the same loop; start
+    anew goes back.
+    """
     page = open_page(explored.as_uri(), offline=True)
     page.wait_for_selector("body[data-drawn='0-written']")
     written_words = page.inner_text("#said")
     page.wait_for_selector("#even:enabled")
     frames = page.evaluate("document.body.dataset.frames")
-    page.wait_for_function("(frames) => Number(document.body.dataset.frames) > frames", arg=int(frames))
+    page.wait_for_function(
+        "(frames) => Number(document.body.dataset.frames) > frames", arg=int(frames)
+    )
     page.fill("#hitch_x_mm-number", "-9.4")
     page.press("#hitch_x_mm-number", "Enter")
     page.wait_for_selector("body[data-drawn='1-fine']")
     assert "hitch_x_mm=-9.4" in page.url
     loop = loop_of("plywood", {"hitch_x_mm": -9.4})
     stable = [orbit for orbit in cm.fixed_points(loop.circle_map()) if orbit.stable]
-    assert stable and all(f"{math.degrees(orbit.points[0]):.1f}°" in page.inner_text("#headline") for orbit in stable)
+    assert stable and all(
+        f"{math.degrees(orbit.points[0]):.1f}°" in page.inner_text("#headline") for orbit in stable
+    )
     words = shlex.split(page.inner_text("#command"))
     assert words[:3] == ["cyclemap", "portrait", "plywood"]
     with page.expect_download() as saved:
@@ -178,7 +224,9 @@ def test_page_in_a_real_browser(explored, open_page, tmp_path) -> None:
 
 
 @pytest.mark.slow
-def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(explored, open_page) -> None:
+def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(
+    explored, open_page
+) -> None:
     page = open_page(explored.as_uri(), offline=True)
     page.wait_for_selector("#even:enabled")
     told = {}
@@ -189,7 +237,10 @@ def test_three_stories_are_one_click_each_and_refusals_are_in_plain_words(explor
             page.inner_text("#headline") + page.inner_text("#said"),
             page.evaluate("cyclemap.answer.fixed_points"),
         )
-    assert any(point["stable"] for point in told["locks"][1]) and "locks into orientation" in told["locks"][0]
+    assert (
+        any(point["stable"] for point in told["locks"][1])
+        and "locks into orientation" in told["locks"][0]
+    )
     assert told["slips"][1] == [] and "biased" in told["slips"][0]
     assert told["even"][1] == [] and "no bias to speak of" in told["even"][0]
     page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
@@ -211,8 +262,8 @@ def test_no_slider_waits(explored, open_page) -> None:
     taken = []
     for number in range(1, 21):
         page.evaluate(
-            "(value) => { const slider = document.getElementById('hitch_x_mm'); slider.value = value;"
-            "slider.dispatchEvent(new Event('input')); }",
+            "(value) => { const slider = document.getElementById('hitch_x_mm'); slider.value = "
+            "value;slider.dispatchEvent(new Event('input')); }",
             -10.0 - 0.1 * number,
         )
         page.wait_for_selector(f"body[data-drawn='{number}-rough']")
@@ -221,12 +272,16 @@ def test_no_slider_waits(explored, open_page) -> None:
 
 
 @pytest.mark.slow
-def test_the_page_is_small_and_the_same_each_time_and_lets_no_other_script_in(explored, tmp_path) -> None:
+def test_the_page_is_small_and_the_same_each_time_and_lets_no_other_script_in(
+    explored, tmp_path
+) -> None:
     content = explored.read_bytes()
     assert content == written(tmp_path).read_bytes()
     assert len(content) < 450e3
     policy = re.search(rb'Content-Security-Policy" content="([^"]*)"', content)[1].decode()
-    assert "default-src &#39;none&#39;" in policy and "unsafe" not in policy.replace("wasm-unsafe-eval", "")
+    assert "default-src &#39;none&#39;" in policy and "unsafe" not in policy.replace(
+        "wasm-unsafe-eval", ""
+    )
     assert "connect-src" not in policy
 
 
@@ -234,7 +289,9 @@ def test_the_page_is_small_and_the_same_each_time_and_lets_no_other_script_in(ex
 def test_a_notebook_shows_the_page_in_a_frame_and_else_its_picture(open_page, tmp_path) -> None:
     shown = explorer_frame(loop_of("plywood", {"push_mm": 120.0}))._repr_mimebundle_()
     assert base64.b64decode(shown["image/png"]).startswith(b"\x89PNG")
-    (tmp_path / "notebook.html").write_text(f"<!doctype html><meta charset='utf-8'>{shown['text/html']}")
+    (tmp_path / "notebook.html").write_text(
+        f"<!doctype html><meta charset='utf-8'>{shown['text/html']}"
+    )
     frame = open_page((tmp_path / "notebook.html").as_uri(), offline=True).frame_locator("iframe")
     frame.locator("#even:enabled").click()
     frame.locator("body[data-drawn='1-fine']").wait_for()
@@ -254,9 +311,13 @@ def test_sliders_stand_where_the_loop_is_and_reach_as_far() -> None:
     assert all(row["low"] <= row["value"] <= row["high"] for row in shown.values())
     same = loop_of("plywood", {key: row["value"] for key, row in shown.items()})
     assert same.cycle(1.0).theta_next == pytest.approx(loop.cycle(1.0).theta_next, abs=1e-12)
-    assert {"side", "corner_share"}.isdisjoint(row["key"] for row in controls_of(loop_of("abs", {"shape": "ellip1"})))
+    assert {"side", "corner_share"}.isdisjoint(
+        row["key"] for row in controls_of(loop_of("abs", {"shape": "ellip1"}))
+    )
     # A contact curve about a concave outline, and points that carry the weight, are Python's alone.
-    assert "pusher_radius_mm" not in {row["key"] for row in controls_of(loop_of("plywood", L_SHAPE))}
+    assert "pusher_radius_mm" not in {
+        row["key"] for row in controls_of(loop_of("plywood", L_SHAPE))
+    }
     on_points = {row["group"] for row in controls_of(loop_of("plywood", {"footprint": "grid:8"}))}
     assert on_points.isdisjoint(("Pressure", "Shape")) and "Ring" in on_points
 

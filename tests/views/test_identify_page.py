@@ -1,4 +1,6 @@
-"""The page and the sentences of an identification say what was found, and draw a panel for each sort of data."""
+"""The page and the sentences of an identification say what was found, and draw a panel for each
+sort of data.
+"""
 
 from dataclasses import replace
 
@@ -21,7 +23,12 @@ from cyclemap.evidence import (
 from cyclemap.evidence.data_blocks.force_blocks import scan_traction
 from cyclemap.evidence.identification.data_block import DataBlock, Values
 from cyclemap.evidence.identification.surface_parameters import Parameter
-from cyclemap.evidence.identified_material import Derived, IdentifiedCurves, derived_quantities, identified_curves
+from cyclemap.evidence.identified_material import (
+    Derived,
+    IdentifiedCurves,
+    derived_quantities,
+    identified_curves,
+)
 from cyclemap.mechanics import EllipseFriction, Pose, Slider
 from cyclemap.views import identify_page as sentences
 from cyclemap.views.identify_page import identify_page
@@ -35,18 +42,29 @@ def scans() -> dict[str, np.ndarray]:
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     force = WEIGHT * LAW.traction(way) + 0.05 * np.random.default_rng(0).standard_normal((24, 2))
     across = force[:, 1] * way[:, 0] - force[:, 0] * way[:, 1]
-    return {"direction": direction, "force_along": np.sum(force * way, axis=1), "force_across": across}
+    return {
+        "direction": direction,
+        "force_along": np.sum(force * way, axis=1),
+        "force_across": across,
+    }
 
 
 @pytest.fixture(scope="module")
 def found() -> Identification:
-    """The size of friction identified from scans, with pushes, drags and wearing cycles beside them."""
+    """The size of friction identified from scans, with pushes, drags and wearing cycles beside
+    them.
+    """
     slider, rng = Slider.mit("rect1"), np.random.default_rng(1)
     pushes = [
-        MeasuredPush(Pose(0, 0, 0), Pose(0.001 * n, -0.02, 0.1), (0.003 * n, 0.051), (0.003 * n, 0.03), n)
+        MeasuredPush(
+            Pose(0, 0, 0), Pose(0.001 * n, -0.02, 0.1), (0.003 * n, 0.051), (0.003 * n, 0.03), n
+        )
         for n in range(2)
     ]
-    drags = [MeasuredDrag(Pose(0.05, 0.02 * n, 0.5 * n), Pose(0.0, 0.0, 0.5 * n + 0.1), n) for n in range(2)]
+    drags = [
+        MeasuredDrag(Pose(0.05, 0.02 * n, 0.5 * n), Pose(0.0, 0.0, 0.5 * n + 0.1), n)
+        for n in range(2)
+    ]
     theta = rng.uniform(0.0, 20.0, 12)
     loop = CollectionLoop.mit("isotropic")
     cycles = cycle_pair_block(loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
@@ -70,7 +88,13 @@ def test_there_is_a_panel_for_each_sort_of_data(found, curves) -> None:
     page = identify_page("A title", found, curves, ["One sentence.", "Another."])
     titles = [axes.get_title(loc="left") for axes in page.axes]
     drawn = [title for title in titles if title]
-    assert drawn == ["Friction ellipse", "Cycles: map", "Push ends: turns", "Drag-backs: turns", "Push ends: places"]
+    assert drawn == [
+        "Friction ellipse",
+        "Cycles: map",
+        "Push ends: turns",
+        "Drag-backs: turns",
+        "Push ends: places",
+    ]
     assert len(page.axes) == len(drawn) + len(found.estimates)
     assert_words_apart(page)
 
@@ -78,25 +102,39 @@ def test_there_is_a_panel_for_each_sort_of_data(found, curves) -> None:
 def test_curves_are_the_data_and_what_the_fit_says_of_them(found, curves) -> None:
     assert curves.sized and curves.worn is not None and curves.forces is not None
     assert curves.forces.shape == (24, 2) and len(curves.samples) == 200
-    along = np.stack([np.cos(np.linspace(0, 2 * np.pi, 181)), np.sin(np.linspace(0, 2 * np.pi, 181))], -1)
+    along = np.stack(
+        [np.cos(np.linspace(0, 2 * np.pi, 181)), np.sin(np.linspace(0, 2 * np.pi, 181))], -1
+    )
     assert curves.ellipse == pytest.approx(found.friction().traction(along))
     (cycles,) = curves.cycles
     assert cycles.late is not None and cycles.turn == pytest.approx(0.1)
     # Isotropic friction turns by the same everywhere; the worn one does not.
     assert np.ptp(cycles.fitted) < 1e-5 < 1e-2 < np.ptp(cycles.late)
-    pushes, errors = curves.strokes[0], found.fit.residuals[found.problem.kinds == "push turn (rad)"]
+    pushes, errors = (
+        curves.strokes[0],
+        found.fit.residuals[found.problem.kinds == "push turn (rad)"],
+    )
     assert pushes.predicted - pushes.measured == pytest.approx(errors) and len(pushes.errors) == 2
 
 
-def test_of_many_plates_a_panel_shows_the_shape_of_each_and_intervals_are_those_they_share() -> None:
+def test_of_many_plates_a_panel_shows_the_shape_of_each_and_intervals_are_those_they_share() -> (
+    None
+):
     rest = Parameter("plate_dome", "bends", "kPa", -9.0, 9.0, 0.3, 0.2, 0.0)
 
     def block(plate: str, share: float) -> DataBlock:
         def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
-            off = values["plate_dome"] - share + 0.01 * np.cos(np.arange(9.0)) + values["offset_x"] * np.arange(9.0)
+            off = (
+                values["plate_dome"]
+                - share
+                + 0.01 * np.cos(np.arange(9.0))
+                + values["offset_x"] * np.arange(9.0)
+            )
             return off, np.column_stack([np.ones(9), np.arange(9.0)])
 
-        return DataBlock(plate, ("plate_dome", "offset_x"), law, np.arange(9), "m").of_owner(plate, (rest,))
+        return DataBlock(plate, ("plate_dome", "offset_x"), law, np.arange(9), "m").of_owner(
+            plate, (rest,)
+        )
 
     names = [f"plate{number}" for number in range(14)]
     blocks = [block(name, 0.05 * (number + 1)) for number, name in enumerate(names)]
@@ -114,12 +152,16 @@ def test_a_material_carries_wear_and_what_the_data_depend_on(found) -> None:
     assert material.wear.friction.mu_a > material.friction.mu_a
     assert material.found_with.pin_friction_radius == 0.0
     assert "in a.csv" in material.provenance and "scan force" in material.misfit
-    alone = identified_material(identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate")
+    alone = identified_material(
+        identify(found.problem.blocks[:1], ["friction_scale"], starts=1), "slate"
+    )
     assert alone.wear is None and alone.found_with.pin_friction_radius is None
 
 
 def test_no_headline_is_sharper_than_its_interval(found) -> None:
-    """Intervals stand in place of values, so that a ratio of 1 to 1.35 and any direction are told as what they are."""
+    """Intervals stand in place of values, so that a ratio of 1 to 1.35 and any direction are told
+    as what they are.
+    """
     ratio = Derived("axis_ratio", "", "1", 1.11, 1.0, 1.35)
     way = Derived("axis_direction", "", "rad", 0.5, 0.3, 0.7)
     size = Derived("offset_size", "", "1", 0.132, 0.0, 0.43)
@@ -130,14 +172,24 @@ def test_no_headline_is_sharper_than_its_interval(found) -> None:
         "centre 0.0 to 43.0 % off, in any direction"
     )
     assert "1.11" not in told and "13.2" not in told
-    assert ": 1, in any direction" in sentences.headline("felt", [ratio, replace(way, known=False)], LAW)
+    assert ": 1, in any direction" in sentences.headline(
+        "felt", [ratio, replace(way, known=False)], LAW
+    )
     round_the_back = replace(to, lower=np.radians(-196.0), upper=np.radians(-195.0), known=True)
     assert sentences.headline("felt", [size, round_the_back], LAW).endswith("towards 164° to 165°")
     (friction,) = derived_quantities(found)
-    expected = f"felt: friction ellipse with mean friction {friction.lower:.3f} to {friction.upper:.3f}"
-    assert sentences.headline("felt", [friction], EllipseFriction.isotropic(0.2)).startswith(expected)
-    assert sentences.headline("felt", [], EllipseFriction.isotropic(0.2)).endswith("friction taken as isotropic")
-    assert sentences.headline("felt", [], LAW).endswith("friction held at axes 1.27 : 1, centre 9.4 % off")
+    expected = (
+        f"felt: friction ellipse with mean friction {friction.lower:.3f} to {friction.upper:.3f}"
+    )
+    assert sentences.headline("felt", [friction], EllipseFriction.isotropic(0.2)).startswith(
+        expected
+    )
+    assert sentences.headline("felt", [], EllipseFriction.isotropic(0.2)).endswith(
+        "friction taken as isotropic"
+    )
+    assert sentences.headline("felt", [], LAW).endswith(
+        "friction held at axes 1.27 : 1, centre 9.4 % off"
+    )
 
 
 def test_errors_of_places_and_forces_are_distances(found) -> None:

@@ -1,4 +1,6 @@
-"""Panels of maps, orbits, rotation numbers and steps come out with their words, and graphs are where they belong."""
+"""Panels of maps, orbits, rotation numbers and steps come out with their words, and graphs are
+where they belong.
+"""
 
 from fractions import Fraction
 
@@ -26,7 +28,8 @@ from cyclemap.views.rotation_panels import (
 from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
-    lambda x: x - 0.4 * np.sin(2 * x) + 0.1 * np.sin(x), lambda x: 1 - 0.8 * np.cos(2 * x) + 0.1 * np.cos(x)
+    lambda x: x - 0.4 * np.sin(2 * x) + 0.1 * np.sin(x),
+    lambda x: 1 - 0.8 * np.cos(2 * x) + 0.1 * np.cos(x),
 )
 PARTS = CircleMap(lambda x: x - 0.45 * np.sin(2 * x))
 SAWTOOTH = CircleMap(
@@ -59,7 +62,10 @@ def drawn(draw, *values) -> Axes:
     draw(axes, *values)
     assert style.render(figure, "png", 60).startswith(b"\x89PNG")
     renderer, legend = figure.canvas.get_renderer(), axes.get_legend()
-    assert legend is None or legend.get_window_extent(renderer).y0 >= axes.get_window_extent(renderer).y1 - 1
+    assert (
+        legend is None
+        or legend.get_window_extent(renderer).y0 >= axes.get_window_extent(renderer).y1 - 1
+    )
     return axes
 
 
@@ -100,9 +106,21 @@ PANELS = [
     (draw_basins, lambda: basins(CircleMap.moebius(0.5, 0.3)), ["no stable orbit"]),
     (draw_orbit_branches, lambda: ([],), ["no periodic orbit"]),
     (draw_orbit_diagram, lambda: (maps.orbit_diagram(sine, BEND, cycles=40), "K"), []),
-    (draw_lyapunov_exponents, lambda: (maps.lyapunov_exponents(CircleMap.arnold, 0.1, BEND), "K"), []),
-    (draw_lyapunov_exponents, lambda: (maps.lyapunov_exponents(CircleMap.arnold, OMEGA[:, None], BEND), *"ΩK"), []),
-    (draw_rotation_plane, lambda: plane(ARNOLD_FAMILY, OMEGA[:100:4], [0.2, 0.5, 0.8, 1.1], tolerance=0.02), []),
+    (
+        draw_lyapunov_exponents,
+        lambda: (maps.lyapunov_exponents(CircleMap.arnold, 0.1, BEND), "K"),
+        [],
+    ),
+    (
+        draw_lyapunov_exponents,
+        lambda: (maps.lyapunov_exponents(CircleMap.arnold, OMEGA[:, None], BEND), *"ΩK"),
+        [],
+    ),
+    (
+        draw_rotation_plane,
+        lambda: plane(ARNOLD_FAMILY, OMEGA[:100:4], [0.2, 0.5, 0.8, 1.1], tolerance=0.02),
+        [],
+    ),
     (draw_rotation_plane, lambda: plane(MOEBIUS_FAMILY, [0.5], [0.3]), []),
     (draw_rotation_plane, lambda: plane(MOEBIUS_FAMILY, [0.6, 0.5], [0.3, 0.2, 0.1]), []),
     (
@@ -144,7 +162,8 @@ def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_l
     for theta_deg, image_deg in graph:
         assert image_deg.min() >= -1e-9 and image_deg.max() <= 360.0 + 1e-9
         truth = np.degrees(circle_map(np.radians(theta_deg)))
-        # Where the graph meets 0 or 360 it is cut on the chord between two samples, a quarter of a degree apart.
+        # Where the graph meets 0 or 360 it is cut on the chord between two samples, a quarter of a
+        # degree apart.
         assert np.abs(np.mod(truth - image_deg + 180.0, 360.0) - 180.0).max() < 2e-3
         assert np.abs(np.diff(image_deg)).max() < 2.0
     assert sum(theta[-1] - theta[0] for theta, _ in graph) == pytest.approx(360.0, abs=1e-5)
@@ -152,7 +171,9 @@ def test_graph_holds_images_of_its_angles_in_one_piece_for_every_cut_and_never_l
 
 
 def test_branches_are_solid_where_stable_and_change_at_bifurcations() -> None:
-    """Fixed points of the sine map from before their birth to beyond their period doubling, where theory has them."""
+    """Fixed points of the sine map from before their birth to beyond their period doubling, where
+    theory has them.
+    """
     found = maps.orbit_branches(sine, (0.3, 2.5)), maps.bifurcations(sine, (0.3, 2.5))
     axes, seen = drawn(draw_orbit_branches, *found, "K"), set()
     for line in axes.lines:

@@ -19,12 +19,29 @@ def made_replay(off, turn_off, kind):
     predicted = measured + np.outer(travel / 0.05, (off, 0.0, turn_off))
     tip = np.column_stack([travel - 0.06, 0.0 * travel])
     outline = Slider.mit(kind).outline_points()
-    return Replay(travel, measured, predicted, travel, tip, np.zeros(2), outline, 0.0, 0.0, 1, True, False, True, True)
+    return Replay(
+        travel,
+        measured,
+        predicted,
+        travel,
+        tip,
+        np.zeros(2),
+        outline,
+        0.0,
+        0.0,
+        1,
+        True,
+        False,
+        True,
+        True,
+    )
 
 
 def made(kinds):
     """Replays of objects, the k-th k+1 mm and k+1 degrees off."""
-    replays = [made_replay(1e-3 * (k + 1), math.radians(k + 1), kind) for k, kind in enumerate(kinds)]
+    replays = [
+        made_replay(1e-3 * (k + 1), math.radians(k + 1), kind) for k, kind in enumerate(kinds)
+    ]
     rows = [
         dict.fromkeys(REPLAY_COLUMNS, 0.0)
         | {"object": kind, "surface": "abs", "speed": 0.02 if k else math.nan}
@@ -44,6 +61,8 @@ def test_every_push_is_drawn_once_in_each_upper_panel(kinds) -> None:
 
 
 def test_the_headline_counts_pushes_and_tells_the_mean_errors() -> None:
-    assert replay_headline(made(["hex"])) == "1 push replayed: it ends 1.0 mm and 1.0° off on average."
+    assert (
+        replay_headline(made(["hex"])) == "1 push replayed: it ends 1.0 mm and 1.0° off on average."
+    )
     told = replay_headline(made(["hex", "rect1", "hex"]))
     assert told == "3 pushes replayed: they end 2.0 mm and 2.0° off on average."

@@ -1,4 +1,6 @@
-"""The report: one file, the same bytes each time, its numbers the command's, alive without a network."""
+"""The report: one file, the same bytes each time, its numbers the command's, alive without a
+network.
+"""
 
 import html
 import json
@@ -20,8 +22,13 @@ pytestmark = pytest.mark.slow
 def theta0_file(tmp_path_factory):
     """A short staircase on plywood, with noise."""
     loop = cm.CollectionLoop.mit(material="plywood")
-    run = cm.sample_staircase(loop.circle_map(1e-4), cm.WrappedNormal(math.radians(1.1)), 120, 0.5, 3)
-    path, pairs = tmp_path_factory.mktemp("data") / "mine.csv", np.degrees(np.stack([run.theta[:-1], run.theta[1:]]))
+    run = cm.sample_staircase(
+        loop.circle_map(1e-4), cm.WrappedNormal(math.radians(1.1)), 120, 0.5, 3
+    )
+    path, pairs = (
+        tmp_path_factory.mktemp("data") / "mine.csv",
+        np.degrees(np.stack([run.theta[:-1], run.theta[1:]])),
+    )
     np.savetxt(path, pairs.T, "%.6f", ",", header="theta0_deg,theta_next_deg", comments="")
     return path
 
@@ -32,19 +39,27 @@ def report(theta0_file, tmp_path_factory):
 
 
 def written(theta0_file, folder):
-    done = CliRunner().invoke(cli, ["report", "plywood", "--data", str(theta0_file), "--out", str(folder)])
+    done = CliRunner().invoke(
+        cli, ["report", "plywood", "--data", str(theta0_file), "--out", str(folder)]
+    )
     assert done.exit_code == 0, done.output
     return folder / "report_plywood.html"
 
 
-def test_the_same_input_makes_the_same_bytes_and_less_than_900_kb(report, theta0_file, tmp_path) -> None:
+def test_the_same_input_makes_the_same_bytes_and_less_than_900_kb(
+    report, theta0_file, tmp_path
+) -> None:
     assert report.read_bytes() == written(theta0_file, tmp_path).read_bytes()
     assert len(report.read_bytes()) < 900e3
 
 
-def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(report, theta0_file) -> None:
+def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(
+    report, theta0_file
+) -> None:
     text = report.read_text()
-    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1])
+    data = json.loads(
+        re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL)[1]
+    )
     loop = cm.CollectionLoop.mit(material="plywood")
     points = cm.fixed_points(loop.circle_map())
     assert [one["theta_deg"] for one in data["answer"]["fixed_points"]] == [
@@ -52,7 +67,12 @@ def test_numbers_are_those_of_the_mechanics_and_words_those_of_the_comparison(re
     ]
     assert len(data["measured"]["theta"]) == len(theta0_file.read_text().splitlines()) - 1
     known = sentences.uncertainty_sentence("plywood", cm.portrait(loop, cycles=10).uncertainty)
-    for part in (known, "Recorded against predicted", "cycles there is left as root mean square ", "SHA-256"):
+    for part in (
+        known,
+        "Recorded against predicted",
+        "cycles there is left as root mean square ",
+        "SHA-256",
+    ):
         assert part in html.unescape(text)
     assert text.count("<figure><img") == len(data["answer"]["may_lie"]) == 1
 
@@ -78,7 +98,8 @@ def test_report_without_script_shows_the_picture(report, open_page) -> None:
 def test_a_name_cannot_bring_script_into_the_report(tmp_path) -> None:
     material = tmp_path / "evil.toml"
     material.write_text(
-        'name = "x</script><script>alert(1)</script>"\nprovenance = "<img src=x onerror=alert(1)>"\n'
+        'name = "x</script><script>alert(1)</script>"\nprovenance = "<img src=x '
+        'onerror=alert(1)>"\n'
         "[friction]\nmu_a = 0.25\nmu_b = 0.24\nm0 = 0.0\nn0 = 0.0\nphi_deg = 0.0\n"
     )
     done = CliRunner().invoke(cli, ["report", str(material), "--out", str(tmp_path)])

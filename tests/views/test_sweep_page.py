@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import RotationPlane
-from cyclemap.sweeps import PointOutcome, PortraitNumbers, SweepPlan, SweepStore, load_sweep, run_sweep, sweep_curves
+from cyclemap.sweeps import (
+    PointOutcome,
+    PortraitNumbers,
+    SweepPlan,
+    SweepStore,
+    load_sweep,
+    run_sweep,
+    sweep_curves,
+)
 from cyclemap.views.rotation_panels import cell_edges
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_page, sweep_sentences, without_specks
@@ -20,9 +28,17 @@ def outcome(place: float) -> PointOutcome:
         return PointOutcome({}, "no such loop")
     locked = place < 0.5
     rotation = 0.0 if locked else 0.1 * place
-    bounds = {"rotation": rotation, "rotation_lower": rotation, "rotation_upper": rotation + 1e-5 * (not locked)}
+    bounds = {
+        "rotation": rotation,
+        "rotation_lower": rotation,
+        "rotation_upper": rotation + 1e-5 * (not locked),
+    }
     counts = {"locked_winding": 0.0, "locked_period": float(locked), "fixed_points": 2.0 * locked}
-    lists = {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)} if locked else {}
+    lists = (
+        {"fixed_point_theta": (1.0, 2.0 + place), "fixed_point_stable": (1.0, 0.0)}
+        if locked
+        else {}
+    )
     return PointOutcome({**bounds, **counts, "stable_points": float(locked), **lists})
 
 
@@ -61,35 +77,59 @@ def test_a_plane_is_coloured_outlined_and_crossed_out(swept) -> None:
     assert (rotation.get_xlabel(), rotation.get_ylabel()) == ("friction μa", "ring x (mm)")
     mesh = stable.collections[0]
     assert np.ma.filled(mesh.get_array(), -1.0).ravel().tolist() == [1, 1, 0, 1, 0, 0, 1, 0, -1]
-    told = ("plywood: friction μa × ring x", "9 points over friction μa 0.2 to 0.3 (3 values)", "4 lock (4 at 0/1)")
+    told = (
+        "plywood: friction μa × ring x",
+        "9 points over friction μa 0.2 to 0.3 (3 values)",
+        "4 lock (4 at 0/1)",
+    )
     for part in (*told, "1 refused; it so: no such loop."):
         assert part in words(figure)
     # In grey, a darker cell has more stable directions.
-    grey = [float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114))) for count in (0.0, 1.0)]
+    grey = [
+        float(np.dot(mesh.cmap(mesh.norm(count))[:3], (0.299, 0.587, 0.114)))
+        for count in (0.0, 1.0)
+    ]
     assert grey[0] - grey[1] > 0.4
 
 
 def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) -> None:
-    sweep = swept(SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS))
+    sweep = swept(
+        SweepPlan.grid("plywood", {"mu_a": np.linspace(0.2, 0.3, 11).tolist()}, numbers=NUMBERS)
+    )
     points, _ = panels(page_of(sweep))
-    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], "unstable, stable and refused points"
-    assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith("4 of 11 points over friction μa")
+    assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], (
+        "unstable, stable and refused points"
+    )
+    assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith(
+        "4 of 11 points over friction μa"
+    )
 
 
 def test_a_sample_is_dots_and_any_quantity_can_be_drawn(swept) -> None:
-    plan = SweepPlan.sample("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS)
+    plan = SweepPlan.sample(
+        "plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-20.0, 0.0)}, 21, numbers=NUMBERS
+    )
     figure = page_of(swept(plan), ("fixed_points",))
     (axes,) = panels(figure)
     assert (len(axes.collections[0].get_offsets()), len(axes.lines[0].get_xdata())) == (19, 2)
     assert "sobol sample, seed 0" in words(figure)
-    named = swept(SweepPlan.grid(None, {"material": ("abs", "delrin", "plywood", "pu")}, numbers=NUMBERS))
+    named = swept(
+        SweepPlan.grid(None, {"material": ("abs", "delrin", "plywood", "pu")}, numbers=NUMBERS)
+    )
     points, _ = panels(page_of(named))
-    assert [label.get_text() for label in points.get_xticklabels()] == ["abs", "delrin", "plywood", "pu"]
+    assert [label.get_text() for label in points.get_xticklabels()] == [
+        "abs",
+        "delrin",
+        "plywood",
+        "pu",
+    ]
 
 
 @pytest.mark.slow
 def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
-    plan = SweepPlan.grid("plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS)
+    plan = SweepPlan.grid(
+        "plywood", {"fraction": (1.5, 2.0), "push_mm": (100.0, 150.0)}, numbers=NUMBERS
+    )
     run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
     sweep = load_sweep(tmp_path / "sweep.sqlite")
     assert all("contact fraction" in text for text in sweep.refusals)

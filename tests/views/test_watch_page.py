@@ -1,4 +1,6 @@
-"""The page and the sentences of a watched collection show the alarm, the threshold and the least covered direction."""
+"""The page and the sentences of a watched collection show the alarm, the threshold and the least
+covered direction.
+"""
 
 import numpy as np
 import pytest
@@ -23,7 +25,9 @@ def locked():
 @pytest.fixture(scope="module")
 def even():
     """Two hundred pushes of a noisy rotation."""
-    return course_of(np.cumsum(np.radians(8.0 + 2.0 * np.random.default_rng(1).standard_normal(200))))
+    return course_of(
+        np.cumsum(np.radians(8.0 + 2.0 * np.random.default_rng(1).standard_normal(200)))
+    )
 
 
 @pytest.mark.parametrize("kind", ["locked", "even"])
@@ -38,7 +42,10 @@ def test_the_page_says_whether_it_locks_in_and_its_words_lie_apart(kind, request
 def test_the_sentences_tell_alarm_coverage_and_advice(locked, even) -> None:
     told = " ".join(sentences.watch_sentences(locked[1][-1]))
     alarm = locked[1][-1].alarm
-    for part in (f"ALARM at push {alarm.push}: θ0 rests near {np.degrees(alarm.directions[0]):.1f}°", "since push 0"):
+    for part in (
+        f"ALARM at push {alarm.push}: θ0 rests near {np.degrees(alarm.directions[0]):.1f}°",
+        "since push 0",
+    ):
         assert part in told
     assert "no push more there would tell much" in told
     assert "Change the reset: bring θ0 to" in told

@@ -1,1 +1,3 @@
-"""A prediction set beside a collection: pushes, cycle map, orientations, stable directions, staircase, and verdicts."""
+"""A prediction set beside a collection: pushes, cycle map, orientations, stable directions,
+staircase, and verdicts.
+"""

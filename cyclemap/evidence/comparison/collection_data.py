@@ -1,4 +1,6 @@
-"""The data of a comparison: pushes by set, the cycles of one collection, and what was left out, brought to one form."""
+"""The data of a comparison: pushes by set, the cycles of one collection, and what was left out,
+brought to one form.
+"""
 
 from __future__ import annotations
 
@@ -36,23 +38,27 @@ if TYPE_CHECKING:
 _POSES = {"x0", "y0", "x1", "y1"}
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
-# A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a map.
+# A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a
+# map.
 FEWEST_CYCLES = 4
 # Rods that go this much further or less far, m, make the same push.
 _SAME_LENGTH = 0.5e-3
-# A rod that seems to begin farther from the object, as a share of its way, is in another frame than the object.
+# A rod that seems to begin farther from the object, as a share of its way, is in another frame than
+# the object.
 _LONGEST_GAP = 0.2
 _NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
-_NO_OUTLINE = "its outline is not told: give its material file, or put it with the data as collection.toml"
+_NO_OUTLINE = (
+    "its outline is not told: give its material file, or put it with the data as collection.toml"
+)
 
 
 @dataclass(frozen=True, eq=False)
 class PushSet:
     """Pushes of one set that a loop predicts.
 
-    facts : what the files say of the set: surface and object (None where unknown), acceleration (m/s²), speed (m/s),
-        side, fraction, angle (rad), NaN where unknown. loop : the mechanics of its object. push : (n,) of that object:
-        the data's place, direction and length.
+    facts : what the files say of the set: surface and object (None where unknown), acceleration
+        (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown. loop
+        : the mechanics of its object. push : (n,) of that object: the data's place, direction and length.
     theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
     """
 
@@ -68,10 +74,11 @@ class PushSet:
 class CollectionData:
     """What a comparison takes from the data.
 
-    pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers of their pushes and
-    the longest path without a gap; None without any. left_out : pushes, by reason. loop : that makes these cycles: the
-    one given, brought to what the data tell of push and object. unreadable : files. reading : how angles and axes were
-    read, and how well motions bear that out, in words.
+    pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers
+        of their pushes and the longest path without a gap; None without any. left_out
+        : pushes, by reason. loop : that makes these cycles: the one given, brought to what
+        the data tell of push and object. unreadable : files. reading : how angles and axes were read, and how well
+        motions bear that out, in words.
     """
 
     pushes: tuple[PushSet, ...]
@@ -93,17 +100,21 @@ def collection_data(
 ) -> CollectionData:
     """Bring a ``PushTable``, ``Theta0Pairs`` or a path to one form.
 
-    loop : the mechanics that predict, or None. first : pushes numbered below it are left out; the number is the
-    repetition, or where that is unknown the place in the data. select, push_length : see ``compare``.
+    loop : the mechanics that predict, or None. first : pushes numbered below it are left out; the
+        number is the repetition, or where that is unknown
+        the place in the data. select, push_length : see ``compare``.
 
-    Raises InvalidInput where the data are something else or leave nothing to compare, DataFileError for a bad file.
+    Raises InvalidInput where the data are something else or leave nothing to compare, DataFileError
+    for a bad file.
     """
     start = whole_number("first", first, least=0)
     length = math.nan if push_length is None else positive_number("push_length", push_length)
     given = _read(Path(data), progress) if isinstance(data, str | Path) else data
     if isinstance(given, Theta0Pairs):
         if select:
-            raise InvalidInput(f"the data are orientations alone and tell no {next(iter(select))}: select nothing")
+            raise InvalidInput(
+                f"the data are orientations alone and tell no {next(iter(select))}: select nothing"
+            )
         convention = written_convention(data)[0] if isinstance(data, str | Path) else OURS
         reading = check_orientations(given.theta, given.theta_next, loop, convention)
         return replace(_of_pairs(given, loop, start), reading=reading)
@@ -111,31 +122,46 @@ def collection_data(
         chosen = replace(given, table=selected_pushes(given.table, select or {}))
         reading = () if loop is None else check_pushes(chosen, loop)
         return replace(_of_table(chosen, loop, start, length), reading=reading)
-    raise InvalidInput(f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path")
+    raise InvalidInput(
+        f"data is {type(given).__name__}: give a PushTable (load_pushes), Theta0Pairs, or a path"
+    )
 
 
 def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
-    if path.suffix.lower() == CSV_SUFFIX and not path.is_dir() and not set(read_csv_table(path).header) >= _POSES:
+    if (
+        path.suffix.lower() == CSV_SUFFIX
+        and not path.is_dir()
+        and not set(read_csv_table(path).header) >= _POSES
+    ):
         return read_theta0_pairs(path)
     table = load_pushes(path, progress=progress)
     if not len(table.table):
-        worst = f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}" if table.unreadable else ""
-        raise InvalidInput(f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}")
+        worst = (
+            f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}"
+            if table.unreadable
+            else ""
+        )
+        raise InvalidInput(
+            f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}"
+        )
     return table
 
 
 def measured_pairs(path: str | Path) -> Theta0Pairs:
-    """The pairs of θ0 in data of any form: a CSV table of θ0 or of poses, a file or folder in the MIT layout.
+    """The pairs of θ0 in data of any form: a CSV table of θ0 or of poses, a file or folder in the
+    MIT layout.
 
-    Of several sets it takes the one with most cycles. Raises InvalidInput where no push tells what came before the
-    next one, DataFileError for a bad file.
+    Of several sets it takes the one with most cycles. Raises InvalidInput where no push tells what
+    came before the next one, DataFileError for a bad file.
     """
     given = _read(Path(path))
     if isinstance(given, Theta0Pairs):
         return given
     if not np.isfinite(given.table["theta_next"]).any():
-        raise InvalidInput(f"{path}: no push tells the orientation before the next one, and so what a cycle does")
+        raise InvalidInput(
+            f"{path}: no push tells the orientation before the next one, and so what a cycle does"
+        )
     pairs = collection_data(given, None).pairs
     assert pairs is not None  # or nothing would have been left
     return pairs
@@ -145,18 +171,24 @@ def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> Co
     cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
     kept = cycle >= first
     if not kept.any():
-        raise InvalidInput(f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes")
+        raise InvalidInput(
+            f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes"
+        )
     path, number = pairs.unbroken.path, pairs.unbroken.path_cycle
     if path is not None:
         number = np.arange(float(path.size)) if number is None else number
         late = number >= first
         path, number = (path[late], number[late]) if np.sum(late) > 1 else (None, None)
     left_out = Counter(pairs.dropped) + Counter({_EARLY: int(np.sum(~kept))})
-    found = Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=number)
+    found = Theta0Pairs(
+        pairs.theta[kept], pairs.theta_next[kept], path, cycle=cycle[kept], path_cycle=number
+    )
     return CollectionData((), found, dict(left_out), loop)
 
 
-def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length: float) -> CollectionData:
+def _of_table(
+    given: PushTable, loop: CollectionLoop | None, first: int, length: float
+) -> CollectionData:
     table, left_out = given.table, Counter[str]()
     number = np.where(np.isnan(table["repetition"]), np.arange(len(table)), table["repetition"])
     left_out[_EARLY] = int(np.sum(number < first))
@@ -172,7 +204,9 @@ def _of_table(given: PushTable, loop: CollectionLoop | None, first: int, length:
     pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
     if not pushes and pairs is None:
-        told = "; ".join(f"{count}: {reason}" for reason, count in counts.items()) or "it holds none"
+        told = (
+            "; ".join(f"{count}: {reason}" for reason, count in counts.items()) or "it holds none"
+        )
         raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
     return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
 
@@ -189,9 +223,11 @@ class _Rows:
         return np.asarray(self.table[column].to_numpy()[self.rows], dtype=float)
 
     def lengths(self, length: float, loop: CollectionLoop) -> Array:
-        """How far the rod of a push of the loop went from its first touch, m; `length` where that is unknown.
+        """How far the rod of a push of the loop went from its first touch, m; `length` where that
+        is unknown.
 
-        Where it begins is told by its first place and the object's first pose, in the median of the set.
+        Where it begins is told by its first place and the object's first pose, in the median of the
+        set.
         """
         found, theta = self["length"], self["theta0"]
         if np.isnan(self["tip_x0"]).all():
@@ -199,7 +235,9 @@ class _Rows:
         push = told_push(loop.push, self.facts, loop.push.distance)
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
         x, y = self["tip_x0"] - self["x0"], self["tip_y0"] - self["y0"]
-        tip = np.stack([np.cos(theta) * x + np.sin(theta) * y, np.cos(theta) * y - np.sin(theta) * x], axis=-1)
+        tip = np.stack(
+            [np.cos(theta) * x + np.sin(theta) * y, np.cos(theta) * y - np.sin(theta) * x], axis=-1
+        )
         gaps = (place - tip) @ way
         gap = float(np.median(gaps[np.isfinite(gaps)])) if np.isfinite(gaps).any() else 0.0
         found = np.where(abs(gap) < _LONGEST_GAP * found, found - gap, found)
@@ -208,20 +246,24 @@ class _Rows:
     @property
     def facts(self) -> dict[str, Any]:
         first = self.table.iloc[int(self.rows[0])]
-        texts = {name: first[name] if isinstance(first[name], str) else None for name in SET_FACTS[:2]}
+        texts = {
+            name: first[name] if isinstance(first[name], str) else None for name in SET_FACTS[:2]
+        }
         return {**texts, **{name: float(first[name]) for name in SET_FACTS[2:]}}
 
 
 def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) -> list[_Rows]:
-    """The sets of the loop's surface and of objects whose outline is known; the others are counted by name."""
+    """The sets of the loop's surface and of objects whose outline is known; the others are counted
+    by name.
+    """
     told = {one.facts["surface"] for one in sets} - {None}
     words = {loop.material.name, re.split(r"[-_ ]", loop.material.name)[0]}
     own = words & (told | {*material_names()} - {"isotropic"})
     if len(told) > 1 and not own:
         listed = ", ".join(sorted(told))
         raise InvalidInput(
-            f"the data are of several surfaces ({listed}), and the material {loop.material.name!r} names none of them: "
-            "select one, surface=NAME"
+            f"the data are of several surfaces ({listed}), and the material {loop.material.name!r} "
+            "names none of them: select one, surface=NAME"
         )
     fitting = []
     for one in sets:
@@ -235,8 +277,12 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
     return fitting
 
 
-def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]) -> list[PushSet]:
-    """The sets with end poses whose pushes are as long as is known, each with the pushes that the data tell."""
+def _push_sets(
+    sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]
+) -> list[PushSet]:
+    """The sets with end poses whose pushes are as long as is known, each with the pushes that the
+    data tell.
+    """
     loops, made = {None: loop, file_stem(loop.slider.name): loop}, []
     for rows in sets:
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
@@ -252,7 +298,11 @@ def _push_sets(sets: list[_Rows], loop: CollectionLoop, length: float, left_out:
             continue
         push = tuple(told_push(loop.push, facts, one) for one in far[kept].tolist())
         displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
-        made.append(PushSet(facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement))
+        made.append(
+            PushSet(
+                facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement
+            )
+        )
     return made
 
 
@@ -274,13 +324,21 @@ def _cycles(
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {NO_LENGTH}"] += most
             return None, loop
-        own, push = loop.push, told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far)
-        # One push, but for the three decimals of a file's name and the robot's own errors, is the loop's.
+        own, push = (
+            loop.push,
+            told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far),
+        )
+        # One push, but for the three decimals of a file's name and the robot's own errors, is the
+        # loop's.
         near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
         if push.side != own.side or not near or abs(push.distance - own.distance) > _SAME_LENGTH:
             loop = replace(loop, push=push)
     order = np.argsort(rows.number[rows.rows], kind="stable")
-    theta, ahead, number = rows["theta0"][order], rows["theta_next"][order], rows.number[rows.rows][order]
+    theta, ahead, number = (
+        rows["theta0"][order],
+        rows["theta_next"][order],
+        rows.number[rows.rows][order],
+    )
     known = np.isfinite(ahead)
     # The longest run of pushes numbered without a gap.
     linked = np.isfinite(ahead[:-1]) & (np.diff(number) == 1.0)

@@ -1,4 +1,6 @@
-"""compare: a prediction set beside a collection, question by question, and its verdicts in words with numbers."""
+"""compare: a prediction set beside a collection, question by question, and its verdicts in words
+with numbers.
+"""
 
 from __future__ import annotations
 
@@ -57,9 +59,13 @@ MOST_SETS = 3
 LEVEL = 0.05
 _DEG = float(np.degrees(1.0))
 # Of each quantity its name for people, its unit, and the factor to that.
-_NAMES = {"dtheta": ("turn of a push", "°", _DEG), "dx": ("Δx", " mm", 1000.0), "dy": ("Δy", " mm", 1000.0)}
-# Of each number of a staircase its name, the factor to its unit, that unit, and how many decimals are told: the least,
-# and the most, where fewer leave its interval no width.
+_NAMES = {
+    "dtheta": ("turn of a push", "°", _DEG),
+    "dx": ("Δx", " mm", 1000.0),
+    "dy": ("Δy", " mm", 1000.0),
+}
+# Of each number of a staircase its name, the factor to its unit, that unit, and how many decimals
+# are told: the least, and the most, where fewer leave its interval no width.
 _STAIRCASE = {
     "turns": ("number of turns", 1.0, " turns", 1, 2),
     "steps": ("number of steps", 1.0, " steps", 0, 0),
@@ -73,7 +79,9 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Verdict:
-    """question : what was asked. agrees : the answer, None where it is open. words : a sentence with its numbers."""
+    """question : what was asked. agrees : the answer, None where it is open. words : a sentence
+    with its numbers.
+    """
 
     question: str
     agrees: bool | None
@@ -84,8 +92,10 @@ class Verdict:
 class Comparison:
     """A prediction beside data; what could not be asked is None or empty.
 
-    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a set, the largest
-    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns, steps, dwells.
+    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a
+        set, the largest
+    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns,
+        steps, dwells.
     uncertified : what could not be computed to its tolerance, in words.
     """
 
@@ -100,7 +110,9 @@ class Comparison:
 
     @property
     def middle(self) -> float:
-        """The push in the middle of those compared, whose map stands for all where the surface wears."""
+        """The push in the middle of those compared, whose map stands for all where the surface
+        wears.
+        """
         pairs = self.data.pairs
         return 0.0 if pairs is None or pairs.cycle is None else float(np.median(pairs.cycle))
 
@@ -113,7 +125,9 @@ class Comparison:
 
     @cached_property
     def verdicts(self) -> tuple[Verdict, ...]:
-        """The answer to each question that could be asked, in words with numbers (degrees, millimetres)."""
+        """The answer to each question that could be asked, in words with numbers (degrees,
+        millimetres).
+        """
         pooled, found = len(self.pushes) > MOST_SETS, list[Verdict]()
         for name, quantities in self.told_pushes:
             found += [_push_verdict(quantity, name, pooled) for quantity in quantities]
@@ -121,17 +135,26 @@ class Comparison:
             # What knowing the friction is worth: distances, not coordinates; nothing is tested.
             (off, turned), (even, even_turn) = mean_distances(self.pushes)
             beside = f"isotropic friction is {1e3 * even:.1f} mm and {_degrees(even_turn)} off"
-            words = f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction on average; {beside}."
+            words = (
+                f"Pushes end {1e3 * off:.1f} mm and {_degrees(turned)} from the prediction "
+                f"on average; {beside}."
+            )
             found.append(Verdict("ends of pushes", None, words))
         if self.cycle is not None:
             found += _cycle_verdicts(self.cycle)
         if self.orientations is not None:
-            # By Watson's test, the others told beside it: one test decides, so that the level holds.
+            # By Watson's test, the others told beside it: one test decides, so that the level
+            # holds.
             tests = self.orientations.tests
             p, kept = {name: _p(one) for name, one in tests.items()}, _kept(tests["watson"])
-            wasserstein, varied = (tests[name].statistic for name in ("wasserstein", "total_variation"))
+            wasserstein, varied = (
+                tests[name].statistic for name in ("wasserstein", "total_variation")
+            )
             by_watson = f"{'agrees' if kept else 'is rejected'} by Watson's test ({p['watson']})"
-            words = f"The histogram of {self.orientations.count} directions {by_watson}: Wasserstein distance "
+            words = (
+                f"The histogram of {self.orientations.count} directions {by_watson}: "
+                "Wasserstein distance "
+            )
             words += f"{_degrees(wasserstein)} ({p['wasserstein']}), total variation {varied:.2f} "
             words += f"({p['total_variation']}), Kuiper {p['kuiper']}."
             found.append(Verdict("histogram of directions", kept, words))
@@ -139,7 +162,11 @@ class Comparison:
             found += [_direction_verdict(one) for one in self.directions.matches]
         if self.staircase is not None:
             asked = ((_STAIRCASE[name], one) for name, one in self.staircase.quantities.items())
-            found += [verdict for told, one in asked if (verdict := _quantity_verdict(*told, one)) is not None]
+            found += [
+                verdict
+                for told, one in asked
+                if (verdict := _quantity_verdict(*told, one)) is not None
+            ]
         return tuple(found)
 
 
@@ -160,30 +187,35 @@ def compare(
 
     Parameters
     ----------
-    prediction : a ``CollectionLoop`` (its mechanics), or a ``CircleMap`` or ``DriftingMap`` with ``noise``. Cycle n of
-        a map that wears is push n.
+    prediction : a ``CollectionLoop`` (its mechanics), or a ``CircleMap`` or ``DriftingMap`` with
+        ``noise``. Cycle n of a map that wears is push n.
     data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
     noise : of one cycle; None takes 1.1 degrees for a loop.
-    first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
-    select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are compared.
+    first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh
+        surface).
+    select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that
+        are compared.
     push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
-    runs : simulated collections of the null; the smallest p-value is 1/(runs + 1), 1/100 for directions, steps and
-        residences. seed : of all of them.
+    runs : simulated collections of the null; the smallest p-value is 1/(runs + 1),
+        1/100 for directions, steps and residences. seed : of all of them.
     tolerance : of the loop's cycle map, rad. progress : called with the fraction done, in [0, 1].
 
-    A loop predicts what was done: object, side, place, direction and length of every push are the data's, and of the
-    protocol where they do not tell. Pushes on a surface that the data name and that is not the material's are left out
-    by name; a material whose name tells no surface, such as ``mine`` or ``isotropic``, is set beside one surface at a
-    time. Of orientations alone nothing of that is known: the protocol is taken to have made them.
+    A loop predicts what was done: object, side, place, direction and length of every push are the
+    data's, and of the protocol where they do not tell. Pushes on a surface that the data name and
+    that is not the material's are left out by name; a material whose name tells no surface, such as
+    ``mine`` or ``isotropic``, is set beside one surface at a time. Of orientations alone nothing of
+    that is known: the protocol is taken to have made them.
 
-    P-values come from simulated collections, as long as the measured one and from the same start, under the predicted
-    map and noise: autocorrelation and wear are in them. Of a map that was fitted to these very data they are too large
-    (``collection_p_values`` can fit again). Where a loop's material has a posterior, each simulated collection is of
-    one of its samples, and errors of means hold what the parameters leave open. The noise of successive cycles is taken
-    as independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too small.
+    P-values come from simulated collections, as long as the measured one and from the same start,
+    under the predicted map and noise: autocorrelation and wear are in them. Of a map that was
+    fitted to these very data they are too large (``collection_p_values`` can fit again). Where a
+    loop's material has a posterior, each simulated collection is of one of its samples, and errors
+    of means hold what the parameters leave open. The noise of successive cycles is taken as
+    independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too
+    small.
 
-    Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file, ConvergenceError
-    where the loop's cycle map cannot be computed.
+    Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file,
+    ConvergenceError where the loop's cycle map cannot be computed.
 
     >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
@@ -195,21 +227,34 @@ def compare(
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
     loop = prediction if callable(getattr(prediction, "circle_map", None)) else None
     collection = collection_data(
-        data, loop, first=first, select=select, push_length=push_length, progress=lambda done: report(0.1 * done)
+        data,
+        loop,
+        first=first,
+        select=select,
+        push_length=push_length,
+        progress=lambda done: report(0.1 * done),
     )
     pairs = collection.pairs
-    numbers = () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
+    numbers = (
+        () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
+    )
     wanted = 1 + int(max((np.max(one) for one in numbers), default=0.0))
     given = prediction if loop is None else collection.loop
-    chosen = as_prediction(given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done))
+    chosen = as_prediction(
+        given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
+    )
     pushes = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
     rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
     report(1.0)
     return replace(rest, pushes=pushes)
 
 
-def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress) -> Comparison:
-    """All but the pushes: the cycle map, and where the order of the pushes is known what follows from it."""
+def _cycles_asked(
+    prediction: Prediction, data: CollectionData, runs: int, seed: int, report: Progress
+) -> Comparison:
+    """All but the pushes: the cycle map, and where the order of the pushes is known what follows
+    from it.
+    """
     pairs = data.pairs
     empty = Comparison(prediction, data, (), None, None, None, None)
     if pairs is None:
@@ -222,7 +267,13 @@ def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed:
     ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}
     tested = collection_p_values(
-        path, uncertain, statistics, runs=runs, seed=seed, ensemble=ensemble, progress=lambda done: report(0.5 * done)
+        path,
+        uncertain,
+        statistics,
+        runs=runs,
+        seed=seed,
+        ensemble=ensemble,
+        progress=lambda done: report(0.5 * done),
     )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
     summary: StaircaseSummary | None = None
@@ -237,7 +288,9 @@ def _cycles_asked(prediction: Prediction, data: CollectionData, runs: int, seed:
         empty,
         cycle=cycle_agreement(prediction, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
-        directions=direction_agreement(path, () if summary is None else summary.zones, ensemble, null),
+        directions=direction_agreement(
+            path, () if summary is None else summary.zones, ensemble, null
+        ),
         staircase=staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done)),
         uncertified=uncertified,
     )
@@ -247,10 +300,17 @@ def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict
     """Whether the mean agrees, and how near the law comes to the single pushes."""
     name, unit, scale = _NAMES[found.name]
     if pooled:
-        # Of several protocols the means cancel, so that only single pushes can tell; nothing is tested.
+        # Of several protocols the means cancel, so that only single pushes can tell; nothing is
+        # tested.
         error = "" if found.bias_error is None else f" ± {scale * found.bias_error:.2f}{unit}"
-        off = f"RMSE {scale * found.rmse:.2f}{unit}, bias {_fixed(scale * found.bias, 2)}{unit}{error}"
-        words = f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its standard deviation is "
+        off = (
+            f"RMSE {scale * found.rmse:.2f}{unit}, bias "
+            f"{_fixed(scale * found.bias, 2)}{unit}{error}"
+        )
+        words = (
+            f"Over {found.count} pushes{whose} the {name} is predicted with {off}; its "
+            "standard deviation is "
+        )
         return Verdict(f"{name}{whose}", None, f"{words}{scale * found.measured_std:.2f}{unit}.")
     error = _error(found, scale, unit)
     over = f"over {found.count} pushes{', ' if error else ''}{error}"
@@ -268,7 +328,9 @@ def _push_verdict(found: QuantityAgreement, whose: str, pooled: bool) -> Verdict
 
 def _means(found: QuantityAgreement, scale: float, unit: str) -> str:
     kept = {True: "agrees within its error", False: "is off", None: "is"}[found.agrees]
-    measured, predicted = (_fixed(scale * mean, 2) for mean in (found.measured_mean, found.predicted_mean))
+    measured, predicted = (
+        _fixed(scale * mean, 2) for mean in (found.measured_mean, found.predicted_mean)
+    )
     return f"{kept}: {measured}{unit} measured, {predicted}{unit} predicted"
 
 
@@ -283,17 +345,31 @@ def _error(found: QuantityAgreement, scale: float, unit: str) -> str:
 
 def _cycle_verdicts(found: CycleAgreement) -> list[Verdict]:
     error, agreement = _error(found.turn, _DEG, "°"), found.agreement
-    words = f"The mean turn of a cycle {_means(found.turn, _DEG, '°')}{f' ({error})' if error else ''}."
+    words = (
+        f"The mean turn of a cycle {_means(found.turn, _DEG, '°')}{f' ({error})' if error else ''}."
+    )
     question = Verdict("mean turn of a cycle", found.turn.agrees, words)
-    beside = "" if found.isotropic_rms is None else f" (isotropic friction {_degrees(found.isotropic_rms)})"
+    beside = (
+        ""
+        if found.isotropic_rms is None
+        else f" (isotropic friction {_degrees(found.isotropic_rms)})"
+    )
     misfit = f"{agreement.pairs} cycles lie {_degrees(agreement.rms)} RMS from the map{beside}"
     if agreement.bins:
         misfit += f", the medians of {agreement.bins} directions {_degrees(agreement.bin_rms)}"
     if found.scatter is not None:
         misfit += f"; about the best smooth map of θ0 they scatter by {_degrees(found.scatter)}"
     if found.p_value is None:
-        return [question, Verdict("cycle map", None, f"{misfit}; their order is unknown, so the map is not tested.")]
-    return [question, Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}.")]
+        return [
+            question,
+            Verdict(
+                "cycle map", None, f"{misfit}; their order is unknown, so the map is not tested."
+            ),
+        ]
+    return [
+        question,
+        Verdict("cycle map", _kept(found.p_value), f"The map {_told(found.p_value)}: {misfit}."),
+    ]
 
 
 def _direction_verdict(found: DirectionMatch) -> Verdict:
@@ -303,10 +379,17 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     )
     place = f"{_KINDS[found.kind]} at {centre}"
     if found.difference is None:
-        return Verdict(place, None, f"The predicted {place} has no peak of a histogram to be set beside.")
+        return Verdict(
+            place, None, f"The predicted {place} has no peak of a histogram to be set beside."
+        )
     off = f"{round(_DEG * found.difference, 1) + 0.0:+.1f}° off".replace("-", "−")
-    kept, told = (None, "") if found.p_value is None else (_kept(found.p_value), f" ({_p(found.p_value)})")
-    words = f"The predicted {place} makes a predicted peak at {predicted}, measured at {measured}: {off}{told}."
+    kept, told = (
+        (None, "") if found.p_value is None else (_kept(found.p_value), f" ({_p(found.p_value)})")
+    )
+    words = (
+        f"The predicted {place} makes a predicted peak at {predicted}, measured at {measured}: "
+        f"{off}{told}."
+    )
     return Verdict(place, kept, words)
 
 
@@ -319,20 +402,33 @@ def _quantity_verdict(
     digits = _telling_digits(found, scale, least, most)
     if digits is None:
         return None
-    measured = "none" if found.measured is None else f"{_fixed(scale * found.measured, digits)}{unit}"
+    measured = (
+        "none" if found.measured is None else f"{_fixed(scale * found.measured, digits)}{unit}"
+    )
     if found.predicted is None or found.lower is None or found.upper is None:
-        return Verdict(name, None, f"The {name}: {measured} measured, none in any simulated collection.")
+        return Verdict(
+            name, None, f"The {name}: {measured} measured, none in any simulated collection."
+        )
     low, high = (_fixed(scale * edge, digits) for edge in (found.lower, found.upper))
-    expected = f"{_fixed(scale * found.predicted, digits)}{unit} predicted (95 % of collections: {low} to {high})"
+    expected = (
+        f"{_fixed(scale * found.predicted, digits)}{unit} predicted (95 % of collections: "
+        f"{low} to {high})"
+    )
     if found.p_value is None:
         return Verdict(name, None, f"The {name}: {measured} measured, {expected}.")
-    return Verdict(name, _kept(found.p_value), f"The {name} {_told(found.p_value)}: {measured} measured, {expected}.")
+    return Verdict(
+        name,
+        _kept(found.p_value),
+        f"The {name} {_told(found.p_value)}: {measured} measured, {expected}.",
+    )
 
 
 def _telling_digits(found: SimulatedQuantity, scale: float, least: int, most: int) -> int | None:
-    """How many decimals show that the interval has a width; None where none does and the data lie in it, to rounding.
+    """How many decimals show that the interval has a width; None where none does and the data lie
+    in it, to rounding.
 
-    All collections then have the number, the measured one among them, and nothing could be seen to fail.
+    All collections then have the number, the measured one among them, and nothing could be seen to
+    fail.
     """
     if found.lower is None or found.upper is None or found.measured is None:
         return least
@@ -361,7 +457,11 @@ def _told(found: PValue) -> str:
 def _p(found: PValue) -> str:
     """A p-value, and where none of the runs came near, that it may be smaller."""
     least = 1.0 / (found.runs + 1)
-    return f"p ≤ {found.value:.2g}" if found.value <= least * (1.0 + 1e-9) else f"p = {found.value:.2g}"
+    return (
+        f"p ≤ {found.value:.2g}"
+        if found.value <= least * (1.0 + 1e-9)
+        else f"p = {found.value:.2g}"
+    )
 
 
 def _degrees(radians: float) -> str:

@@ -1,4 +1,6 @@
-"""Measured cycles beside the predicted: the map, orientations, stable directions and the staircase of a collection."""
+"""Measured cycles beside the predicted: the map, orientations, stable directions and the staircase
+of a collection.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,11 @@ from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quant
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.orientations.circular_distance import PValue, kernel_modes, monte_carlo_p_value
+from cyclemap.evidence.orientations.circular_distance import (
+    PValue,
+    kernel_modes,
+    monte_carlo_p_value,
+)
 from cyclemap.evidence.orientations.collection_null import Ensemble
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
@@ -40,14 +46,19 @@ RANGE = (0.025, 0.975)
 class CycleAgreement:
     """Measured cycles beside the predicted map, all angles in rad.
 
-    agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin counting once.
+    agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin
+        counting once.
     off : (n,) measured less predicted turn of each pair. bins : the measured medians.
-    turn : of the cycles, its mean tested. isotropic_rms : root mean square that a loop on isotropic friction under even
-        pressure, all else alike, would leave; None of a prediction that is no loop.
-    scatter : of the turns about the map with six harmonics that fits these very pairs best; None where they fix none.
+    turn : of the cycles, its mean tested. isotropic_rms : root mean square that a loop on isotropic
+        friction under even pressure, all else alike, would leave; None of a prediction that is no
+        loop.
+    scatter : of the turns about the map with six harmonics that fits these very pairs best; None
+        where they fix none.
     noise : standard deviation of the predicted noise of one cycle.
-    lag_correlation : of what a turn differs from that best map by, with the next one; None with ``scatter``.
-    p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes is unknown.
+    lag_correlation : of what a turn differs from that best map by, with the next one; None with
+        ``scatter``.
+    p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes
+        is unknown.
     """
 
     agreement: MapAgreement
@@ -61,8 +72,12 @@ class CycleAgreement:
     p_value: PValue | None
 
 
-def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue | None = None) -> CycleAgreement:
-    """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted map."""
+def cycle_agreement(
+    prediction: Prediction, pairs: Theta0Pairs, p_value: PValue | None = None
+) -> CycleAgreement:
+    """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted
+    map.
+    """
     cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
     (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
     with suppress(InvalidInput):
@@ -76,14 +91,18 @@ def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue 
     if isinstance(prediction.given, CollectionLoop):
         with suppress(UnsupportedContact):
             # On a surface without direction the turn of a cycle is one for all θ0.
-            isotropic = replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
+            isotropic = (
+                replace(isotropic_twin(prediction.given), footprint=None).cycle(0.0).theta_next
+            )
     turn = quantity_agreement("turn", pairs.turn, predicted, model_error)
     return CycleAgreement(
         agreement=MapAgreement(off.size, turn.rmse, medians.median.size, over_bins),
         off=read_only(off),
         bins=turn_bins(pairs),
         turn=turn,
-        isotropic_rms=None if isotropic is None else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
+        isotropic_rms=None
+        if isotropic is None
+        else float(np.sqrt(np.mean((pairs.turn - isotropic) ** 2))),
         scatter=None if best is None else best.sigma,
         noise=float(np.sqrt(prediction.noise.variance)),
         lag_correlation=None if best is None else best.lag_correlation,
@@ -92,10 +111,11 @@ def cycle_agreement(prediction: Prediction, pairs: Theta0Pairs, p_value: PValue 
 
 
 def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
-    """How much of what the turns of each path (k, n) differ from the model's is a smooth function of θ0: shape (k,).
+    """How much of what the turns of each path (k, n) differ from the model's is a smooth function
+    of θ0: shape (k,).
 
-    The F ratio of the least-squares fit of six harmonics: mean square explained over mean square left, whatever the
-    size of the noise. A ``CollectionStatistic``.
+    The F ratio of the least-squares fit of six harmonics: mean square explained over mean square
+    left, whatever the size of the noise. A ``CollectionStatistic``.
     """
     found = np.zeros(len(paths))
     order = min(HARMONICS, (paths.shape[1] - 3) // 4)
@@ -117,8 +137,9 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
 class OrientationAgreement:
     """The recorded orientations beside the predicted ones.
 
-    tests : wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law of the predicted
-        collections, with p-values under simulated collections as long and from the same start.
+    tests : wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law
+        of the predicted collections, with p-values under simulated collections as long and from the
+        same start.
     measured, predicted : histograms over the same bins, per rad.
     """
 
@@ -128,22 +149,30 @@ class OrientationAgreement:
     predicted: AngleHistogram
 
 
-def orientation_agreement(path: Array, ensemble: Ensemble, tested: dict[str, PValue]) -> OrientationAgreement:
+def orientation_agreement(
+    path: Array, ensemble: Ensemble, tested: dict[str, PValue]
+) -> OrientationAgreement:
     """Gather what ``tested`` says of the path (n,) rad, and both histograms."""
     measured = angle_histogram(path)
     bins = measured.density.size
-    predicted = AngleHistogram(measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI)))
-    return OrientationAgreement(path.size, {name: tested[name] for name in ORIENTATION_TESTS}, measured, predicted)
+    predicted = AngleHistogram(
+        measured.edges, read_only(ensemble.law.bin_probabilities(bins) * (bins / TWO_PI))
+    )
+    return OrientationAgreement(
+        path.size, {name: tested[name] for name in ORIENTATION_TESTS}, measured, predicted
+    )
 
 
 @dataclass(frozen=True)
 class DirectionMatch:
     """A predicted direction and the measured mode nearest to it, rad in [0, 2π).
 
-    kind, centre : of the ``SlowZone``. predicted_mode : mode of the predicted collections' orientations nearest to the
-        centre (a ghost's lies beside its slowest point). measured_mode : nearest to that. None where there is none.
-    difference : measured less predicted mode, in [-π, π). p_value : of one so large, among simulated collections; exact
-        for a prediction that was not fitted to these data, else too large.
+    kind, centre : of the ``SlowZone``. predicted_mode : mode of the predicted collections'
+        orientations nearest to the centre (a ghost's lies beside its slowest point). measured_mode
+        : nearest to that. None where there is none.
+    difference : measured less predicted mode, in [-π, π). p_value : of one so large, among
+        simulated collections; exact for a prediction that was not fitted to these data, else too
+        large.
     """
 
     kind: str
@@ -167,7 +196,8 @@ def direction_agreement(
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 
-    ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are made.
+    ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are
+        made.
     """
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
@@ -181,7 +211,10 @@ def direction_agreement(
             seen = float(measured[np.argmin(np.abs(shorter_way(measured - mode)))])
             off = float(shorter_way(seen - mode))
             # A simulated collection without any mode is as far off as can be.
-            others = [float(np.min(np.abs(shorter_way(modes - mode)), initial=np.pi)) for modes in simulated]
+            others = [
+                float(np.min(np.abs(shorter_way(modes - mode)), initial=np.pi))
+                for modes in simulated
+            ]
             p_value = monte_carlo_p_value(abs(off), others)
         matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
     return DirectionAgreement(tuple(matches), read_only(measured))
@@ -189,11 +222,13 @@ def direction_agreement(
 
 @dataclass(frozen=True)
 class SimulatedQuantity:
-    """A number of the measured staircase among those of simulated collections; None where it does not exist.
+    """A number of the measured staircase among those of simulated collections; None where it does
+    not exist.
 
     predicted : median of the simulated ones. lower, upper : the range of 95 % of them.
-    p_value : two-sided, by the distance from their median, among the simulated collections that have such a number:
-        exact for a prediction that was not fitted to these data. None where the measured one has none.
+    p_value : two-sided, by the distance from their median, among the simulated collections that
+        have such a number: exact for a prediction that was not fitted to these data. None where the
+        measured one has none.
     """
 
     measured: float | None
@@ -205,13 +240,14 @@ class SimulatedQuantity:
 
 @dataclass(frozen=True, eq=False)
 class StaircaseAgreement:
-    """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths in cycles.
+    """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths
+    in cycles.
 
     run : one simulated collection, (n,) rad.
-    quantities : turns, whole ones climbed; steps; step_height, residence: medians over the steps and the dwells of a
-        collection, dwells that its ends cut off included.
-    theory : the visits to the predicted zones and the pace, against their exact law; None for a map that wears and
-        where that law could not be computed.
+    quantities : turns, whole ones climbed; steps; step_height, residence: medians over the steps
+        and the dwells of a collection, dwells that its ends cut off included.
+    theory : the visits to the predicted zones and the pace, against their exact law; None for a map
+        that wears and where that law could not be computed.
     """
 
     run: Array
@@ -225,9 +261,11 @@ def staircase_agreement(
     summary: StaircaseSummary | None,
     progress: Callable[[float], None] | None = None,
 ) -> StaircaseAgreement:
-    """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same start.
+    """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same
+    start.
 
-    summary : of the map where it does not wear. progress : called with the fraction done, in (0, 1].
+    summary : of the map where it does not wear. progress : called with the fraction done, in (0,
+        1].
     """
     report, found = progress or (lambda fraction: None), []
     for done, one in enumerate(null, 1):
@@ -236,12 +274,17 @@ def staircase_agreement(
     names, columns = ("turns", "steps", "step_height", "residence"), zip(*found, strict=True)
     both = zip(names, _numbers(path), columns, strict=True)
     quantities = {name: simulated_quantity(value, np.array(column)) for name, value, column in both}
-    theory = None if summary is None else compare_steps(find_steps(path, zones=summary.zones or None), summary)
+    theory = (
+        None
+        if summary is None
+        else compare_steps(find_steps(path, zones=summary.zones or None), summary)
+    )
     return StaircaseAgreement(null[0], quantities, theory)
 
 
 def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
-    """Where ``measured`` lies among ``simulated`` (runs,); NaN stands for a number that does not exist.
+    """Where ``measured`` lies among ``simulated`` (runs,); NaN stands for a number that does not
+    exist.
 
     >>> found = simulated_quantity(9.0, np.arange(99.0))
     >>> found.predicted, round(found.p_value.value, 2)

@@ -17,7 +17,8 @@ from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.orientations.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
 
-# Samples of a material's posterior that are used, and how good their maps are, rad: they tell a spread.
+# Samples of a material's posterior that are used, and how good their maps are, rad: they tell a
+# spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
@@ -30,7 +31,8 @@ class Prediction:
 
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
     noise : of one cycle. kind : "loop", "map" or "drifting map". given : what was handed in.
-    samples : the maps of samples of the posterior of a loop's material, those that can be run; () without a posterior.
+    samples : the maps of samples of the posterior of a loop's material, those that can be run; ()
+        without a posterior.
     """
 
     map: CircleMap | DriftingMap
@@ -45,7 +47,9 @@ class Prediction:
         return isinstance(self.map, DriftingMap)
 
     def model(self, first: int, uncertain: bool = False) -> CollectionModel:
-        """The model of a collection that begins with push ``first``; ``uncertain`` as far as the parameters are."""
+        """The model of a collection that begins with push ``first``; ``uncertain`` as far as the
+        parameters are.
+        """
         return CollectionModel(self.map, self.noise, first, self.samples if uncertain else ())
 
     def map_at(self, cycle: float) -> CircleMap:
@@ -53,10 +57,15 @@ class Prediction:
         return self.map if isinstance(self.map, CircleMap) else self.map.at(cycle)
 
     def turns(self, theta: Array, cycle: Array) -> Array:
-        """Turns (1 + k, n), rad, from ``theta`` (n,) in the pushes ``cycle`` (n,): of the map, then of each sample."""
+        """Turns (1 + k, n), rad, from ``theta`` (n,) in the pushes ``cycle`` (n,): of the map, then
+        of each sample.
+        """
         maps = (self.map, *self.samples)
         return np.array(
-            [one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta for one in maps]
+            [
+                one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta
+                for one in maps
+            ]
         )
 
 
@@ -70,17 +79,21 @@ def as_prediction(
 ) -> Prediction:
     """Bring a prediction of pushes up to ``last`` to one form.
 
-    noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles about a smooth
-        function of θ0), and is refused for a map. tolerance : of a loop's cycle map, rad.
+    noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles
+        about a smooth function of θ0), and is refused for a map. tolerance : of a loop's cycle map,
+        rad.
 
     Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
     """
     if noise is not None and not isinstance(noise, Noise):
-        raise InvalidInput(f"noise is {noise!r}: give a noise of one cycle, for example WrappedNormal(0.02)")
+        raise InvalidInput(
+            f"noise is {noise!r}: give a noise of one cycle, for example WrappedNormal(0.02)"
+        )
     if isinstance(given, CircleMap | DriftingMap):
         if noise is None:
             raise InvalidInput(
-                "a map alone predicts no histogram: give the noise of a cycle, such as WrappedNormal(0.02)"
+                "a map alone predicts no histogram: give the noise of a cycle, such as "
+                "WrappedNormal(0.02)"
             )
         kind = "map" if isinstance(given, CircleMap) else "drifting map"
         return Prediction(given, noise, kind, given)
@@ -89,26 +102,36 @@ def as_prediction(
         report = progress or (lambda fraction: None)
         if isinstance(given, CollectionLoop) and given.material.wear is not None:
             # How many maps it takes is not known before; some twenty are usual.
-            chosen = drifting_map(given, last + 1, progress=lambda done: report(0.3 * min(1.0, done / 20.0)))
+            chosen = drifting_map(
+                given, last + 1, progress=lambda done: report(0.3 * min(1.0, done / 20.0))
+            )
         else:
             chosen = given.circle_map(tolerance=tolerance, progress=lambda done: report(0.3 * done))
         samples: list[CircleMap | DriftingMap] = []
         loops = posterior_samples(given)
         for done, one in enumerate(loops, 1):
-            # A surface at the edge of the posterior may not be able to make every cycle: the others tell the spread.
+            # A surface at the edge of the posterior may not be able to make every cycle: the others
+            # tell the spread.
             with suppress(UnsupportedContact, ConvergenceError):
                 worn = one.material.wear is not None
                 samples.append(
-                    drifting_map(one, last + 1, _SAMPLE_BLEND) if worn else one.circle_map(_SAMPLE_TOLERANCE)
+                    drifting_map(one, last + 1, _SAMPLE_BLEND)
+                    if worn
+                    else one.circle_map(_SAMPLE_TOLERANCE)
                 )
             report(0.3 + 0.7 * done / len(loops))
         kept = tuple(samples) if len(samples) > 1 else ()
         return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
-    raise InvalidInput(f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap with noise")
+    raise InvalidInput(
+        f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap with "
+        "noise"
+    )
 
 
 def posterior_samples(loop: Any) -> list[CollectionLoop]:
-    """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without a posterior."""
+    """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without
+    a posterior.
+    """
     posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
     if posterior is None:
         return []

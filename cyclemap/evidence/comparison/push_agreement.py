@@ -1,4 +1,6 @@
-"""Predicted against measured pushes, set by set: turn and displacement, bias and spread, as in the published tables."""
+"""Predicted against measured pushes, set by set: turn and displacement, bias and spread, as in the
+published tables.
+"""
 
 from __future__ import annotations
 
@@ -21,24 +23,30 @@ from cyclemap.mechanics import QuasiStaticModel, SidePush
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
 FEWEST = 3
-# A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is rounding.
+# A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
+# rounding.
 SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
-# Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the mean moves.
+# Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the
+# mean moves.
 _SAMPLED_PUSHES = 100
 
 
 @dataclass(frozen=True)
 class QuantityAgreement:
-    """One quantity of pushes or cycles, in rad (``dtheta``, ``turn``) or m (``dx``, ``dy``), of so many.
+    """One quantity of pushes or cycles, in rad (``dtheta``, ``turn``) or m (``dx``, ``dy``), of so
+    many.
 
     measured_std : also the least RMSE of any law that ignores θ0, as an isotropic one does.
-    bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that difference.
-    bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey & West 1987), and
-        ``model_error`` with it; None below three pushes. model_error : of the predicted mean alone, by how well the
-        material's parameters are known; 0 where it has no posterior.
-    agrees : whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or mm; None if unknown.
-    percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma & Rodriguez 2018,
-        Tables II and III); inf for a mean of 0.
+    bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that
+        difference.
+    bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey &
+        West 1987), and ``model_error`` with it; None below three pushes. model_error : of the
+        predicted mean alone, by how well the material's parameters are known; 0 where it has no
+        posterior.
+    agrees : whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or
+        mm; None if unknown.
+    percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma
+        & Rodriguez 2018, Tables II and III); inf for a mean of 0.
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     """
 
@@ -64,9 +72,11 @@ class PushAgreement:
     """The pushes of one set beside the loop's.
 
     facts : of the set. length : of its pushes, their median, m. theta : (n,) rad.
-    measured, predicted, isotropic : (n, 3), dtheta (rad), dx, dy (m), the last of isotropic friction under even
-    pressure, all else alike. quantities : dtheta, dx, dy. sampled : (k, 3), means of some of the pushes on samples of
-    the material's posterior, less those predicted; None without a posterior.
+    measured, predicted, isotropic : (n, 3), dtheta (rad), dx, dy (m), the last of isotropic
+        friction under even
+    pressure, all else alike. quantities : dtheta, dx, dy. sampled : (k, 3), means of some of the
+        pushes on samples of the material's posterior, less those predicted; None without a
+        posterior.
     """
 
     facts: Mapping[str, Any]
@@ -86,23 +96,33 @@ class PushAgreement:
     @property
     def name(self) -> str:
         """Of the set, for sentences: " of rect1 on plywood", or "" where neither is known."""
-        known = [str(self.facts[key]) for key in ("object", "surface") if self.facts[key] is not None]
+        known = [
+            str(self.facts[key]) for key in ("object", "surface") if self.facts[key] is not None
+        ]
         return f" of {' on '.join(known)}" if known else ""
 
 
-def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) -> tuple[PushAgreement, ...]:
-    """Set the pushes of each set beside those of their loop, each at its own θ0, as long as it was; the largest first.
+def push_agreements(
+    sets: Sequence[PushSet], report: Callable[[float], None]
+) -> tuple[PushAgreement, ...]:
+    """Set the pushes of each set beside those of their loop, each at its own θ0, as long as it was;
+    the largest first.
 
     Raises UnsupportedContact where the mechanics cannot follow a push.
     """
     found, spacing = [], 1 + len(sets) // _SAMPLED_PUSHES
     for number, pushes in enumerate(sets):
         loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
-        predicted, isotropic = _moved(loop.model, loop, starts), _moved(loop.model.isotropic, loop, starts)
+        predicted, isotropic = (
+            _moved(loop.model, loop, starts),
+            _moved(loop.model.isotropic, loop, starts),
+        )
         shifts, stride = [], 1 + len(starts) // _SAMPLED_PUSHES
         for one in posterior_samples(loop) if number % spacing == 0 else []:
             with suppress(UnsupportedContact):
-                shifts.append(np.mean(_moved(one.model, loop, starts[::stride]) - predicted[::stride], axis=0))
+                shifts.append(
+                    np.mean(_moved(one.model, loop, starts[::stride]) - predicted[::stride], axis=0)
+                )
         measured = np.column_stack([pushes.dtheta, pushes.displacement])
         kept = np.array(shifts) if len(shifts) > 1 else None
         length = float(np.median([push.distance for push in pushes.push]))
@@ -110,30 +130,45 @@ def push_agreements(sets: Sequence[PushSet], report: Callable[[float], None]) ->
             read_only(some) for some in (pushes.theta, measured, predicted, isotropic)
         )
         quantities = _quantities(measured, predicted, kept)
-        found.append(PushAgreement(pushes.facts, length, theta, measured, predicted, isotropic, quantities, kept))
+        found.append(
+            PushAgreement(
+                pushes.facts, length, theta, measured, predicted, isotropic, quantities, kept
+            )
+        )
         report((number + 1) / len(sets))
     return tuple(sorted(found, key=lambda one: -one.count))
 
 
-def _moved(model: QuasiStaticModel, loop: CollectionLoop, pushes: Sequence[tuple[float, SidePush]]) -> Array:
+def _moved(
+    model: QuasiStaticModel, loop: CollectionLoop, pushes: Sequence[tuple[float, SidePush]]
+) -> Array:
     """Turn and displacement (n, 3) of each push from its θ0."""
     runs = [model.push(loop.start_pose(theta), push) for theta, push in pushes]
     return np.array([[run.turn, *run.displacement] for run in runs])
 
 
-def _quantities(measured: Array, predicted: Array, shifts: Array | None) -> tuple[QuantityAgreement, ...]:
+def _quantities(
+    measured: Array, predicted: Array, shifts: Array | None
+) -> tuple[QuantityAgreement, ...]:
     errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
     columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
     return tuple(quantity_agreement(*one) for one in columns)
 
 
-def mean_distances(sets: Sequence[PushAgreement]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """How far pushes end from the prediction on average, place (m) and turn (rad), and from isotropic friction's."""
+def mean_distances(
+    sets: Sequence[PushAgreement],
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How far pushes end from the prediction on average, place (m) and turn (rad), and from
+    isotropic friction's.
+    """
     measured, *both = (
-        np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted", "isotropic")
+        np.concatenate([getattr(one, name) for one in sets])
+        for name in ("measured", "predicted", "isotropic")
     )
     off = [np.abs(predicted - measured) for predicted in both]
-    first, other = ((float(np.mean(np.hypot(*one[:, 1:].T))), float(np.mean(one[:, 0]))) for one in off)
+    first, other = (
+        (float(np.mean(np.hypot(*one[:, 1:].T))), float(np.mean(one[:, 0]))) for one in off
+    )
     return first, other
 
 
@@ -141,16 +176,25 @@ def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement,
     """The quantities of all sets taken together; () without any."""
     if not sets:
         return ()
-    measured, predicted = (np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted"))
+    measured, predicted = (
+        np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted")
+    )
     known = [(one.count, one.sampled) for one in sets if one.sampled is not None]
     most = max((len(some) for _, some in known), default=0)
     known = [(count, some) for count, some in known if len(some) == most]
-    shifts = np.average([some for _, some in known], axis=0, weights=[count for count, _ in known]) if known else None
+    shifts = (
+        np.average([some for _, some in known], axis=0, weights=[count for count, _ in known])
+        if known
+        else None
+    )
     return _quantities(measured, predicted, shifts)
 
 
-def quantity_agreement(name: str, measured: Array, predicted: Array, model_error: float = 0.0) -> QuantityAgreement:
-    """Bias, spread and RMSE of ``predicted`` (n,) about ``measured`` (n,), n ≥ 1, in order of recording.
+def quantity_agreement(
+    name: str, measured: Array, predicted: Array, model_error: float = 0.0
+) -> QuantityAgreement:
+    """Bias, spread and RMSE of ``predicted`` (n,) about ``measured`` (n,), n ≥ 1, in order of
+    recording.
 
     Both in rad or m; model_error : of the mean of ``predicted``, in the same unit.
 
@@ -159,7 +203,11 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
     (0.5, 0.0, 0.5, 25.0)
     """
     off, mean, deviation = predicted - measured, float(np.mean(measured)), float(np.std(measured))
-    bias, rmse, error = float(np.mean(off)), float(np.sqrt(np.mean(off**2))), mean_error(off, model_error)
+    bias, rmse, error = (
+        float(np.mean(off)),
+        float(np.sqrt(np.mean(off**2))),
+        mean_error(off, model_error),
+    )
     return QuantityAgreement(
         name=name,
         count=off.size,
@@ -172,7 +220,9 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
         rmse=rmse,
         bias_error=error,
         model_error=model_error,
-        agrees=within_error(bias, error, off.size, SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE),
+        agrees=within_error(
+            bias, error, off.size, SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
+        ),
         percent=100.0 * rmse / abs(mean) if mean else float("inf"),
         std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
         explains=rmse < deviation,
@@ -180,7 +230,8 @@ def quantity_agreement(name: str, measured: Array, predicted: Array, model_error
 
 
 def mean_error(values: Array, model_error: float = 0.0) -> float | None:
-    """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below three.
+    """Standard error of the mean of ``values`` (n,), correlated with their neighbours; None below
+    three.
 
     model_error : an independent error of the mean, in the unit of ``values``, added in squares.
     """
@@ -191,11 +242,14 @@ def mean_error(values: Array, model_error: float = 0.0) -> float | None:
 
 
 def within_error(bias: float, error: float | None, count: int, seen: float = 0.0) -> bool | None:
-    """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level, or below ``seen``.
+    """Whether a mean of ``count`` values, with the error of ``mean_error``, is 0 at the 5 % level,
+    or below ``seen``.
 
-    The critical value grows with the share b of the values that the error's window spans: 1.96 + 2.9694 b + 0.4160 b²
-    - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window). Independent values or a lag correlation of 0.4, from 20
-    values on: a mean of 0 is measured to be refused in 4.3 to 6.4 % of cases.
+    The critical value grows with the share b of the values that the error's window spans: 1.96 +
+    2.9694 b + 0.4160 b²
+    - 0.5324 b³ (Kiefer & Vogelsang 2005, Bartlett's window). Independent values or a lag
+    correlation of 0.4, from 20 values on: a mean of 0 is measured to be refused in 4.3 to 6.4 % of
+    cases.
 
     >>> within_error(2.2, 1.0, 20), within_error(2.2, 1.0, 2000)
     (True, False)

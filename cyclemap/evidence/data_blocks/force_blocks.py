@@ -1,4 +1,6 @@
-"""Measured forces as data: friction scans, pairs of wrench and twist, and force ratios while the rod slides."""
+"""Measured forces as data: friction scans, pairs of wrench and twist, and force ratios while the
+rod slides.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,11 @@ from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
 from cyclemap.evidence.identification.identify import Identification, identify
-from cyclemap.evidence.identification.surface_parameters import PLATE_NAMES, SURFACE, SurfaceParameters
+from cyclemap.evidence.identification.surface_parameters import (
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Slider
@@ -29,7 +35,8 @@ if TYPE_CHECKING:
 SCAN_FIELDS = ("direction", "force_along", "force_across")
 ELLIPSE = SURFACE.names[:5]
 SCAN_KIND = "scan force (N)"
-# An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their own scatter.
+# An ellipse off its centre has five numbers, a direction gives two: fewer groups cannot tell their
+# own scatter.
 FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
 _SAME_DIRECTION = 1e-6
@@ -42,46 +49,65 @@ _POINTS = 720
 # Change of a shape, kPa, by which wrenches are differentiated.
 _STEP = 0.02
 RATIO_KIND = "force ratio (1)"
-# Slip per travel of the rod above which it slides and below which it sticks: between them the poses do not tell.
+# Slip per travel of the rod above which it slides and below which it sticks: between them the poses
+# do not tell.
 SLIDING, STICKING = 0.1, 0.03
 
 
 def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
-    """Return direction (rad) and the rod's forces along and across (N) of friction scans, (3, n); see the block."""
+    """Return direction (rad) and the rod's forces along and across (N) of friction scans, (3, n);
+    see the block.
+    """
     missing = [name for name in SCAN_FIELDS if name not in scans]
     if missing:
-        raise InvalidInput(f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing")
+        raise InvalidInput(
+            f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing"
+        )
     columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
-    if columns[0].ndim != 1 or any(column.shape != columns[0].shape for column in columns) or not len(columns[0]):
-        raise InvalidInput(f"friction scans must be columns of one length, not {[c.shape for c in columns]}")
+    if (
+        columns[0].ndim != 1
+        or any(column.shape != columns[0].shape for column in columns)
+        or not len(columns[0])
+    ):
+        raise InvalidInput(
+            f"friction scans must be columns of one length, not {[c.shape for c in columns]}"
+        )
     for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
         raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
     return np.array(columns)
 
 
 def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> Array:
-    """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an object, weight N.
+    """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an
+    object, weight N.
 
     >>> scan_traction({"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}, 8.0).tolist()
     [[0.25, 0.0625]]
     """
     direction, along, across = scan_columns(scans)
     c, s = np.cos(direction), np.sin(direction)
-    return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number("weight", weight)
+    return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number(
+        "weight", weight
+    )
 
 
-def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float) -> DataBlock:
+def friction_scan_block(
+    scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float
+) -> DataBlock:
     """Return friction scans as a block of data.
 
-    scans : columns, or arrays by these names: `direction` (rad, of the motion in the world), `force_along` and
-    `force_across` (N, of the rod on the object, the second to the left of the motion). weight : N, of the object.
+    scans : columns, or arrays by these names: `direction` (rad, of the motion in the world),
+        `force_along` and `force_across` (N, of the rod on the object, the second to the left of the
+        motion). weight : N, of the object.
 
-    Carried in translation all points of the object slide alike, however the pressure is spread, and the force is the
-    weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are along then across for each scan;
-    scans in one direction are one group, so that what a direction's repeats have in common is not taken for evidence.
-    With fewer than four directions each row stands for itself: so few groups cannot tell their scatter.
+    Carried in translation all points of the object slide alike, however the pressure is spread, and
+    the force is the weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are
+    along then across for each scan; scans in one direction are one group, so that what a
+    direction's repeats have in common is not taken for evidence. With fewer than four directions
+    each row stands for itself: so few groups cannot tell their scatter.
 
-    Raises InvalidInput for columns that are missing or hold what is no number (NaN: leave such scans out).
+    Raises InvalidInput for columns that are missing or hold what is no number (NaN: leave such
+    scans out).
 
     >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
     >>> residual, _ = friction_scan_block(scans, 8.0).residuals(SurfaceParameters(math.log(0.25)).values())
@@ -95,8 +121,12 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     measured = np.stack(forces, axis=-1).ravel()
     # Directions that differ by full turns are one.
     step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
-    found, number = np.unique(np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True)
-    groups = np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
+    found, number = np.unique(
+        np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True
+    )
+    groups = (
+        np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
+    )
 
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
@@ -104,9 +134,9 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
     by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
 
     def function(values: Values) -> tuple[Array, Array]:
-        # With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape matrix is
-        # mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A u)): smooth in all, a
-        # circle included.
+        # With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's
+        # shape matrix is mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u
+        # / sqrt(u A u)): smooth in all, a circle included.
         surface = SurfaceParameters.from_values(values)
         traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
         exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
@@ -115,23 +145,34 @@ def friction_scan_block(scans: pandas.DataFrame | Mapping[str, ArrayLike], weigh
         columns = [traction]
         for unit in (by_x, by_y):
             moved = way @ expm_frechet(exponent, unit, compute_expm=False)
-            columns.append(mean * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2)) / size)
+            columns.append(
+                mean
+                * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2))
+                / size
+            )
         columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
         force = np.einsum("nij,nj->ni", turn, traction).ravel()
-        return force - measured, np.einsum("nij,njk->nik", turn, np.stack(columns, axis=-1)).reshape(-1, len(ELLIPSE))
+        return force - measured, np.einsum(
+            "nij,njk->nik", turn, np.stack(columns, axis=-1)
+        ).reshape(-1, len(ELLIPSE))
 
-    return DataBlock("friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size))
+    return DataBlock(
+        "friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size)
+    )
 
 
 def friction_ellipse_from_scans(
     scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, noise: float | None = None
 ) -> Identification:
-    """Identify the friction ellipse from friction scans alone; arguments as in `friction_scan_block`.
+    """Identify the friction ellipse from friction scans alone; arguments as in
+    `friction_scan_block`.
 
-    noise : N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72 directions, twice each,
-    intervals of 95 % held the truth in 90 to 99 %, also where the repeats of a direction share most of their error.
-    Scans in fewer than three directions leave the ellipse open: the estimates then say that they are not identifiable.
-    Raises ConvergenceError where the noise can be told from nothing: without repeats of a direction or `noise`.
+    noise : N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72
+        directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
+        repeats of a direction share most of their error.
+    Scans in fewer than three directions leave the ellipse open: the estimates then say that they
+    are not identifiable. Raises ConvergenceError where the noise can be told from nothing: without
+    repeats of a direction or `noise`.
 
     >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
     >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
@@ -144,11 +185,14 @@ def friction_ellipse_from_scans(
 
 @dataclass(frozen=True, eq=False)
 class WrenchTwists:
-    """Wrenches that kept an object moving, and its twists then, both in its own frame about its origin.
+    """Wrenches that kept an object moving, and its twists then, both in its own frame about its
+    origin.
 
-    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of them zero.
+    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of
+        them zero.
 
-    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and wrenches of the wrong sign.
+    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and wrenches of the
+    wrong sign.
     """
 
     wrench: Array
@@ -156,19 +200,27 @@ class WrenchTwists:
 
     def __post_init__(self) -> None:
         for name in ("wrench", "twist"):
-            object.__setattr__(self, name, read_only(finite_array(name, getattr(self, name), last=3, ndim=2)))
+            object.__setattr__(
+                self, name, read_only(finite_array(name, getattr(self, name), last=3, ndim=2))
+            )
         if len(self.wrench) != len(self.twist) or not len(self.twist):
-            raise InvalidInput(f"{len(self.wrench)} wrenches and {len(self.twist)} twists: there must be one of each")
+            raise InvalidInput(
+                f"{len(self.wrench)} wrenches and {len(self.twist)} twists: there must be one of "
+                "each"
+            )
         for row in np.flatnonzero(np.all(self.twist == 0.0, axis=1))[:1]:
             raise InvalidInput(f"twist {row} is zero: friction is not unique at rest; leave it out")
         if np.median(np.sum(self.wrench * self.twist, axis=1)) < 0.0:
-            raise InvalidInput("most wrenches take power from the object: turn their signs, if it was the pusher's")
+            raise InvalidInput(
+                "most wrenches take power from the object: turn their signs, if it was the pusher's"
+            )
 
     def contact_pieces(self, outline: Outline) -> Labels:
-        """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where that cannot be.
+        """Return on which of equally long pieces of the outline (n,) the pusher touched; -1 where
+        that cannot be.
 
-        A single pusher's force passes through its contact: the line of action enters the outline there, as seen along
-        the force. A line that misses the outline is no single push.
+        A single pusher's force passes through its contact: the line of action enters the outline
+        there, as seen along the force. A line that misses the outline is no single push.
         """
         rim, found = outline.points(_POINTS), np.full(len(self.wrench), -1)
         step = np.diff(rim, axis=0)
@@ -179,7 +231,11 @@ class WrenchTwists:
             if fx == fy == 0.0 or not crossing.size:
                 continue
             drop = height[crossing] - height[crossing + 1]
-            share = np.clip(np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)), 0.0, 1.0)
+            share = np.clip(
+                np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)),
+                0.0,
+                1.0,
+            )
             first = int(np.argmin((rim[crossing] + share[:, None] * step[crossing]) @ (fx, fy)))
             entry = place[crossing[first]] + share[first] * np.diff(place)[crossing[first]]
             found[row] = min(int(entry / place[-1] * CONTACT_PIECES), CONTACT_PIECES - 1)
@@ -187,10 +243,11 @@ class WrenchTwists:
 
 
 def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> WrenchTwists:
-    """Read pairs from rows of a CSV table with the columns fx, fy (N), m_over_rho (N), vx, vy, w_times_rho (m/s).
+    """Read pairs from rows of a CSV table with the columns fx, fy (N), m_over_rho (N), vx, vy,
+    w_times_rho (m/s).
 
-    rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data: 0.06364, its half
-    diagonal). Raises DataFileError.
+    rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data:
+        0.06364, its half diagonal). Raises DataFileError.
     """
     require_columns(table, (*WRENCH_COLUMNS, *TWIST_COLUMNS))
     length = positive_number("rho", rho)
@@ -206,14 +263,16 @@ def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> W
 
 
 def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
-    """Return pairs of wrench and twist as a block of data on `friction_scale`, the floor's dome and the plate's shape.
+    """Return pairs of wrench and twist as a block of data on `friction_scale`, the floor's dome and
+    the plate's shape.
 
-    Pairs of one place of contact share their errors (`WrenchTwists.contact_pieces`). The wrench is the weight times
-    grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991). The torque is divided by the outline's
-    extent, so that all rows are in N.
+    Pairs of one place of contact share their errors (`WrenchTwists.contact_pieces`). The wrench is
+    the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991). The
+    torque is divided by the outline's extent, so that all rows are in N.
 
-    The object's orientation in the world is not in such data: friction is taken as isotropic, and a floor's bow, which
-    the plate turns against, is left out. Twists are taken as exact: their noise makes weight near the rim look less.
+    The object's orientation in the world is not in such data: friction is taken as isotropic, and a
+    floor's bow, which the plate turns against, is left out. Twists are taken as exact: their noise
+    makes weight near the rim look less.
 
     >>> from cyclemap.mechanics import Slider
     >>> square, twist = Slider.mit("rect1"), [[0.0, 0.01, 0.0]]
@@ -223,7 +282,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     True
     """
     unit, law = np.array([1.0, 1.0, 1.0 / slider.outline.extent]), EllipseFriction.isotropic(1.0)
-    measured, parameters = (data.wrench * unit).ravel(), ("friction_scale", "floor_dome", *PLATE_NAMES)
+    measured, parameters = (
+        (data.wrench * unit).ravel(),
+        ("friction_scale", "floor_dome", *PLATE_NAMES),
+    )
 
     def wrench(shape: Array) -> Array:
         surface = SurfaceParameters(**dict(zip(PLATE_NAMES, shape.tolist(), strict=True)))
@@ -247,8 +309,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
-    ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the rod's slip over the
-    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the rod stuck.
+    ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the
+        rod's slip over the
+    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the
+        rod stuck.
     """
 
     ratio: Array
@@ -258,12 +322,14 @@ class SlidingForces:
 
 
 def force_ratio_block(sliding: SlidingForces) -> DataBlock:
-    """Return the ratios of sliding pieces as a block of data that depends on `pusher_friction`; a group a push.
+    """Return the ratios of sliding pieces as a block of data that depends on `pusher_friction`; a
+    group a push.
 
-    Whether the rod slides is read off the motion, not off the forces, so that the noise of the forces does not bias the
-    answer: while it slides the ratio is the friction coefficient (Coulomb's law; Ma & Rodriguez 2018, Fig. 10 left),
-    while it sticks it is less. Pieces of one push share their errors; those of one push alone are a group each.
-    Raises InvalidInput where nothing slides.
+    Whether the rod slides is read off the motion, not off the forces, so that the noise of the
+    forces does not bias the answer: while it slides the ratio is the friction coefficient
+    (Coulomb's law; Ma & Rodriguez 2018, Fig. 10 left), while it sticks it is less. Pieces of one
+    push share their errors; those of one push alone are a group each. Raises InvalidInput where
+    nothing slides.
 
     >>> sliding = SlidingForces(np.array([0.14, 0.15, 0.16]), np.array([0, 0, 1]), 3, 0)
     >>> force_ratio_block(sliding).residuals({"pusher_friction": 0.15})[0].round(9).tolist()
@@ -278,14 +344,19 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
 
     single = len(np.unique(sliding.push)) == 1
     groups = np.arange(len(measured)) if single else sliding.push
-    return DataBlock("force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size))
+    return DataBlock(
+        "force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size)
+    )
 
 
-def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float = MIT_ROD_RADIUS) -> SlidingForces:
-    """Return the force ratios of the sliding pieces of pushes, each a record and its object's outline (k, 2), m.
+def sliding_forces(
+    pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float = MIT_ROD_RADIUS
+) -> SlidingForces:
+    """Return the force ratios of the sliding pieces of pushes, each a record and its object's
+    outline (k, 2), m.
 
-    A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip of more than a tenth
-    of the rod's travel of one sign in every window that a sample is part of.
+    A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip
+    of more than a tenth of the rod's travel of one sign in every window that a sample is part of.
     """
     rows, sticking = [], 0
     for number, (record, outline) in enumerate(pushes):
@@ -298,7 +369,9 @@ def sliding_forces(pushes: Iterable[tuple[PushRecord, Array]], rod_radius: float
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
                     rows.append((sign * ratio, number, samples.window))
-        sticking += int(np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window)))
+        sticking += int(
+            np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
+        )
     ratios, numbers, lengths = np.array(rows, dtype=float).reshape(-1, 3).T
     return SlidingForces(ratios, numbers.astype(np.int64), int(np.sum(lengths)), sticking)
 

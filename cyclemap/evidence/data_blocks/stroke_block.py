@@ -1,4 +1,6 @@
-"""Blocks of data whose prediction is the mechanics of strokes: push end points, drag-backs, and whole cycles."""
+"""Blocks of data whose prediction is the mechanics of strokes: push end points, drag-backs, and
+whole cycles.
+"""
 
 from __future__ import annotations
 
@@ -47,16 +49,35 @@ from cyclemap.mechanics.quasi_static import run_strokes
 Rows = tuple[Array, Array]
 StrokeRows = tuple[Array, Array, NDArray[np.bool_]]
 
-# Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of exact ones.
+# Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
+# exact ones.
 ACCURACY = 1e-3
-# A few strokes of many may have no answer where the rod grazes a tip: these count as if the object stayed.
+# A few strokes of many may have no answer where the rod grazes a tip: these count as if the object
+# stayed.
 _FAILING = 0.05
-# A rod that starts further inside the object than this, m, is in another frame: measured poses overlap by tenths of mm.
+# A rod that starts further inside the object than this, m, is in another frame: measured poses
+# overlap by tenths of mm.
 _DEEPEST = 0.04
 
 TIP_OFFSET = (
-    Parameter("tip_offset_x", "shift of the robot's frame against the camera's, along x", "m", -0.01, 0.01, 0.0, 1e-3),
-    Parameter("tip_offset_y", "shift of the robot's frame against the camera's, along y", "m", -0.01, 0.01, 0.0, 1e-3),
+    Parameter(
+        "tip_offset_x",
+        "shift of the robot's frame against the camera's, along x",
+        "m",
+        -0.01,
+        0.01,
+        0.0,
+        1e-3,
+    ),
+    Parameter(
+        "tip_offset_y",
+        "shift of the robot's frame against the camera's, along y",
+        "m",
+        -0.01,
+        0.01,
+        0.0,
+        1e-3,
+    ),
 )
 # What wears of a surface comes first.
 WORN = (*SURFACE.names[1:5], *FLOOR_NAMES)
@@ -71,13 +92,17 @@ CYCLE_ACCURACY = 1e-6
 
 
 def push_end_block(
-    pushes: Sequence[MeasuredPush], slider: Slider, target: Place | None = None, frames_agree: bool = False
+    pushes: Sequence[MeasuredPush],
+    slider: Slider,
+    target: Place | None = None,
+    frames_agree: bool = False,
 ) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
-    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have them in the frame of
-    the object's poses, unless these frames agree, as where rods were set by marks on the object; with a target (m,
-    where resets end), also how the floor's shape varies with the place about it.
+    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have
+    them in the frame of the object's poses, unless these frames agree, as where rods were set by
+    marks on the object; with a target (m, where resets end), also how the floor's shape varies with
+    the place about it.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
 
@@ -87,8 +112,14 @@ def push_end_block(
         model = surface_model(surface, slider, field=floor_field(values))
         ends, by, stayed = predicted_push_ends(model, strokes, shift, names, target)
         own_columns = by[..., len(names) : len(names) + len(own)]
-        jacobian = np.concatenate([surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1)
-        return ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes], jacobian, stayed
+        jacobian = np.concatenate(
+            [surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1
+        )
+        return (
+            ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes],
+            jacobian,
+            stayed,
+        )
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
     own = (*(() if target is None else FIELD), *(() if frames_agree else TIP_OFFSET))
@@ -96,8 +127,11 @@ def push_end_block(
     return _stroke_block("push ends", parameters, pushes, misfit, kinds, own)
 
 
-def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place | None = None) -> DataBlock:
-    """Return the block of how far drags turned the object (rad), each ring going straight to where it ended.
+def drag_turn_block(
+    drags: Sequence[MeasuredDrag], slider: Slider, target: Place | None = None
+) -> DataBlock:
+    """Return the block of how far drags turned the object (rad), each ring going straight to where
+    it ended.
 
     target : as of `push_end_block`.
     """
@@ -112,7 +146,9 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
             begin = Pose(drag.start.x - x0, drag.start.y - y0, drag.start.theta)
             x, y = drag.end.to_world(*slider.hitch)
             goal = (x - x0, y - y0)
-            courses.append(model.course(model.drag_strokes((goal,), surface.pin_friction_radius), begin))
+            courses.append(
+                model.course(model.drag_strokes((goal,), surface.pin_friction_radius), begin)
+            )
             way = np.array(goal) - begin.to_world(*slider.hitch)
             places.append(begin.to_world(*slider.outline.centroid) + 0.5 * way)
         ran = run_strokes(courses, len(PARAMETERS), _FAILING)
@@ -121,7 +157,11 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
         by = _by_names(model, names, slopes)
         measured = np.array([drag.end.theta for drag in strokes])
         parts = [surface.chain(by, names, DRAG_UNKNOWNS)]
-        parts += [] if target is None else [_by_field(_by_names(model, FLOOR_NAMES, slopes), np.array(places))]
+        parts += (
+            []
+            if target is None
+            else [_by_field(_by_names(model, FLOOR_NAMES, slopes), np.array(places))]
+        )
         turned = np.where(done, ran.ended[:, 2], [drag.start.theta for drag in strokes])
         return (turned - measured)[:, None], np.concatenate(parts, axis=-1), ~done
 
@@ -131,7 +171,9 @@ def drag_turn_block(drags: Sequence[MeasuredDrag], slider: Slider, target: Place
 
 
 def _by_field(by_floor: Array, places: Array) -> Array:
-    """Derivatives (n, m, 9) by the floor's heights, of those (n, m, 3) by its shape at places (n, 2), m from target."""
+    """Derivatives (n, m, 9) by the floor's heights, of those (n, m, 3) by its shape at places (n,
+    2), m from target.
+    """
     reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
     terms = np.array([reaching.terms_at((x, y)) for x, y in places.tolist()])
     by_heights: Array = np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
@@ -146,9 +188,11 @@ def _stroke_block(
     row_kinds: tuple[str, ...],
     own_parameters: tuple[Parameter, ...] = (),
 ) -> DataBlock:
-    """The block of strokes with a few rows each, of these kinds; strokes of one contact are a group.
+    """The block of strokes with a few rows each, of these kinds; strokes of one contact are a
+    group.
 
-    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k), which were taken to stay (s,).
+    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k), which were
+        taken to stay (s,).
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")
@@ -164,22 +208,33 @@ def _stroke_block(
         return function
 
     groups = np.repeat([stroke.contact for stroke in strokes], rows)
-    motions = np.array([(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes])
+    motions = np.array(
+        [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
+    )
     kinds = np.tile(row_kinds, len(strokes))
     whole = part(np.arange(groups.size))
 
     def stayed(values: Values) -> int:
         return int(np.sum(misfit(strokes, values)[2]))
 
-    return DataBlock(name, parameters, whole, groups, kinds, own_parameters, part, motions, stayed=stayed)
+    return DataBlock(
+        name, parameters, whole, groups, kinds, own_parameters, part, motions, stayed=stayed
+    )
 
 
 def surface_model(
-    surface: SurfaceParameters, slider: Slider, accuracy: float = ACCURACY, field: FloorField | None = None
+    surface: SurfaceParameters,
+    slider: Slider,
+    accuracy: float = ACCURACY,
+    field: FloorField | None = None,
 ) -> QuasiStaticModel:
-    """Return the model of a slider on a surface, of the shapes that the surface says; field : of the floor, kPa."""
+    """Return the model of a slider on a surface, of the shapes that the surface says; field : of
+    the floor, kPa.
+    """
     rod = Pusher(friction=surface.pusher_friction)
-    return QuasiStaticModel(slider, surface.to_friction(), rod, surface.footprint(slider, field), accuracy)
+    return QuasiStaticModel(
+        slider, surface.to_friction(), rod, surface.footprint(slider, field), accuracy
+    )
 
 
 def predicted_push_ends(
@@ -189,11 +244,12 @@ def predicted_push_ends(
     names: tuple[str, ...] = (),
     target: Place | None = None,
 ) -> StrokeRows:
-    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), derivatives, and what stayed (n,).
+    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), derivatives,
+    and what stayed (n,).
 
-    Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights, and by both
-    components of the shift. An object that the rod does not touch stays, and so does one of the few (a twentieth at
-    most) whose push has no answer.
+    Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights,
+    and by both components of the shift. An object that the rod does not touch stays, and so does
+    one of the few (a twentieth at most) whose push has no answer.
     target : m, from which a floor's shape that varies with the place is told.
     """
     origin, heights = np.array(target or (0.0, 0.0)), 0 if target is None else len(FIELD)
@@ -203,20 +259,27 @@ def predicted_push_ends(
     direction, length = np.array([(push.direction, push.length) for push in pushes]).T
     x, y = (np.array([push.tip_start for push in pushes]) + shift - ends[:, :2]).T
     starts = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
-    travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, starts, direction - theta)
+    travel, piece, coordinate = first_touches(
+        model.curve.pieces, model.radius, starts, direction - theta
+    )
     for number in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
         at, pose = pushes[number].tip_start, pushes[number].start
-        raise InvalidInput(f"the rod at {at} m lies deep inside the object at {pose}: check the frames")
+        raise InvalidInput(
+            f"the rod at {at} m lies deep inside the object at {pose}: check the frames"
+        )
     way = length / model.unit - travel
     touched = np.flatnonzero(way > 0.0)
     stayed = np.full(len(pushes), True)
     if not touched.size:
         return ends, by, stayed
-    # A push that goes along with the object is differentiated by where it starts and how far it goes, too.
+    # A push that goes along with the object is differentiated by where it starts and how far it
+    # goes, too.
     still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
     strokes = [
         replace(still, start_piece=int(index), start_coordinate=at, direction=toward, length=far)
-        for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[touched].tolist()
+        for index, at, toward, far in np.column_stack([piece, coordinate, direction - theta, way])[
+            touched
+        ].tolist()
     ]
     both = list(zip(strokes, theta[touched].tolist(), strict=True))
     places = (ends[touched, :2] - origin).tolist()
@@ -234,14 +297,21 @@ def predicted_push_ends(
         ahead = 0.25 * model.unit * way[touched, None]
         along = ahead * np.column_stack([np.cos(direction), np.sin(direction)])[touched]
         middles = [begin.to_world(*model.slider.outline.centroid) for begin in begins]
-        by[touched, :, len(names) : -2] = _by_field(_by_names(model, FLOOR_NAMES, slopes), middles + along)
+        by[touched, :, len(names) : -2] = _by_field(
+            _by_names(model, FLOOR_NAMES, slopes), middles + along
+        )
     starting = np.array([_by_shift(model, *one) for one in both])
-    by[touched, :, -2:] = slopes[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]] @ starting
+    by[touched, :, -2:] = (
+        slopes[..., [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]]
+        @ starting
+    )
     return ends, by, stayed
 
 
 def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
-    """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's path (m), (3, 2)."""
+    """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's
+    path (m), (3, 2).
+    """
     piece, coordinate = model.curve.pieces[strokes.start_piece], strokes.start_coordinate
     contact, speed = piece.contact(coordinate, model.radius)
     c, s = math.cos(contact.normal + theta), math.sin(contact.normal + theta)
@@ -254,21 +324,28 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
 
 
 def _by_names(model: QuasiStaticModel, names: tuple[str, ...], by_engine: Array) -> Array:
-    """Columns (..., k) by `names`, SI units and shapes in kPa, of derivatives by all of the engine's parameters."""
+    """Columns (..., k) by `names`, SI units and shapes in kPa, of derivatives by all of the
+    engine's parameters.
+    """
     called = [_ENGINE_NAMES.get(name, name) for name in names]
-    per_kpa = [1.0 / mean_pressure(model.slider) if name in _ENGINE_NAMES else 1.0 for name in names]
+    per_kpa = [
+        1.0 / mean_pressure(model.slider) if name in _ENGINE_NAMES else 1.0 for name in names
+    ]
     columns = by_engine[..., [PARAMETERS.index(name) for name in called]]
     return np.asarray(columns * derivative_units(model, called) * per_kpa)
 
 
 def interpolation(theta: ArrayLike, count: int) -> Array:
-    """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them at theta (n,), rad.
+    """Return the matrix (n, count) from values at 2 pi k / count to the Fourier series through them
+    at theta (n,), rad.
 
     >>> nodes = 2 * np.pi * np.arange(5) / 5
     >>> bool(np.allclose(interpolation([0.3], 5) @ np.cos(2 * nodes), np.cos(0.6)))
     True
     """
-    off = finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
+    off = (
+        finite_array("theta", theta, ndim=1)[:, np.newaxis] - 2.0 * np.pi * np.arange(count) / count
+    )
     orders = np.arange(1, (count - 1) // 2 + 1, dtype=float)
     return np.asarray((1.0 + 2.0 * np.cos(off[..., np.newaxis] * orders).sum(axis=-1)) / count)
 
@@ -283,11 +360,15 @@ def cycle_pair_block(
 ) -> DataBlock:
     """Return the block of measured turns of whole cycles, rad, set against the cycle map of a loop.
 
-    loop : who is pushed where, and how it is brought back; surface, rod, shapes and ring are the unknowns'.
-    theta, turn (n,) : rad, orientation before a push and how far the cycle turned the object. groups (n,) : labels.
-    share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
-    linearly between the two, its ends having an ellipse and a floor each, the worn one's `worn_...`.
-    nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map must be smooth.
+    loop : who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
+        unknowns'.
+    theta, turn (n,) : rad, orientation before a push and how
+        far the cycle turned the object. groups (n,) : labels.
+    share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data; the turn is
+        then blended linearly between the two, its ends having an ellipse and a floor each, the worn
+        one's `worn_...`.
+    nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map
+        must be smooth.
 
     Raises InvalidInput where shapes differ or nothing is given.
     """
@@ -295,19 +376,30 @@ def cycle_pair_block(
     if angles.size == 0 or measured.shape != angles.shape:
         told = f"{angles.size} orientations and {measured.size} turns"
         raise InvalidInput(f"{told}: give one turn for each, one at least")
-    count, gone, worn = whole_number("nodes", nodes, least=9), np.zeros(angles.size), list[Parameter]()
+    count, gone, worn = (
+        whole_number("nodes", nodes, least=9),
+        np.zeros(angles.size),
+        list[Parameter](),
+    )
     if share is not None:
         gone = finite_array("share of wear", share, ndim=1)
         if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
             raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
         fresh, late = (SURFACE[name] for name in WORN), "at the end of the data"
-        worn = [replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh]
+        worn = [
+            replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh
+        ]
     count += count % 2 - 1
     places = 2.0 * np.pi * np.arange(count) / count
-    between, parameters = interpolation(angles, count), (*CYCLE_UNKNOWNS, *(one.name for one in worn))
+    between, parameters = (
+        interpolation(angles, count),
+        (*CYCLE_UNKNOWNS, *(one.name for one in worn)),
+    )
 
     def at_nodes(values: Values, late: bool) -> Rows:
-        """Turns at the nodes on the fresh or the worn surface, and their derivatives by CYCLE_UNKNOWNS."""
+        """Turns at the nodes on the fresh or the worn surface, and their derivatives by
+        CYCLE_UNKNOWNS.
+        """
         own = {**values, **{name: values[f"worn_{name}"] for name in WORN}} if late else values
         runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(own), loop, places)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
@@ -329,11 +421,16 @@ def cycle_pair_block(
 
     motions = np.column_stack([angles, measured])
     kinds = np.repeat("cycle turn (rad)", angles.size)
-    return DataBlock("cycles", parameters, function, groups, kinds, tuple(worn), motions=motions, curve=curve)
+    return DataBlock(
+        "cycles", parameters, function, groups, kinds, tuple(worn), motions=motions, curve=curve
+    )
 
 
-def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: Array) -> tuple[CycleBatch, Array]:
-    """Run cycles of the loop on an identified surface from theta (n,), rad; with d CYCLE_OUTPUTS / d CYCLE_UNKNOWNS.
+def cycles_by_unknowns(
+    surface: SurfaceParameters, loop: CollectionLoop, theta: Array
+) -> tuple[CycleBatch, Array]:
+    """Run cycles of the loop on an identified surface from theta (n,), rad; with d CYCLE_OUTPUTS /
+    d CYCLE_UNKNOWNS.
 
     The batch has the shape (1, n), the derivatives (n, 6, k).
     """
@@ -346,7 +443,9 @@ def cycles_by_unknowns(surface: SurfaceParameters, loop: CollectionLoop, theta: 
 
 
 def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
-    """Return the loop on an identified surface, with the rod, shapes and ring that were identified along with it."""
+    """Return the loop on an identified surface, with the rod, shapes and ring that were identified
+    along with it.
+    """
     found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
     material = Material("identified", surface.to_friction(), found_with=found)
     changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)

@@ -1,1 +1,3 @@
-"""Identification: the friction that explains measured motions and forces best, and how well the data fix it."""
+"""Identification: the friction that explains measured motions and forces best, and how well the
+data fix it.
+"""

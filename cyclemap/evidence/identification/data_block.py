@@ -1,4 +1,6 @@
-"""Blocks of data, beliefs among them, and the problem of explaining several by one set of parameters."""
+"""Blocks of data, beliefs among them, and the problem of explaining several by one set of
+parameters.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, FLOOR_NAMES, Parameter, ParameterSpace
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_NAMES,
+    FLOOR_NAMES,
+    Parameter,
+    ParameterSpace,
+)
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -25,10 +32,12 @@ PRIOR_KIND = "prior (standard deviations)"
 SESSION_KINDS = ("session dome (kPa)", "session bow (kPa)", "session bow (kPa)")
 # Kinds that are beliefs, not data.
 BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
-# Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have had.
+# Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have
+# had.
 _USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
-# What is usual: how anisotropic floors are, rods and rings of steel on steel, shapes of plates and floors, how well the
-# frames of a robot and a camera agree. Wide enough that data which know better overrule it.
+# What is usual: how anisotropic floors are, rods and rings of steel on steel, shapes of plates and
+# floors, how well the frames of a robot and a camera agree. Wide enough that data which know better
+# overrule it.
 USUAL = MappingProxyType(
     {
         "ellipticity_x": (0.0, 0.2),
@@ -36,7 +45,11 @@ USUAL = MappingProxyType(
         "offset_x": (0.0, 0.15),
         "offset_y": (0.0, 0.15),
         "pusher_friction": (0.15, 0.05),
-        **{f"{worn}floor_{name}": (0.0, 8.0) for worn in ("", "worn_") for name in ("dome", "bow_x", "bow_y")},
+        **{
+            f"{worn}floor_{name}": (0.0, 8.0)
+            for worn in ("", "worn_")
+            for name in ("dome", "bow_x", "bow_y")
+        },
         **dict.fromkeys(FIELD_NAMES, (0.0, 2.0)),
         **{f"plate_{name}": (0.0, 6.0) for name in ("dome", "warp_x", "warp_y")},
         "pin_friction_radius": (1.5e-3, 1e-3),
@@ -52,18 +65,21 @@ Function = Callable[[Values], tuple[Array, Array]]
 class DataBlock:
     """Data of one sort, set against a prediction that depends on named parameters.
 
-    parameters : names of the k unknowns. function : values by name -> residuals (n,), predicted less measured in the
-    data's own units, and derivatives (n, k). Where the model has no answer it raises InvalidInput, ConvergenceError or
-    UnsupportedContact, and the search turns back.
+    parameters : names of the k unknowns. function : values by name -> residuals (n,), predicted
+        less measured in the data's own units, and derivatives (n, k). Where the model has no answer
+        it raises InvalidInput, ConvergenceError or UnsupportedContact, and the search turns back.
     groups (n,) : whole numbers; rows of one label share their errors and are left out together.
-    kinds (n,) : which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name does for all.
+    kinds (n,) : which noise each row has, such as `push turn (rad)`, one size of noise a kind; one
+        name does for all.
     own_parameters : unknowns that belong to these data alone.
-    part : rows (m,) -> the function of these rows alone, where that is quicker than to leave out the others.
-    motions : (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures. curve : of
-    cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
+    part : rows (m,) -> the function of these rows alone, where that is quicker than to leave out
+        the others.
+    motions : (s, 2) rad, orientation before each stroke or cycle
+        and its measured turn, for pictures. curve : of cycles: values, angles (a,), whether at the end of the wear ->
+        predicted turns (a,).
     asked : what `function` calls the parameters, where they have other names.
-    stayed : of strokes: values -> after how many the object is taken to be where it was, since the rod misses it or the
-    motion has no answer.
+    stayed : of strokes: values -> after how many the object is taken to be where it was, since the
+        rod misses it or the motion has no answer.
 
     Raises InvalidInput where shapes do not agree.
 
@@ -89,9 +105,15 @@ class DataBlock:
         if groups.ndim != 1 or (groups.size and not np.issubdtype(groups.dtype, np.integer)):
             raise InvalidInput(f"groups of block {self.name!r} must be whole numbers, one a row")
         groups.setflags(write=False)
-        kinds = np.full(groups.size, self.kinds) if np.ndim(self.kinds) == 0 else np.array(self.kinds, dtype=np.str_)
+        kinds = (
+            np.full(groups.size, self.kinds)
+            if np.ndim(self.kinds) == 0
+            else np.array(self.kinds, dtype=np.str_)
+        )
         if kinds.shape != groups.shape:
-            raise InvalidInput(f"kinds of block {self.name!r} must be one name, or one a row: shape {kinds.shape}")
+            raise InvalidInput(
+                f"kinds of block {self.name!r} must be one name, or one a row: shape {kinds.shape}"
+            )
         names = tuple(self.parameters)
         set_fields(self, parameters=names, asked=self.asked or names, groups=groups, kinds=kinds)
 
@@ -100,20 +122,29 @@ class DataBlock:
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return predicted minus measured values (n,) and their derivatives (n, k), columns in order of `parameters`.
+        """Return predicted minus measured values (n,) and their derivatives (n, k), columns in
+        order of `parameters`.
 
-        `values` holds at least this block's parameters by name. Raises ConvergenceError for what is not finite.
+        `values` holds at least this block's parameters by name. Raises ConvergenceError for what is
+        not finite.
         """
         residual, jacobian = self.function(self.own_values(values))
-        if residual.shape != self.groups.shape or jacobian.shape != (residual.size, len(self.parameters)):
+        if residual.shape != self.groups.shape or jacobian.shape != (
+            residual.size,
+            len(self.parameters),
+        ):
             shapes = f"residuals {residual.shape} and derivatives {jacobian.shape}"
             raise InvalidInput(f"block {self.name!r} of {self.groups.size} rows gave {shapes}")
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
-            raise ConvergenceError(f"block {self.name!r} has residuals or derivatives that are not finite")
+            raise ConvergenceError(
+                f"block {self.name!r} has residuals or derivatives that are not finite"
+            )
         return residual, jacobian
 
     def subset(self, keep: ArrayLike) -> DataBlock:
-        """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions are left out."""
+        """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
+        are left out.
+        """
         rows, whole, part = np.flatnonzero(keep), self.function, self.part
 
         def some(values: Values) -> tuple[Array, Array]:
@@ -131,16 +162,25 @@ class DataBlock:
         )
 
     def of_owner(self, owner: str, owned: Sequence[Parameter]) -> DataBlock:
-        """Return the block of one plate or session of several: `plate_dome`, if `owned`, is then `plate_dome[hex]`."""
+        """Return the block of one plate or session of several: `plate_dome`, if `owned`, is then
+        `plate_dome[hex]`.
+        """
         named = {
-            one.name: replace(one, name=f"{one.name}[{owner}]", description=f"{one.description}; {owner}")
+            one.name: replace(
+                one, name=f"{one.name}[{owner}]", description=f"{one.description}; {owner}"
+            )
             for one in owned
             if one.name in self.parameters
         }
         return replace(
             self,
-            parameters=tuple(named[name].name if name in named else name for name in self.parameters),
-            own_parameters=(*named.values(), *(one for one in self.own_parameters if one.name not in named)),
+            parameters=tuple(
+                named[name].name if name in named else name for name in self.parameters
+            ),
+            own_parameters=(
+                *named.values(),
+                *(one for one in self.own_parameters if one.name not in named),
+            ),
         )
 
 
@@ -154,12 +194,13 @@ def set_fields(frozen: object, **values: object) -> None:
 class JointProblem:
     """The blocks, the free parameters, and the values of all others that the blocks ask for.
 
-    Rows of all n blocks follow each other: block_index (n,) which block each is of, groups (n,) 0 ... count - 1, kinds
-    (n,) its noise, kind_names sorted, kind_index (n,) among them. A group is known by its block and label, so that
-    equal labels of two blocks are two groups; kinds of noise are known by name alone, so that blocks may share one.
+    Rows of all n blocks follow each other: block_index (n,) which block each is of, groups (n,)
+    0 ... count - 1, kinds (n,) its noise, kind_names sorted, kind_index (n,) among them. A group is
+    known by its block and label, so that equal labels of two blocks are two groups; kinds of noise
+    are known by name alone, so that blocks may share one.
 
-    Raises InvalidInput where a block asks for a parameter that is neither free nor given, where a free one is asked for
-    by no block, or where two blocks have one name.
+    Raises InvalidInput where a block asks for a parameter that is neither free nor given, where a
+    free one is asked for by no block, or where two blocks have one name.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -172,17 +213,28 @@ class JointProblem:
     kind_index: Labels = field(init=False)
 
     def __post_init__(self) -> None:
-        fixed = {name: finite_number(name, value) for name, value in self.fixed.items() if name not in self.space.names}
+        fixed = {
+            name: finite_number(name, value)
+            for name, value in self.fixed.items()
+            if name not in self.space.names
+        }
         names = [block.name for block in self.blocks]
         if not names or len(set(names)) < len(names):
-            raise InvalidInput(f"blocks must have names of their own, and there must be one at least, not {names}")
+            raise InvalidInput(
+                f"blocks must have names of their own, and there must be one at least, not {names}"
+            )
         asked = {name for block in self.blocks for name in block.parameters}
         idle = [name for name in self.space.names if name not in asked]
         if idle:
-            raise InvalidInput(f"no block of data depends on {', '.join(idle)}: take it out of the free parameters")
+            raise InvalidInput(
+                f"no block of data depends on {', '.join(idle)}: take it out of the free parameters"
+            )
         missing = sorted(asked - set(self.space.names) - set(fixed))
         if missing:
-            raise InvalidInput(f"the data depend on {', '.join(missing)}: let it be free, or give its value in `fixed`")
+            raise InvalidInput(
+                f"the data depend on {', '.join(missing)}: let it be free, or give its value in "
+                "`fixed`"
+            )
         index = np.repeat(np.arange(len(self.blocks)), [len(block.groups) for block in self.blocks])
         labels = np.stack([index, np.concatenate([block.groups for block in self.blocks])])
         groups = np.unique(labels, axis=1, return_inverse=True)[1].reshape(-1)
@@ -196,7 +248,9 @@ class JointProblem:
         return {**self.fixed, **self.space.values(vector)}
 
     def evaluate(self, vector: Array) -> tuple[Array, Array]:
-        """Return residuals (n,) and their derivatives by the free parameters (n, k). Raises whatever a block raises."""
+        """Return residuals (n,) and their derivatives by the free parameters (n, k). Raises
+        whatever a block raises.
+        """
         values = self.values(vector)
         residuals, jacobians = [], []
         for block in self.blocks:
@@ -226,10 +280,12 @@ class JointProblem:
 
 
 def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
-    """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block of data.
+    """Return beliefs (value, standard deviation) about parameters by name, in SI units, as a block
+    of data.
 
-    A row is the parameter's distance from the believed value in standard deviations; its noise is known to be 1: give
-    `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no belief or a deviation that is not positive.
+    A row is the parameter's distance from the believed value in standard deviations; its noise is
+    known to be 1: give `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no
+    belief or a deviation that is not positive.
 
     >>> prior_block({"pusher_friction": (0.15, 0.03)}).residuals({"pusher_friction": 0.18})[0].round(9).tolist()
     [1.0]
@@ -238,19 +294,24 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
         raise InvalidInput("a block of priors needs a belief about one parameter at least")
     names = tuple(beliefs)
     centre = np.array([finite_number(f"believed {key}", beliefs[key][0]) for key in names])
-    width = np.array([positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names])
+    width = np.array(
+        [positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names]
+    )
 
     def function(values: Values) -> tuple[Array, Array]:
         return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
 
-    return DataBlock("priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names)))
+    return DataBlock(
+        "priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names))
+    )
 
 
 def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock:
     """Return how the floor's shape in each session may differ from its mean, as a block of data.
 
-    Rows are differences (kPa), whose noise is the spread between sessions: `identify` estimates it along (restricted
-    maximum likelihood), as if two sessions more had differed by 2 kPa. odd : sessions that do not count to the mean.
+    Rows are differences (kPa), whose noise is the spread between sessions: `identify` estimates it
+    along (restricted maximum likelihood), as if two sessions more had differed by 2 kPa. odd :
+    sessions that do not count to the mean.
 
     >>> block = session_block(["a", "b"])
     >>> values = {name: 3.0 * name.endswith("dome[b]") for name in block.parameters}
@@ -262,7 +323,12 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
     size = np.where(counted, 1.0, USUAL["floor_dome"][1])
     mean = np.tile(np.eye(len(FLOOR_NAMES)), (len(sessions), 1)) * counted[:, None]
     believed = _BELIEVED_SESSIONS * len(FLOOR_NAMES)
-    jacobian = np.vstack([np.hstack([np.eye(len(names)), -mean]) / size[:, None], np.zeros((believed, len(names) + 3))])
+    jacobian = np.vstack(
+        [
+            np.hstack([np.eye(len(names)), -mean]) / size[:, None],
+            np.zeros((believed, len(names) + 3)),
+        ]
+    )
     kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
     usual = np.concatenate([np.zeros(len(names)), np.full(believed, _USUAL_SPREAD)])
     groups = np.arange(usual.size) // len(FLOOR_NAMES)
@@ -276,7 +342,8 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
 
 
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Return what is usual (value, standard deviation) of those parameters of which it is known, of any plate.
+    """Return what is usual (value, standard deviation) of those parameters of which it is known, of
+    any plate.
 
     What a floor was like in one of several sessions is told by its mean (`session_block`).
 
@@ -285,11 +352,16 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
     """
     plain = {name: name.partition("[")[0] for name in names}
     of_sessions = [name for name in names if plain[name] in FLOOR_NAMES and plain[name] != name]
-    return {name: USUAL[plain[name]] for name in names if plain[name] in USUAL and name not in of_sessions}
+    return {
+        name: USUAL[plain[name]]
+        for name in names
+        if plain[name] in USUAL and name not in of_sessions
+    }
 
 
 def part_of(progress: Progress | None, number: float, count: float) -> Progress:
-    """Return the function to which part `number` of `count` (from 0) reports the fraction of it that is done.
+    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
+    that is done.
 
     >>> part_of(print, 1, 4)(0.5)
     0.375

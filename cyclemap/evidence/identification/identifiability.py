@@ -1,4 +1,6 @@
-"""What the data fix and how well: covariance honest about grouped errors, and directions that the data leave open."""
+"""What the data fix and how well: covariance honest about grouped errors, and directions that the
+data leave open.
+"""
 
 from __future__ import annotations
 
@@ -24,9 +26,10 @@ _NAMED = 0.3
 class Uncertainty:
     """Errors of a fit to first order.
 
-    standard_error (k,) : inf for a parameter that the data do not fix. covariance (k, k), correlation (k, k) : without
-    what is open. freedom (k,) : degrees of freedom for Student's t. open : which parameters, or combinations of them,
-    the data do not fix, in words.
+    standard_error (k,) : inf for a parameter that the data do not fix. covariance (k,
+        k), correlation (k, k) : without
+    what is open. freedom (k,) : degrees of freedom for Student's t. open : which parameters, or
+        combinations of them, the data do not fix, in words.
     """
 
     standard_error: Array
@@ -39,8 +42,9 @@ class Uncertainty:
 def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) -> Uncertainty:
     """Return the uncertainty of a fit from its derivatives, good to first order.
 
-    Rows of single groups, or of noise that was given: the inverse information. Where rows share groups otherwise: the
-    sandwich of Liang & Zeger. To both comes what estimating the weights of the kinds from the same data costs.
+    Rows of single groups, or of noise that was given: the inverse information. Where rows share
+    groups otherwise: the sandwich of Liang & Zeger. To both comes what estimating the weights of
+    the kinds from the same data costs.
     """
     law, scale, kinds = law or NoiseLaw(), problem.space.scale, problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale
@@ -58,7 +62,9 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
         # A belief counts by its deviation, which is known, not by how far off it happened to be.
         belief = np.isin(problem.kinds, BELIEF_KINDS)
         errors = (law.weight(scaled**2) * scaled / law.information)[~belief]
-        told, freedom = _grouped_variance(jacobian[~belief], errors, inverse, problem.groups[~belief])
+        told, freedom = _grouped_variance(
+            jacobian[~belief], errors, inverse, problem.groups[~belief]
+        )
         believed = jacobian[belief] @ inverse
         covariance = told + by_weights + believed.T @ believed
         # What is known has no end of freedom (Satterthwaite 1946).
@@ -69,18 +75,26 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     return Uncertainty(
         read_only(np.where(blind, np.inf, error * scale)),
         read_only(covariance * np.outer(scale, scale)),
-        read_only(np.where(outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error)))),
+        read_only(
+            np.where(
+                outer > 0.0, covariance / np.where(outer > 0.0, outer, 1.0), np.eye(len(error))
+            )
+        ),
         read_only(freedom),
         _open_directions(problem, law.information * values, vectors, seen),
     )
 
 
-def _kind_variance(jacobian: Array, inverse: Array, kinds: Labels, known: Mask) -> tuple[Array, Array]:
-    """Covariance (k, k) that comes on top because the weights of the kinds are estimated, and each one's freedom (k,).
+def _kind_variance(
+    jacobian: Array, inverse: Array, kinds: Labels, known: Mask
+) -> tuple[Array, Array]:
+    """Covariance (k, k) that comes on top because the weights of the kinds are estimated, and each
+    one's freedom (k,).
 
-    To first order the sum over kinds of 2 / redundancy times inverse (A - A inverse A) inverse, A the kind's part of
-    jacobian^T jacobian (Kackar & Harville 1984); the inverse information itself is too small by as much again (Kenward
-    & Roger 1997). Freedom: (sum c)^2 / sum(c^2 / redundancy), c what a kind adds to the variance (Satterthwaite 1946).
+    To first order the sum over kinds of 2 / redundancy times inverse (A - A inverse A) inverse, A
+    the kind's part of jacobian^T jacobian (Kackar & Harville 1984); the inverse information itself
+    is too small by as much again (Kenward & Roger 1997). Freedom: (sum c)^2 / sum(c^2 /
+    redundancy), c what a kind adds to the variance (Satterthwaite 1946).
     """
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     redundancy = np.where(known, np.inf, np.maximum(np.bincount(kinds, 1.0 - leverage), 0.1))
@@ -90,14 +104,20 @@ def _kind_variance(jacobian: Array, inverse: Array, kinds: Labels, known: Mask) 
         square = part.T @ part
         total += 2.0 / rest * (square - part.T @ jacobian[kinds == kind] @ square)
         share[kind] = np.diag(square)
-    return total, _degrees(np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy[:, None], axis=0))
+    return total, _degrees(
+        np.sum(share, axis=0) ** 2, np.sum(share**2 / redundancy[:, None], axis=0)
+    )
 
 
-def _grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: Labels) -> tuple[Array, Array]:
-    """Covariance (k, k) that allows for any dependence within groups, and its degrees of freedom (k,).
+def _grouped_variance(
+    jacobian: Array, errors: Array, inverse: Array, groups: Labels
+) -> tuple[Array, Array]:
+    """Covariance (k, k) that allows for any dependence within groups, and its degrees of freedom
+    (k,).
 
-    The sandwich of Liang & Zeger (1986), each group's errors first freed of their own pull on the fit; the freedom is
-    Satterthwaite's for independent rows (Bell & McCaffrey 2002, CR2). Few or unequal groups have little freedom.
+    The sandwich of Liang & Zeger (1986), each group's errors first freed of their own pull on the
+    fit; the freedom is Satterthwaite's for independent rows (Bell & McCaffrey 2002, CR2). Few or
+    unequal groups have little freedom.
     """
     order = np.argsort(groups, kind="stable")
     meat, own, pull = [], [], []
@@ -111,8 +131,8 @@ def _grouped_variance(jacobian: Array, errors: Array, inverse: Array, groups: La
         own.append(np.sum((freed @ inverse) ** 2, axis=0))
         pull.append(part.T @ freed @ inverse)
     scores, each, pulled = np.array(meat) @ inverse, np.array(own), np.array(pull)
-    # Trace squared over squared norm of the quadratic form that estimates the variance of parameter p: its matrix is
-    # diag(each_p) - U inverse U^T, U = pulled[:, :, p].
+    # Trace squared over squared norm of the quadratic form that estimates the variance of parameter
+    # p: its matrix is diag(each_p) - U inverse U^T, U = pulled[:, :, p].
     fed = np.einsum("ij,gjp->gip", inverse, pulled)
     square = np.einsum("gip,gjp->pij", fed, pulled)
     trace = np.sum(each, axis=0) - np.einsum("pii->p", square)
@@ -126,17 +146,27 @@ def _degrees(above: Array, below: Array) -> Array:
     return np.clip(above / np.maximum(below, 1e-300), 1.0, _NORMAL)
 
 
-def _open_directions(problem: JointProblem, values: Array, vectors: Array, seen: Array) -> tuple[str, ...]:
-    """Of each direction that the data leave open the parameters that take part, the greatest part first."""
+def _open_directions(
+    problem: JointProblem, values: Array, vectors: Array, seen: Array
+) -> tuple[str, ...]:
+    """Of each direction that the data leave open the parameters that take part, the greatest part
+    first.
+    """
     told = []
     for value, vector, visible in zip(values, vectors.T, seen, strict=True):
         if visible and value >= OPEN**-2:
             continue
         part = np.abs(vector)
-        order = [index for index in np.argsort(-part).tolist() if part[index] >= _NAMED * np.max(part)]
+        order = [
+            index for index in np.argsort(-part).tolist() if part[index] >= _NAMED * np.max(part)
+        ]
         *names, last = (problem.space.names[index] for index in order)
         signed = vector * np.sign(vector[order[0]]) * problem.space.scale
-        moves = ", ".join(f"{name} {signed[k]:+.3g}" for name, k in zip((*names, last), order, strict=True))
-        together = f"{', '.join(names)} and {last} trade off: the data hardly tell a change of {moves}"
+        moves = ", ".join(
+            f"{name} {signed[k]:+.3g}" for name, k in zip((*names, last), order, strict=True)
+        )
+        together = (
+            f"{', '.join(names)} and {last} trade off: the data hardly tell a change of {moves}"
+        )
         told.append(together if names else f"{last} is not fixed by the data")
     return tuple(told)

@@ -1,4 +1,6 @@
-"""Identify parameters from blocks of data: starts, intervals, cross-validation, and all that qualifies them."""
+"""Identify parameters from blocks of data: starts, intervals, cross-validation, and all that
+qualifies them.
+"""
 
 from __future__ import annotations
 
@@ -54,10 +56,11 @@ Beliefs = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class KindErrors:
-    """Sizes of the errors of one kind in one block, in its own unit: in the sample, of rows left out, and of isotropic
-    friction, plate and floor flat, all else usual; nan where there are none.
+    """Sizes of the errors of one kind in one block, in its own unit: in the sample, of rows left
+    out, and of isotropic friction, plate and floor flat, all else usual; nan where there are none.
 
-    rows : how many errors; of a place or a force one each, the length of the vector by which it is off.
+    rows : how many errors; of a place or a force one each, the length of the vector by which it is
+        off.
     """
 
     block: str
@@ -74,7 +77,8 @@ class KindErrors:
 
 
 def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
-    """Return the fold of each row (n,): the groups of each block dealt at random, in equal numbers; -1 for beliefs.
+    """Return the fold of each row (n,): the groups of each block dealt at random, in equal numbers;
+    -1 for beliefs.
 
     Raises InvalidInput for fewer than two folds or more folds than groups.
     """
@@ -84,26 +88,35 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
         raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
     rng, dealt, fold = np.random.default_rng(seed), 0, np.full(int(np.max(problem.groups)) + 1, -1)
     for block in range(len(problem.blocks)):
-        members = rng.permutation(np.unique(problem.groups[(problem.block_index == block) & ~stays]))
+        members = rng.permutation(
+            np.unique(problem.groups[(problem.block_index == block) & ~stays])
+        )
         fold[members] = (dealt + np.arange(len(members))) % folds
         dealt += len(members)
     return fold[problem.groups]
 
 
 def cross_validate(
-    problem: JointProblem, fit: Fit, fold: Labels, law: NoiseLaw | None = None, progress: Progress | None = None
+    problem: JointProblem,
+    fit: Fit,
+    fold: Labels,
+    law: NoiseLaw | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Array, list[str]]:
-    """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of the fit to all.
+    """Fit without each fold (n,), from the fit to all, and predict it; kinds keep the weights of
+    the fit to all.
 
-    Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or its fold had no
-    answer, and why folds had none. `progress` is called with the fraction done.
+    Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or
+    its fold had no answer, and why folds had none. `progress` is called with the fraction done.
     """
     count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
     residuals, failures = np.full(len(fold), np.nan), []
     for one in range(count):
         try:
             part = problem.subset(fold != one, whole)
-            noise = np.array([fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names])
+            noise = np.array(
+                [fit.noise[problem.kind_names.index(kind)] for kind in part.kind_names]
+            )
             found = Search(part, law).minimise(part.space.vector(whole), noise, _CLOSE)
             values = part.values(found.vector)
             left_out = problem.subset(fold == one, values)
@@ -118,7 +131,9 @@ def cross_validate(
 def kind_errors(
     problem: JointProblem, fit: Fit, left_out: Array | None = None, isotropic: Array | None = None
 ) -> tuple[KindErrors, ...]:
-    """Return the sizes of the errors of every kind in every block; also of rows left out, and of flat isotropy."""
+    """Return the sizes of the errors of every kind in every block; also of rows left out, and of
+    flat isotropy.
+    """
     nothing, found = np.full(len(fit.residuals), np.nan), []
     told = [nothing if one is None else one for one in (fit.residuals, left_out, isotropic)]
     for number, block in enumerate(problem.blocks):
@@ -129,9 +144,15 @@ def kind_errors(
             sizes = []
             for errors in (residuals[rows] for residuals in told):
                 # Of components the lengths of their vectors count.
-                size = np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+                size = (
+                    np.hypot(errors[::2], errors[1::2]) if kind in PLANE_KINDS else np.abs(errors)
+                )
                 known = size[np.isfinite(size)]
-                moments = (np.mean(known), np.median(known), np.sqrt(np.mean(known**2))) if known.size else [np.nan] * 3
+                moments = (
+                    (np.mean(known), np.median(known), np.sqrt(np.mean(known**2)))
+                    if known.size
+                    else [np.nan] * 3
+                )
                 sizes += [float(moment) for moment in moments]
             found.append(KindErrors(block.name, kind, size.size, *sizes[:8]))
     return tuple(found)
@@ -141,9 +162,12 @@ def kind_errors(
 class Estimate:
     """One parameter.
 
-    value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first order, inf where the
-    data do not fix it. identifiable : whether the data exclude any value between the bounds. at_bound : `lower`,
-    `upper`, or empty. lower_open, upper_open : the end is a bound, not a finding.
+    value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first
+        order, inf where the
+    data do not fix it. identifiable : whether the data
+        exclude any value between the bounds. at_bound : `lower`, `upper`, or empty. lower_open,
+        upper_open : the end is a bound, not a
+        finding.
     """
 
     name: str
@@ -163,8 +187,10 @@ class Estimate:
 class Identification:
     """Parameters identified from data.
 
-    priors : what was believed (value, standard deviation). errors : by block and kind. fit : the minimum of the best
-    start. uncertainty : to first order. notes : all that qualifies the result, in words. problem : what was solved.
+    priors : what was believed (value, standard deviation). errors : by block and kind. fit : the
+        minimum of the best
+    start. uncertainty : to first order. notes : all that qualifies the result, in words. problem :
+        what was solved.
     """
 
     estimates: tuple[Estimate, ...]
@@ -181,7 +207,9 @@ class Identification:
         for estimate in self.estimates:
             if estimate.name == name:
                 return estimate
-        raise unknown_name("identified parameter", name, [estimate.name for estimate in self.estimates])
+        raise unknown_name(
+            "identified parameter", name, [estimate.name for estimate in self.estimates]
+        )
 
     @property
     def values(self) -> dict[str, float]:
@@ -190,23 +218,31 @@ class Identification:
 
     @property
     def plates(self) -> dict[str, SurfaceShape]:
-        """Shapes by plate, kPa at 50 mm; of one plate alone, which no name tells apart, under the empty name."""
+        """Shapes by plate, kPa at 50 mm; of one plate alone, which no name tells apart, under the
+        empty name.
+        """
         return owned_shapes(self.values, PLATE_NAMES)
 
     @property
     def floors(self) -> dict[str, SurfaceShape]:
-        """Shapes of the floor, kPa at 50 mm, by session; under the empty name the only one, or the mean of all."""
+        """Shapes of the floor, kPa at 50 mm, by session; under the empty name the only one, or the
+        mean of all.
+        """
         return owned_shapes(self.values, FLOOR_NAMES)
 
     @property
     def session_spread(self) -> tuple[float, float, float]:
-        """Standard deviations of dome and both components of the bow between sessions, kPa; 0 of one session alone."""
+        """Standard deviations of dome and both components of the bow between sessions, kPa; 0 of
+        one session alone.
+        """
         noise = dict(zip(self.problem.kind_names, self.fit.noise.tolist(), strict=True))
         dome, along, across = (noise.get(kind, 0.0) for kind in SESSION_KINDS)
         return dome, along, across
 
     def friction(self) -> EllipseFriction:
-        """Return the identified friction ellipse; what the data were not asked about has its nominal value."""
+        """Return the identified friction ellipse; what the data were not asked about has its
+        nominal value.
+        """
         return SurfaceParameters.from_values(self.values).to_friction()
 
 
@@ -227,22 +263,27 @@ def identify(
 ) -> Identification:
     """Identify the `free` parameters from blocks of data by maximum likelihood.
 
-    Blocks share friction and rod; what belongs to a plate or a data set is an unknown of its own there
-    (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is explained at once.
+    Blocks share friction and rod; what belongs to a plate or a data set is an unknown of its own
+    there (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is
+    explained at once.
 
     Parameters
     ----------
     blocks : the data; the `own_parameters` of a block are added to `space`.
-    free : names to be identified. fixed : values of others; what is not given has its nominal value, and a note.
-    priors : beliefs (value, standard deviation) about free parameters, in SI units; see `usual_beliefs`.
+    free : names to be identified. fixed : values of others; what is not given has its nominal
+        value, and a note.
+    priors : beliefs (value, standard deviation) about free parameters, in SI units; see
+        `usual_beliefs`.
     starts : searches, the first from the natural start, the rest spread about it (seeded).
-    level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one group may be alike.
+    level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one
+        group may be alike.
     folds : 0, or a number of random folds of every block's groups.
     noise : sizes of kinds of noise that are known; all others are estimated.
     student : degrees of freedom of Student noise, for data with outliers; None: normal.
     progress : called with the fraction done.
 
-    Raises InvalidInput for names or numbers that do not fit, ConvergenceError if no start has an answer.
+    Raises InvalidInput for names or numbers that do not fit, ConvergenceError if no start has an
+    answer.
 
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
@@ -263,51 +304,79 @@ def identify(
     fold = None if folds == 0 else random_folds(problem, folds, seed)
     report = progress or (lambda fraction: None)
     # The searches are the first three fifths of the work, cross-validation the rest.
-    found = multi_start(problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done))
+    found = multi_start(
+        problem, spread_starts(problem, starts, seed), law, known, lambda done: report(0.6 * done)
+    )
     fit = found.best
     errors = uncertainty(problem, fit, law)
     left_out, failures = None, list[str]()
     if fold is not None:
-        left_out, failures = cross_validate(problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done))
+        left_out, failures = cross_validate(
+            problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done)
+        )
     report(1.0)
     estimates = _estimates(problem, fit, errors, level)
     notes += [*_notes(found, errors, estimates, believed), *failures]
     for block in blocks:
-        stayed = 0 if block.stayed is None else block.stayed(block.own_values(problem.values(fit.vector)))
+        stayed = (
+            0
+            if block.stayed is None
+            else block.stayed(block.own_values(problem.values(fit.vector)))
+        )
         if stayed:
             reason = "the rod misses it, or the motion has no answer"
             strokes = len(block.groups) if block.motions is None else len(block.motions)
-            notes.append(f"{block.name}: {stayed} of {strokes} are taken to leave the object where it was: {reason}")
+            notes.append(
+                f"{block.name}: {stayed} of {strokes} are taken to leave the object where it "
+                f"was: {reason}"
+            )
     # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
     plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
-    usual = {name: 0.0 if name.startswith(plain) else value for name, value in problem.space.nominal.items()}
+    usual = {
+        name: 0.0 if name.startswith(plain) else value
+        for name, value in problem.space.nominal.items()
+    }
     held = {name: 0.0 if name.startswith(plain) else value for name, value in problem.fixed.items()}
     isotropic = None
     with suppress(*NO_ANSWER):
         isotropic = replace(problem, fixed=held).evaluate(problem.space.vector(usual))[0]
     table = kind_errors(problem, fit, left_out, isotropic)
-    return Identification(estimates, level, believed, table, found, fit, errors, tuple(notes), problem)
+    return Identification(
+        estimates, level, believed, table, found, fit, errors, tuple(notes), problem
+    )
 
 
 def _problem(
-    blocks: Sequence[DataBlock], free: tuple[str, ...], fixed: Mapping[str, float], space: ParameterSpace
+    blocks: Sequence[DataBlock],
+    free: tuple[str, ...],
+    fixed: Mapping[str, float],
+    space: ParameterSpace,
 ) -> tuple[JointProblem, list[str]]:
     """The problem, and a note for every value that was not given."""
     for block in blocks:
         space = space.extended(*block.own_parameters)
     both = sorted(set(free) & set(fixed))
     if both or not free:
-        raise InvalidInput(f"name what is free, and give no value for it: free {list(free)}, also fixed {both}")
+        raise InvalidInput(
+            f"name what is free, and give no value for it: free {list(free)}, also fixed {both}"
+        )
     space.select(tuple(fixed))
     rest = {name for block in blocks for name in block.parameters}.difference(free, fixed)
     nominal = {name: value for name, value in space.nominal.items() if name in rest}
-    notes = [f"{name} was neither free nor given: taken as {value:.4g}" for name, value in nominal.items()]
+    notes = [
+        f"{name} was neither free nor given: taken as {value:.4g}"
+        for name, value in nominal.items()
+    ]
     return JointProblem(tuple(blocks), space.select(free), {**nominal, **fixed}), notes
 
 
-def _estimates(problem: JointProblem, fit: Fit, errors: Uncertainty, level: float) -> tuple[Estimate, ...]:
+def _estimates(
+    problem: JointProblem, fit: Fit, errors: Uncertainty, level: float
+) -> tuple[Estimate, ...]:
     """Every free parameter with its interval, cut at its bounds."""
-    told = zip(problem.space.parameters, fit.vector, errors.standard_error, errors.freedom, strict=True)
+    told = zip(
+        problem.space.parameters, fit.vector, errors.standard_error, errors.freedom, strict=True
+    )
     found = []
     for one, value, error, freedom in told:
         half = student_quantile(level, float(freedom)) * error if np.isfinite(error) else np.inf
@@ -330,7 +399,9 @@ def _estimates(problem: JointProblem, fit: Fit, errors: Uncertainty, level: floa
     return tuple(found)
 
 
-def _notes(found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs) -> list[str]:
+def _notes(
+    found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs
+) -> list[str]:
     """All that qualifies the result, in words."""
     fit, notes, failed = found.best, [*errors.open], len(found.failures)
     if not fit.converged:
@@ -346,7 +417,9 @@ def _notes(found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ..
     untold = [one.name for one in told if one.standard_error > _TOLD * believed[one.name][1]]
     if untold:
         notes.append(f"the data hardly tell {', '.join(untold)}: what is believed of it counts")
-    few = [one.name for one, freedom in zip(estimates, errors.freedom, strict=True) if freedom < _FEW]
+    few = [
+        one.name for one, freedom in zip(estimates, errors.freedom, strict=True) if freedom < _FEW
+    ]
     if few:
         notes.append(f"few independent groups: the intervals of {', '.join(few)} are rough")
     return notes

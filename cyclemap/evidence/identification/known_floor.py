@@ -1,4 +1,6 @@
-"""What is known before an identification: of a floor from its material, of plates from their shapes."""
+"""What is known before an identification: of a floor from its material, of plates from their
+shapes.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +29,16 @@ _FOUND = ("pusher_friction", "pin_friction_radius")
 _SURE, _SURE_SHAPE = {"pusher_friction": 0.02, "pin_friction_radius": 5e-4}, 0.5
 
 
-def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "rect1") -> dict[str, tuple[float, float]]:
-    """Return what a material tells of unknowns: mean and deviation of its samples, SI units and kPa.
+def known_beliefs(
+    floor: Material | None, names: Sequence[str], plate: str = "rect1"
+) -> dict[str, tuple[float, float]]:
+    """Return what a material tells of unknowns: mean and deviation of its samples, SI units and
+    kPa.
 
-    plate : the object that names without one are of. Samples are of new sessions: of the floor's mean the spread
-    between sessions is taken off again, down to what the number of its sessions leaves. Without samples shapes are
-    taken as known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm, the friction ellipse as it stands.
+    plate : the object that names without one are of. Samples are of new sessions: of the floor's
+        mean the spread between sessions is taken off again, down to what the number of its sessions
+        leaves. Without samples shapes are taken as known to .5 kPa, the rod's friction to .02, the
+        ring's lever to .5 mm, the friction ellipse as it stands.
     """
     if floor is None:
         return {}
@@ -45,10 +51,16 @@ def known_beliefs(floor: Material | None, names: Sequence[str], plate: str = "re
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
         best = float(np.mean(samples)) if samples else stated
-        width = float(np.std(samples)) if samples else _SURE.get(plain, 0.0 if plain in ELLIPSE else _SURE_SHAPE)
+        width = (
+            float(np.std(samples))
+            if samples
+            else _SURE.get(plain, 0.0 if plain in ELLIPSE else _SURE_SHAPE)
+        )
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
-            least = max(spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE)
+            least = max(
+                spread / np.sqrt(max(len(floor.sessions), 1)), 0.0 if samples else _SURE_SHAPE
+            )
             width = float(np.sqrt(max(width**2 - spread**2, least**2)))
         if width > 0.0:
             believed[name] = (best, width)
@@ -68,16 +80,25 @@ def _told(material: Material, name: str, plate: str) -> float | None:
 
 
 def known_spread(floor: Material | None, blocks: Sequence[DataBlock]) -> dict[str, float]:
-    """Return how much sessions of a known floor differ, kPa, by kind of noise, where blocks tell of sessions."""
+    """Return how much sessions of a known floor differ, kPa, by kind of noise, where blocks tell of
+    sessions.
+    """
     if floor is None or not any({*block.kinds} & {*SESSION_KINDS} for block in blocks):
         return {}
     dome, along, across = floor.session_spread
-    sizes = {SESSION_KINDS[0]: dome, SESSION_KINDS[1]: float(np.hypot(along, across) / np.sqrt(2.0))}
+    sizes = {
+        SESSION_KINDS[0]: dome,
+        SESSION_KINDS[1]: float(np.hypot(along, across) / np.sqrt(2.0)),
+    }
     return {kind: max(size, _LEAST_SPREAD) for kind, size in sizes.items()}
 
 
-def known_shapes(plates: Sequence[PlatePressure], blocks: Sequence[DataBlock], plate: str) -> dict[str, float]:
-    """Return what known shapes of plates tell of the unknowns of blocks, kPa; of those without a name, of `plate`."""
+def known_shapes(
+    plates: Sequence[PlatePressure], blocks: Sequence[DataBlock], plate: str
+) -> dict[str, float]:
+    """Return what known shapes of plates tell of the unknowns of blocks, kPa; of those without a
+    name, of `plate`.
+    """
     asked = {name for block in blocks for name in block.parameters}
     values: dict[str, float] = {}
     for one in plates:
@@ -88,13 +109,24 @@ def known_shapes(plates: Sequence[PlatePressure], blocks: Sequence[DataBlock], p
 
 
 def held_values(
-    blocks: Sequence[DataBlock], space: ParameterSpace, free: Sequence[str], floor: Material | None = None
+    blocks: Sequence[DataBlock],
+    space: ParameterSpace,
+    free: Sequence[str],
+    floor: Material | None = None,
 ) -> dict[str, float]:
-    """Return the values of what is held: the friction ellipse, as the space has it, and how a floor's shape varies."""
+    """Return the values of what is held: the friction ellipse, as the space has it, and how a
+    floor's shape varies.
+    """
     asked = {name for block in blocks for name in block.parameters} - {*free}
-    values = {name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]}
+    values = {
+        name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]
+    }
     heights = np.zeros(len(FIELD_NAMES))
     if floor is not None and floor.field is not None:
         factors = field_factors().reshape(-1, len(FIELD_NAMES))
         heights = np.linalg.lstsq(factors, np.ravel(floor.field.coefficients), rcond=None)[0]
-    return values | {name: height for name, height in zip(FIELD_NAMES, heights.tolist(), strict=True) if name in asked}
+    return values | {
+        name: height
+        for name, height in zip(FIELD_NAMES, heights.tolist(), strict=True)
+        if name in asked
+    }

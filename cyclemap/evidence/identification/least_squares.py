@@ -1,4 +1,6 @@
-"""Weighted least squares over joint blocks: the noise of each kind estimated along, from several starts."""
+"""Weighted least squares over joint blocks: the noise of each kind estimated along, from several
+starts.
+"""
 
 from __future__ import annotations
 
@@ -11,19 +13,26 @@ from numpy.typing import NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
-from cyclemap.evidence.identification.data_block import BELIEF_KINDS, JointProblem, Progress, part_of
+from cyclemap.evidence.identification.data_block import (
+    BELIEF_KINDS,
+    JointProblem,
+    Progress,
+    part_of,
+)
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
 # A kind with fewer rows left over, once the parameters took their share, does not tell its noise.
 _LEAST_REDUNDANCY = 0.5
-# The noise of given residuals stands still at a change below this share, which takes a dozen rounds.
+# The noise of given residuals stands still at a change below this share, which takes a dozen
+# rounds.
 _WEIGHTINGS, _SETTLED = 100, 1e-4
 # What the mechanics raise at parameters for which they have no answer.
 NO_ANSWER = (ConvergenceError, UnsupportedContact, InvalidInput)
-# The noise counts as found when no kind changes by more than this share: parameters then move by less than a twentieth
-# of their standard errors. While it still changes more, fits need not be close; later they may be off by a twentieth of
-# what the deviance changes by at a standard error, a share of the rows.
+# The noise counts as found when no kind changes by more than this share: parameters then move by
+# less than a twentieth of their standard errors. While it still changes more, fits need not be
+# close; later they may be off by a twentieth of what the deviance changes by at a standard error, a
+# share of the rows.
 _NOISE_TOLERANCE, _ROUGH = 5e-3, 0.05
 # What few sessions tell of how they differ counts less by this factor.
 _LOOSE = 0.1
@@ -37,10 +46,12 @@ _ON_BOUND = 1e-3
 
 @dataclass(frozen=True)
 class NoiseLaw:
-    """Distribution of the standardised residuals: normal, or Student's with `freedom` degrees of freedom.
+    """Distribution of the standardised residuals: normal, or Student's with `freedom` degrees of
+    freedom.
 
-    With z the squared standardised residual, rho(z) = z, or (freedom + 1) log(1 + z / freedom), which lets outliers
-    count for little (Lange, Little & Taylor 1989). Raises InvalidInput for a freedom of one or less.
+    With z the squared standardised residual, rho(z) = z, or (freedom + 1) log(1 + z / freedom),
+    which lets outliers count for little (Lange, Little & Taylor 1989). Raises InvalidInput for a
+    freedom of one or less.
 
     >>> NoiseLaw(4.0).weight(np.array([0.0, 96.0])).tolist()
     [1.25, 0.05]
@@ -49,8 +60,13 @@ class NoiseLaw:
     freedom: float | None = None
 
     def __post_init__(self) -> None:
-        if self.freedom is not None and finite_number("degrees of freedom of the noise", self.freedom) <= 1.0:
-            raise InvalidInput(f"degrees of freedom of the noise must exceed one, not {self.freedom!r}")
+        if (
+            self.freedom is not None
+            and finite_number("degrees of freedom of the noise", self.freedom) <= 1.0
+        ):
+            raise InvalidInput(
+                f"degrees of freedom of the noise must exceed one, not {self.freedom!r}"
+            )
 
     def loss(self, z: Array) -> Array:
         """Return rho, rho' and rho'' at squared standardised residuals (n,): (3, n)."""
@@ -61,7 +77,9 @@ class NoiseLaw:
 
     def weight(self, z: Array) -> Array:
         """Return how much each row counts, rho'(z)."""
-        return np.ones_like(z) if self.freedom is None else (self.freedom + 1.0) / (self.freedom + z)
+        return (
+            np.ones_like(z) if self.freedom is None else (self.freedom + 1.0) / (self.freedom + z)
+        )
 
     @property
     def information(self) -> float:
@@ -73,9 +91,12 @@ class NoiseLaw:
 class Fit:
     """A minimum.
 
-    vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of it was given.
-    deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals (n,),
-    jacobian (n, k) : there, in the data's units. on_bounds : names of parameters on a bound. converged : minimum and
+    vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of
+        it was given.
+    deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals
+        (n,),
+    jacobian (n, k) : there, in the data's units. on_bounds :
+        names of parameters on a bound. converged : minimum and
     noise both found to tolerance. message : why the search ended.
     """
 
@@ -92,7 +113,9 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """The best of several starts. arrived : how many ended there. failures : why those without any answer had none."""
+    """The best of several starts. arrived : how many ended there. failures : why those without any
+    answer had none.
+    """
 
     best: Fit
     count: int
@@ -101,19 +124,26 @@ class MultiStart:
 
 
 class Search:
-    """Searches in a problem under one noise law, with the noise of some kinds known (by name), the others' estimated.
+    """Searches in a problem under one noise law, with the noise of some kinds known (by name), the
+    others' estimated.
 
-    Residuals and derivatives of the points asked for last are kept. Raises InvalidInput for noise of an unknown kind.
+    Residuals and derivatives of the points asked for last are kept. Raises InvalidInput for noise
+    of an unknown kind.
     """
 
-    def __init__(self, problem: JointProblem, law: NoiseLaw | None, known: Mapping[str, float] | None = None) -> None:
+    def __init__(
+        self, problem: JointProblem, law: NoiseLaw | None, known: Mapping[str, float] | None = None
+    ) -> None:
         for kind, size in (known or {}).items():
             if kind not in problem.kind_names:
                 raise unknown_name("kind of noise", kind, problem.kind_names)
             positive_number(f"noise of {kind!r}", size)
         self.problem, self.law = problem, law or NoiseLaw()
-        # What is given of the noise (kinds,), nan elsewhere, and its least size, told by the first start.
-        self.held = np.array([(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float)
+        # What is given of the noise (kinds,), nan elsewhere, and its least size, told by the first
+        # start.
+        self.held = np.array(
+            [(known or {}).get(kind, np.nan) for kind in problem.kind_names], dtype=float
+        )
         self.floor: Array | None = None
         self.count, self.progress = 0, part_of(None, 0, 1)
         self._known: dict[bytes, tuple[Array, Array]] = {}
@@ -121,12 +151,16 @@ class Search:
     def solve(self, start: Array, progress: Progress) -> Fit:
         """Fit parameters (k,) and the noise of each kind in turn, until both stand still.
 
-        `progress` is called with the fraction of the search that is done, as far as that can be told. Raises what the
-        model raises at the start, and ConvergenceError where a kind's noise cannot be told.
+        `progress` is called with the fraction of the search that is done, as far as that can be
+        told. Raises what the model raises at the start, and ConvergenceError where a kind's noise
+        cannot be told.
         """
         self.count, self.progress = 0, progress
         vector, index, held = self.inside(start), self.problem.kind_index, self.held
-        squares, rows = np.bincount(index, self.at(vector)[0] ** 2, held.size), np.bincount(index, minlength=held.size)
+        squares, rows = (
+            np.bincount(index, self.at(vector)[0] ** 2, held.size),
+            np.bincount(index, minlength=held.size),
+        )
         first = np.sqrt(squares / rows)
         if self.floor is None:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
@@ -142,7 +176,11 @@ class Search:
             if change < _ROUGH:
                 tolerance = close
         converged = fit.converged and change < _NOISE_TOLERANCE
-        message = fit.message if converged or not fit.converged else f"the noise did not settle in {_ROUNDS} rounds"
+        message = (
+            fit.message
+            if converged or not fit.converged
+            else f"the noise did not settle in {_ROUNDS} rounds"
+        )
         return self.fit(vector, noise, converged, message)
 
     def at(self, vector: Array) -> tuple[Array, Array]:
@@ -162,10 +200,11 @@ class Search:
         return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
 
     def minimise(self, start: Array, noise: Array, tolerance: float) -> Fit:
-        """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within the bounds.
+        """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within
+        the bounds.
 
-        Raises what the model raises at the start itself. Points without an answer on the way shorten the step
-        (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
+        Raises what the model raises at the start itself. Points without an answer on the way
+        shorten the step (Branch, Coleman & Li 1999, as in `scipy.optimize.least_squares`).
         """
         from scipy.optimize import least_squares
 
@@ -196,7 +235,11 @@ class Search:
 
     def fit(self, vector: Array, noise: Array, converged: bool, message: str) -> Fit:
         """Return what there is to tell of a minimum at this noise (kinds,)."""
-        space, size, (residuals, jacobian) = self.problem.space, noise[self.problem.kind_index], self.at(vector)
+        space, size, (residuals, jacobian) = (
+            self.problem.space,
+            noise[self.problem.kind_index],
+            self.at(vector),
+        )
         gap = np.minimum(vector - space.lower, space.upper - vector) / space.scale
         return Fit(
             read_only(vector),
@@ -211,26 +254,36 @@ class Search:
         )
 
     def estimated_noise(self, fit: Fit, floor: Array) -> Array:
-        """Return the next estimate (kinds,) of the noise, above `floor`: the residuals' squares over their redundancy.
+        """Return the next estimate (kinds,) of the noise, above `floor`: the residuals' squares
+        over their redundancy.
 
-        The redundancy of a kind is its number of rows less their share in fixing the parameters, the trace of the hat
-        matrix; repeated with a fit in between, this leads to restricted maximum likelihood (Foerstner 1979). Rows count
-        as the noise found makes them count. Raises ConvergenceError where the parameters follow all rows of a kind, so
-        that its noise cannot be told.
+        The redundancy of a kind is its number of rows less their share in fixing the parameters,
+        the trace of the hat matrix; repeated with a fit in between, this leads to restricted
+        maximum likelihood (Foerstner 1979). Rows count as the noise found makes them count. Raises
+        ConvergenceError where the parameters follow all rows of a kind, so that its noise cannot be
+        told.
         """
-        index, names, noise, held = self.problem.kind_index, self.problem.kind_names, fit.noise, self.held
+        index, names, noise, held = (
+            self.problem.kind_index,
+            self.problem.kind_names,
+            fit.noise,
+            self.held,
+        )
         weight = self.law.weight((fit.residuals / noise[index]) ** 2)
         weighed = fit.jacobian / noise[index, None] * np.sqrt(weight)[:, None]
         length = np.linalg.norm(weighed, axis=0)
-        left, values, _ = np.linalg.svd(weighed[:, length > 0.0] / length[length > 0.0], full_matrices=False)
+        left, values, _ = np.linalg.svd(
+            weighed[:, length > 0.0] / length[length > 0.0], full_matrices=False
+        )
         leverage = np.sum(left[:, values > 1e-10 * np.max(values, initial=0.0)] ** 2, axis=1)
         redundancy = np.bincount(index, 1.0 - leverage, len(names))
         for kind in np.flatnonzero((redundancy < _LEAST_REDUNDANCY) & np.isnan(held)).tolist():
             raise ConvergenceError(
-                f"the parameters can follow all rows of {names[kind]!r} (redundancy {redundancy[kind]:.2g}): "
-                "give its noise, or more data"
+                f"the parameters can follow all rows of {names[kind]!r} (redundancy "
+                f"{redundancy[kind]:.2g}): give its noise, or more data"
             )
-        # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told anew after the fit.
+        # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told
+        # anew after the fit.
         for _ in range(_WEIGHTINGS):
             square = np.bincount(index, weight * fit.residuals**2, len(names))
             found = np.maximum(np.sqrt(square / np.maximum(redundancy, _LEAST_REDUNDANCY)), floor)
@@ -242,7 +295,9 @@ class Search:
 
 
 def spread_starts(problem: JointProblem, count: int, seed: int) -> Array:
-    """Return starts (count, k): the natural one, then Sobol points within two scales of it and within the bounds."""
+    """Return starts (count, k): the natural one, then Sobol points within two scales of it and
+    within the bounds.
+    """
     from scipy.stats import qmc
 
     space, size = problem.space, whole_number("number of starts", count, least=1)
@@ -262,10 +317,12 @@ def multi_start(
     known: Mapping[str, float] | None = None,
     progress: Progress | None = None,
 ) -> MultiStart:
-    """Fit from every start (count, k) and keep the best; a start without an answer is recorded and passed over.
+    """Fit from every start (count, k) and keep the best; a start without an answer is recorded and
+    passed over.
 
-    known : noise of some kinds by name, taken as given. `progress` is called with the fraction done. Raises
-    InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
+    known : noise of some kinds by name, taken as given. `progress` is called with the fraction
+        done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an
+        answer.
     """
     search, fits, failures = Search(problem, law, known), [], []
     for number, start in enumerate(starts):
@@ -276,10 +333,14 @@ def multi_start(
             failures.append(f"{type(cause).__name__}: {cause}")
         part(1.0)
     if not fits:
-        raise ConvergenceError(f"none of {len(starts)} starts has an answer; the first: {failures[0]}")
+        raise ConvergenceError(
+            f"none of {len(starts)} starts has an answer; the first: {failures[0]}"
+        )
     best = min(fits, key=lambda fit: fit.deviance)
     # A start arrived if its deviance is as low, or its parameters are the same in their scales.
-    apart = [np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits]
+    apart = [
+        np.max(np.abs(fit.vector - best.vector) / problem.space.scale, initial=0.0) for fit in fits
+    ]
     higher = [abs(fit.deviance - best.deviance) for fit in fits]
     arrived = sum(d < _SAME_PLACE or h < _SAME_DEVIANCE for d, h in zip(apart, higher, strict=True))
     return MultiStart(best, len(starts), int(arrived), tuple(failures))

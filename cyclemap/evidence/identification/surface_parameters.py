@@ -1,9 +1,11 @@
-"""The unknowns of a surface under a pushed object, chosen so that nothing special happens where friction is isotropic.
+"""The unknowns of a surface under a pushed object, chosen so that nothing special happens where
+friction is isotropic.
 
-The limit ellipse is fixed by its mean radius sqrt(mu_a mu_b), by the vector log(mu_a/mu_b) (cos 2 phi, sin 2 phi),
-and by its centre in the world's axes over the mean radius. All are smooth functions of the ellipse, a circle included,
-where the angle phi has no meaning. Quasi-static motion does not depend on the mean radius, only forces do. Shapes of
-floor and plate are told likewise by dome, bow cos 2 axis and bow sin 2 axis, in kPa at 50 mm (`SurfaceShape`).
+The limit ellipse is fixed by its mean radius sqrt(mu_a mu_b), by the vector log(mu_a/mu_b) (cos 2
+phi, sin 2 phi), and by its centre in the world's axes over the mean radius. All are smooth
+functions of the ellipse, a circle included, where the angle phi has no meaning. Quasi-static motion
+does not depend on the mean radius, only forces do. Shapes of floor and plate are told likewise by
+dome, bow cos 2 axis and bow sin 2 axis, in kPa at 50 mm (`SurfaceShape`).
 """
 
 from __future__ import annotations
@@ -34,15 +36,16 @@ from cyclemap.mechanics.plate_footprint import mean_pressure, pressed_footprint
 FRICTION_NAMES = ("mu_a", "mu_b", "m0", "n0", "phi")
 FLOOR_NAMES = ("floor_dome", "floor_bow_x", "floor_bow_y")
 PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
-# How a floor's shape varies with the place: factors of X^m Y^n of one height, from the reset's target on, in 50 mm.
+# How a floor's shape varies with the place: factors of X^m Y^n of one height, from the reset's
+# target on, in 50 mm.
 HEIGHT_POWERS = ((3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (3, 1), (2, 2), (1, 3), (0, 4))
 FIELD_NAMES = tuple(f"floor_h{m}{n}" for m, n in HEIGHT_POWERS)
 # Beyond this from the target (m) pushes are too few to tell it: the shape stays what it is there.
 FIELD_REACH = 0.025
 # Beyond this, kPa at 50 mm, a foundation of steel plates is as good as rigid.
 _RIGID = 60.0
-# An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined, and no motion or
-# force changes by more than a millionth.
+# An ellipse rounder than this (log of the axis ratio) counts as this round: phi then stays defined,
+# and no motion or force changes by more than a millionth.
 ROUNDEST = 1e-6
 
 
@@ -51,7 +54,8 @@ class Parameter:
     """One unknown.
 
     description : in plain words, for reports. unit : SI; 1 for a pure number.
-    lower, upper : bounds; infinite where there is none. start : where a search begins, strictly between the bounds.
+    lower, upper : bounds; infinite where there is none. start : where a search begins, strictly
+        between the bounds.
     scale : a change that matters; starts are drawn within two scales of `start`.
     nominal : the value taken where the parameter is neither free nor given; `start` if left out.
 
@@ -72,7 +76,8 @@ class Parameter:
         positive_number(f"scale of {self.name}", self.scale)
         if not self.lower < start < self.upper:
             raise InvalidInput(
-                f"start of {self.name} is {start}: it must lie strictly between its bounds {self.lower}, {self.upper}"
+                f"start of {self.name} is {start}: it must lie strictly between its bounds "
+                f"{self.lower}, {self.upper}"
             )
         if self.nominal is None:
             object.__setattr__(self, "nominal", start)
@@ -83,7 +88,8 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class ParameterSpace:
-    """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,) each.
+    """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,)
+    each.
 
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
@@ -102,7 +108,9 @@ class ParameterSpace:
         if len(set(self.names)) < len(self.names):
             raise InvalidInput(f"a parameter is named twice: {self.names}")
         for key in ("lower", "upper", "start", "scale"):
-            object.__setattr__(self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float))
+            object.__setattr__(
+                self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float)
+            )
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -119,20 +127,28 @@ class ParameterSpace:
         return {parameter.name: float(parameter.nominal or 0.0) for parameter in self.parameters}
 
     def select(self, names: tuple[str, ...]) -> ParameterSpace:
-        """Return the space of some of the parameters, in the order of `names`. Raises InvalidInput for unknown ones."""
+        """Return the space of some of the parameters, in the order of `names`. Raises InvalidInput
+        for unknown ones.
+        """
         return ParameterSpace(tuple(self[name] for name in names))
 
     def extended(self, *parameters: Parameter) -> ParameterSpace:
-        """Return the space with further parameters; one of a name that is already there takes its place."""
+        """Return the space with further parameters; one of a name that is already there takes its
+        place.
+        """
         new = {parameter.name: parameter for parameter in parameters}
         kept = [new.pop(parameter.name, parameter) for parameter in self.parameters]
         return ParameterSpace((*kept, *new.values()))
 
     def vector(self, values: Mapping[str, float]) -> Array:
-        """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not finite."""
+        """Return the values (k,) in this order. Raises InvalidInput for one that is missing or not
+        finite.
+        """
         missing = [name for name in self.names if name not in values]
         if missing:
-            raise InvalidInput(f"no value for {', '.join(missing)}: give one for each of {', '.join(self.names)}")
+            raise InvalidInput(
+                f"no value for {', '.join(missing)}: give one for each of {', '.join(self.names)}"
+            )
         return np.array([finite_number(name, values[name]) for name in self.names], dtype=float)
 
     def values(self, vector: Array) -> dict[str, float]:
@@ -150,29 +166,81 @@ def _shape(name: str, description: str) -> Parameter:
 
 SURFACE = ParameterSpace(
     (
-        Parameter("friction_scale", "log of the mean friction coefficient", "1", -5.0, 1.5, math.log(0.25), 0.5),
-        Parameter("ellipticity_x", "log axis ratio of the friction ellipse, part along x", "1", -1.5, 1.5, 0.0, 0.2),
-        Parameter("ellipticity_y", "log axis ratio of the friction ellipse, part at 45 deg", "1", -1.5, 1.5, 0.0, 0.2),
-        Parameter("offset_x", f"{_OFFSET} along x, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
-        Parameter("offset_y", f"{_OFFSET} along y, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1),
+        Parameter(
+            "friction_scale",
+            "log of the mean friction coefficient",
+            "1",
+            -5.0,
+            1.5,
+            math.log(0.25),
+            0.5,
+        ),
+        Parameter(
+            "ellipticity_x",
+            "log axis ratio of the friction ellipse, part along x",
+            "1",
+            -1.5,
+            1.5,
+            0.0,
+            0.2,
+        ),
+        Parameter(
+            "ellipticity_y",
+            "log axis ratio of the friction ellipse, part at 45 deg",
+            "1",
+            -1.5,
+            1.5,
+            0.0,
+            0.2,
+        ),
+        Parameter(
+            "offset_x", f"{_OFFSET} along x, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1
+        ),
+        Parameter(
+            "offset_y", f"{_OFFSET} along y, over its mean radius", "1", -0.95, 0.95, 0.0, 0.1
+        ),
         _shape("floor_dome", f"how the floor bends alike in all directions, {_AT}"),
         _shape("floor_bow_x", f"how much higher the floor is along x than along y, {_AT}"),
         _shape("floor_bow_y", f"the same at 45 deg, {_AT}"),
         Parameter(
-            "pusher_friction", "friction coefficient of rod and object", "1", 0.0, 1.5, 0.2, 0.08, Pusher().friction
+            "pusher_friction",
+            "friction coefficient of rod and object",
+            "1",
+            0.0,
+            1.5,
+            0.2,
+            0.08,
+            Pusher().friction,
         ),
         _shape("plate_dome", f"how the plate's underside bends alike in all directions, {_AT}"),
-        _shape("plate_warp_x", f"how much lower the plate reaches along its x than along its y, {_AT}"),
+        _shape(
+            "plate_warp_x", f"how much lower the plate reaches along its x than along its y, {_AT}"
+        ),
         _shape("plate_warp_y", f"the same at 45 deg, {_AT}"),
         Parameter(
-            "pin_friction_radius", "lever of the ring's friction torque over its force", "m", 0.0, 0.03, 2e-3, 1e-3, 0.0
+            "pin_friction_radius",
+            "lever of the ring's friction torque over its force",
+            "m",
+            0.0,
+            0.03,
+            2e-3,
+            1e-3,
+            0.0,
         ),
     )
 )
 
 
 FIELD = tuple(
-    Parameter(name, f"height of the floor that goes with X^{m} Y^{n}, {_AT}", "kPa", -_RIGID, _RIGID, 0.0, 2.0)
+    Parameter(
+        name,
+        f"height of the floor that goes with X^{m} Y^{n}, {_AT}",
+        "kPa",
+        -_RIGID,
+        _RIGID,
+        0.0,
+        2.0,
+    )
     for name, (m, n) in zip(FIELD_NAMES, HEIGHT_POWERS, strict=True)
 )
 
@@ -180,8 +248,8 @@ FIELD = tuple(
 def field_factors() -> Array:
     """Return what each height adds to the coefficients of a `FloorField`, (3, 5, 9).
 
-    A plate feels the curvature of the height h under its centroid: dome (h_xx + h_yy) / 4, bow (h_xx - h_yy) / 4 and
-    h_xy / 2.
+    A plate feels the curvature of the height h under its centroid: dome (h_xx + h_yy) / 4, bow
+    (h_xx - h_yy) / 4 and h_xy / 2.
     """
     terms = {(1, 0): 0, (0, 1): 1, (2, 0): 2, (1, 1): 3, (0, 2): 4}
     factors = np.zeros((3, 5, len(HEIGHT_POWERS)))
@@ -196,7 +264,9 @@ def field_factors() -> Array:
 
 
 def floor_field(values: Mapping[str, float]) -> FloorField | None:
-    """Return how values by name let a floor's shape vary with the place, kPa; None where they do not."""
+    """Return how values by name let a floor's shape vary with the place, kPa; None where they do
+    not.
+    """
     heights = np.array([values.get(name, 0.0) for name in FIELD_NAMES])
     if not heights.any():
         return None
@@ -207,9 +277,12 @@ def floor_field(values: Mapping[str, float]) -> FloorField | None:
 class SurfaceParameters:
     """Values of the unknowns of a surface, rod and ring; `SURFACE` describes each.
 
-    friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
-    offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction : coefficient of rod on object.
-    floor_... : of the floor's shape, world frame, plate_... : of the plate's, its own frame; kPa at 50 mm.
+    friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi,
+        sin 2 phi).
+    offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction :
+        coefficient of rod on object.
+    floor_... : of the floor's shape, world frame, plate_... : of the plate's, its own frame; kPa at
+        50 mm.
     pin_friction_radius : m.
 
     Raises InvalidInput for a value that is not finite or beyond its bounds.
@@ -238,20 +311,30 @@ class SurfaceParameters:
             value, bounds = finite_number(name, getattr(self, name)), SURFACE[name]
             object.__setattr__(self, name, value)
             if not bounds.lower <= value <= bounds.upper:
-                raise InvalidInput(f"{name} is {value}: it must lie between {bounds.lower} and {bounds.upper}")
+                raise InvalidInput(
+                    f"{name} is {value}: it must lie between {bounds.lower} and {bounds.upper}"
+                )
 
     @classmethod
     def from_values(cls, values: Mapping[str, float]) -> SurfaceParameters:
-        """Return the surface of values by name; other names are left alone, missing ones take their nominal value."""
-        return cls(**{field.name: values[field.name] for field in fields(cls) if field.name in values})
+        """Return the surface of values by name; other names are left alone, missing ones take their
+        nominal value.
+        """
+        return cls(
+            **{field.name: values[field.name] for field in fields(cls) if field.name in values}
+        )
 
     @classmethod
     def from_friction(cls, friction: EllipseFriction, **others: float) -> SurfaceParameters:
-        """Return the surface of a friction ellipse, with `others` (pusher_friction, ...) as given."""
+        """Return the surface of a friction ellipse, with `others` (pusher_friction,
+        ...) as given."""
         for name in others:
             if name not in SURFACE.names[5:]:
                 raise unknown_name("parameter besides friction", name, SURFACE.names[5:])
-        mean, ratio = math.sqrt(friction.mu_a * friction.mu_b), math.log(friction.mu_a / friction.mu_b)
+        mean, ratio = (
+            math.sqrt(friction.mu_a * friction.mu_b),
+            math.log(friction.mu_a / friction.mu_b),
+        )
         c, k = math.cos(friction.phi), math.sin(friction.phi)
         return cls(
             math.log(mean),
@@ -269,34 +352,46 @@ class SurfaceParameters:
     def to_friction(self) -> EllipseFriction:
         """Return the friction ellipse, mu_a >= mu_b, phi within (-pi/2, pi/2].
 
-        Raises InvalidInput where the offset leaves the ellipse, so that some direction of sliding would gain energy.
+        Raises InvalidInput where the offset leaves the ellipse, so that some direction of sliding
+        would gain energy.
         """
         ratio, phi, mean = *self._ellipse(), math.exp(self.friction_scale)
         c, k = math.cos(phi), math.sin(phi)
         m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
-        return EllipseFriction(mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi)
+        return EllipseFriction(
+            mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
+        )
 
     def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
-        """Return how an object rests on the surface, in its own mean pressures; field : of the floor, kPa."""
-        floor, plate = (owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES))
+        """Return how an object rests on the surface, in its own mean pressures; field : of the
+        floor, kPa.
+        """
+        floor, plate = (
+            owned_shapes(self.values(), names)[""] for names in (FLOOR_NAMES, PLATE_NAMES)
+        )
         return pressed_footprint(slider, plate, floor, field, 1.0 / mean_pressure(slider))
 
-    def chain(self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names) -> Array:
-        """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) -> (..., k).
+    def chain(
+        self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names
+    ) -> Array:
+        """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) ->
+        (..., k).
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, or others of SURFACE, which pass through. `parameters`
-        (k) are wanted. Parameters that no column tells of have derivative zero.
-        Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
-        Raises InvalidInput for an unknown name.
+        `names` (j) are those of the columns: of FRICTION_NAMES, or others of SURFACE, which pass
+        through. `parameters` (k) are wanted. Parameters that no column tells of have derivative
+        zero. Of a circle's phi, which has no meaning, the derivatives cancel with errors below
+        1e-6. Raises InvalidInput for an unknown name.
         """
         columns = np.asarray(jacobian, dtype=float)
         if columns.shape[-1:] != (len(names),):
             raise InvalidInput(
-                f"the jacobian has shape {columns.shape}: its last axis must match the {len(names)} names"
+                f"the jacobian has shape {columns.shape}: its last axis must match the "
+                f"{len(names)} names"
             )
         ratio, phi = self._ellipse()
         law, mean = self.to_friction(), math.exp(self.friction_scale)
-        # The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no bound at a circle.
+        # The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no
+        # bound at a circle.
         double = np.array((math.cos(2 * phi), math.sin(2 * phi)))
         across = np.array((-math.sin(2 * phi), math.cos(2 * phi)))
         c, k = math.cos(phi), math.sin(phi)
@@ -306,7 +401,9 @@ class SurfaceParameters:
         friction[4, 1:3] = across / (2.0 * ratio)
         friction[2, 1:3], friction[3, 1:3] = law.n0 * friction[4, 1:3], -law.m0 * friction[4, 1:3]
         friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
-        table = dict(zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True))
+        table = dict(
+            zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True)
+        )
         for name in names:
             if name not in table:
                 raise unknown_name("parameter of the mechanics", name, table)
@@ -323,7 +420,8 @@ class SurfaceParameters:
 
 
 def owned_shapes(values: Mapping[str, float], names: tuple[str, ...]) -> dict[str, SurfaceShape]:
-    """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner, under the empty.
+    """Return the shapes, kPa at 50 mm, that three names tell, by their owner; of what has no owner,
+    under the empty.
 
     >>> owned_shapes({"plate_warp_x[hex]": 2.0, "offset_x": 0.1}, PLATE_NAMES)
     {'hex': SurfaceShape(dome=0.0, bow=2.0, axis=0.0)}
@@ -332,15 +430,17 @@ def owned_shapes(values: Mapping[str, float], names: tuple[str, ...]) -> dict[st
     owners = sorted({rest.rstrip("]") for plain, _, rest in known if plain in names})
     tails = {owner: f"[{owner}]" if owner else "" for owner in owners}
     return {
-        owner: SurfaceShape.of_bend(*(values.get(name + tail, 0.0) for name in names)) for owner, tail in tails.items()
+        owner: SurfaceShape.of_bend(*(values.get(name + tail, 0.0) for name in names))
+        for owner, tail in tails.items()
     }
 
 
 def starting_space(loop: CollectionLoop, start: Material | None = None) -> ParameterSpace:
     """Return the unknowns of a surface, what is neither free nor given having the loop's value.
 
-    start : a material from which every search begins; its friction, and what was found with it, then also stand for
-    what is not free. Raises InvalidInput for a footprint of points, which no block of data takes.
+    start : a material from which every search begins; its friction, and what was found with it,
+        then also stand for what is not free. Raises InvalidInput for a footprint of points, which
+        no block of data takes.
 
     >>> space = starting_space(CollectionLoop.mit("isotropic"))
     >>> space["pusher_friction"].nominal, space["floor_dome"].nominal
@@ -349,11 +449,16 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     if isinstance(loop.footprint, PointFootprint):
         raise InvalidInput("identification takes the exact footprint: leave footprint=grid out")
     if isinstance(loop.footprint, PatchFootprint) and loop.footprint.even_share != 1.0:
-        raise InvalidInput("identification tells shapes of floor and plate, not shares of the load: leave these out")
+        raise InvalidInput(
+            "identification tells shapes of floor and plate, not shares of the load: leave "
+            "these out"
+        )
     if start is not None:
         loop = loop.with_material(start)
     pressed, unit = loop.footprint, mean_pressure(loop.slider)
-    floor, plate = (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
+    floor, plate = (
+        (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
+    )
     values = SurfaceParameters.from_friction(
         loop.material.friction,
         pusher_friction=loop.pusher.friction,
@@ -361,10 +466,14 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         **dict(zip(FLOOR_NAMES, (unit * floor.bend).tolist(), strict=True)),
         **dict(zip(PLATE_NAMES, (unit * plate.bend).tolist(), strict=True)),
     ).values()
-    space = ParameterSpace(tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters))
+    space = ParameterSpace(
+        tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters)
+    )
     if start is None:
         return space
     # A search begins at the value, or a little inside the bound that it lies on.
     margin = 0.01 * (space.upper - space.lower)
     inside = np.clip(space.vector(values), space.lower + margin, space.upper - margin).tolist()
-    return ParameterSpace(tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True)))
+    return ParameterSpace(
+        tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True))
+    )

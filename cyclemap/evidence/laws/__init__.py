@@ -1,1 +1,3 @@
-"""Periodic laws and cycle maps fitted to measured values, with their order, scatter, wear and bands."""
+"""Periodic laws and cycle maps fitted to measured values, with their order, scatter, wear and
+bands.
+"""

@@ -1,4 +1,6 @@
-"""The cycle map fitted to measured pairs, how it wears (coefficients polynomial in the cycle), and its staircase."""
+"""The cycle map fitted to measured pairs, how it wears (coefficients polynomial in the cycle), and
+its staircase.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +41,8 @@ from cyclemap.maps import (
 )
 
 MAX_WEAR_DEGREE, HARMONICS = 4, 6
-# A law of so many harmonics may do anything in a wider gap (rad); it wants so many pairs more than coefficients.
+# A law of so many harmonics may do anything in a wider gap (rad); it wants so many pairs more than
+# coefficients.
 _WIDEST_GAP, _FEWEST_FREE = math.radians(60.0), 6
 # Radians: no angle is measured better than this.
 _LEAST_SCATTER = 1e-9
@@ -50,12 +53,17 @@ _JUMP_SPREADS = 6.0  # or within so many of the usual changes from one angle to 
 
 @dataclass(frozen=True, eq=False)
 class WornLaw:
-    """A periodic law that wears: its coefficients are Σ_j P_j(s) coefficients[j], s the cycle scaled to [-1, 1].
+    """A periodic law that wears: its coefficients are Σ_j P_j(s) coefficients[j], s the cycle
+    scaled to [-1, 1].
 
-    coefficients : (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in ``PeriodicLaw``.
-    first, last : the cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
-    whole : the law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does not wear.
-    covariance : (degree + 1, 2K + 1, degree + 1, 2K + 1). rmse_by_order : (degrees, orders), as in ``PeriodicLaw``.
+    coefficients : (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in
+        ``PeriodicLaw``.
+    first, last : the cycles s = -1 and s = 1; outside them the law stays as it is at the nearer
+        one.
+    whole : the law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does
+        not wear.
+    covariance : (degree + 1, 2K + 1, degree + 1, 2K + 1). rmse_by_order : (degrees, orders), as in
+        ``PeriodicLaw``.
     """
 
     coefficients: Array
@@ -78,11 +86,16 @@ class WornLaw:
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
         polynomials = _polynomials(cycle, self.first, self.last, self.degree)
-        return np.asarray(series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel())
+        return np.asarray(
+            series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel()
+        )
 
     def at(self, cycle: float) -> PeriodicLaw:
-        """The law of one cycle (any real number), with the covariance of that cycle's coefficients."""
-        now = _polynomials(np.array([finite_number("cycle", cycle)]), self.first, self.last, self.degree)[0]
+        """The law of one cycle (any real number),
+        with the covariance of that cycle's coefficients."""
+        now = _polynomials(
+            np.array([finite_number("cycle", cycle)]), self.first, self.last, self.degree
+        )[0]
         covariance = np.einsum("i,iajb,j->ab", now, self.covariance, now)
         return replace(self.whole, coefficients=now @ self.coefficients, covariance=covariance)
 
@@ -98,11 +111,14 @@ def fit_worn_law(
     noise_harmonics: int | None = 0,
     seed: int = 0,
 ) -> WornLaw:
-    """Fit a Fourier series in θ whose coefficients are polynomials of the cycle number, in least squares.
+    """Fit a Fourier series in θ whose coefficients are polynomials of the cycle number, in least
+    squares.
 
-    theta, value, cycle : (n,), radians, any unit, and numbers of the cycles; the rows in order of recording.
-    harmonics, degree : the two orders; what is None is chosen, both together, as in ``fit_periodic_law``: by blocks of
-        successive cycles left out, the fewest coefficients within one standard error of the best.
+    theta, value, cycle : (n,), radians, any unit, and numbers of the cycles; the rows in order of
+        recording.
+    harmonics, degree : the two orders; what is None is chosen, both together, as in
+        ``fit_periodic_law``: by blocks of successive cycles left out, the fewest coefficients
+        within one standard error of the best.
     noise_harmonics, seed : as in ``fit_periodic_law``.
 
     Raises InvalidInput as there, and where all cycles are the same.
@@ -115,7 +131,9 @@ def fit_worn_law(
     angles, values = paired_arrays("value", theta, value)
     cycles = finite_array("cycle", cycle, ndim=1)
     if cycles.size != values.size:
-        raise InvalidInput(f"cycle has {cycles.size} entries for {values.size} pairs; give one a pair")
+        raise InvalidInput(
+            f"cycle has {cycles.size} entries for {values.size} pairs; give one a pair"
+        )
     if np.ptp(cycles) == 0.0:
         raise InvalidInput(f"every cycle is {cycles[0]:g}; wear needs cycles that differ")
     first, last = float(cycles.min()), float(cycles.max())
@@ -131,7 +149,9 @@ def fit_worn_law(
     plain = LinearFit(coefficients[0], covariance[0, :, 0, :], fit.residuals, fit.sigma)
     whole = law_of(plain, log_variance, values, None)
     middle = WornLaw(coefficients, first, last, whole, covariance).at(0.5 * (first + last))
-    return WornLaw(coefficients, first, last, middle, covariance, None if errors is None else read_only(errors))
+    return WornLaw(
+        coefficients, first, last, middle, covariance, None if errors is None else read_only(errors)
+    )
 
 
 def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array:
@@ -145,7 +165,8 @@ class FittedMap:
     """The lift θ → θ + law(θ) that fits measured pairs, and how sure it is.
 
     law : the law of the turn (rad), all pairs alike: wear is in its scatter.
-    wear : the law that changes with the cycle, with its own scatter; None where no cycle numbers were given.
+    wear : the law that changes with the cycle, with its own scatter; None where no cycle numbers
+        were given.
     """
 
     law: PeriodicLaw
@@ -173,11 +194,15 @@ class FittedMap:
         """
         return map_of_turn(self._worn().at(cycle))
 
-    def paths(self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0) -> Array:
-        """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad, unwrapped, starts first.
+    def paths(
+        self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0
+    ) -> Array:
+        """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad,
+        unwrapped, starts first.
 
-        starts : (paths,) rad, the θ0 of the measured cycle ``first`` (None: the first measured). The scatter of one
-        cycle is taken as independent of the next one's; measured scatter often is not.
+        starts : (paths,) rad, the θ0 of the measured cycle ``first`` (None: the first measured).
+            The scatter of one cycle is taken as independent of the next one's; measured scatter
+            often is not.
         """
         worn, count = self._worn(), whole_number("cycles", cycles, least=1)
         begin = worn.first if first is None else finite_number("first", first)
@@ -190,7 +215,9 @@ class FittedMap:
 
     def _worn(self) -> WornLaw:
         if self.wear is None:
-            raise InvalidInput("the map was fitted without cycle numbers; give fit_map the cycle of each pair")
+            raise InvalidInput(
+                "the map was fitted without cycle numbers; give fit_map the cycle of each pair"
+            )
         return self.wear
 
 
@@ -207,15 +234,17 @@ def fit_map(
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
-    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn. Where all
-        images lie within one turn, and turns of neighbouring angles differ by whole ones, they were wrapped: whole
-        turns are then added so that neighbours agree, and the middle turn lies in [-π, π).
-    cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice of ``harmonics``
-        and polynomial degree (``wear_degree`` None chooses up to 4), see ``fit_worn_law``.
+    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is
+        the turn. Where all images lie within one turn, and turns of neighbouring angles differ by
+        whole ones, they were wrapped: whole turns are then added so that neighbours agree, and the
+        middle turn lies in [-π, π).
+    cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice
+        of ``harmonics`` and polynomial degree (``wear_degree`` None chooses up to 4), see
+        ``fit_worn_law``.
     The rest is as in ``fit_periodic_law``.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, too few pairs, and turns that jump
-    by a whole one where images are not all within one turn.
+    Raises InvalidInput for lists of different lengths, values that are not finite, too few pairs,
+    and turns that jump by a whole one where images are not all within one turn.
 
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
@@ -244,13 +273,17 @@ def _without_jumps(theta: Array, images: Array) -> Array:
     whole = np.round(change / TWO_PI)
     left, jumps = np.abs(change - TWO_PI * whole), whole != 0.0
     allowed = max(_NEAR_WHOLE, _JUMP_SPREADS * float(np.median(left)))
-    if np.count_nonzero(jumps) < 2 or np.sum(whole) != 0.0 or float(np.median(left[jumps])) > allowed:
+    if (
+        np.count_nonzero(jumps) < 2
+        or np.sum(whole) != 0.0
+        or float(np.median(left[jumps])) > allowed
+    ):
         return turn
     if np.ptp(images) > TWO_PI:
         place = float(np.mod(theta[order[int(np.argmax(jumps))]], TWO_PI))
         raise InvalidInput(
-            f"the turns jump by whole ones, {np.count_nonzero(jumps)} times, first near theta = {place:.4g} rad: give "
-            "theta_next unwrapped, so that theta_next - theta is the turn"
+            f"the turns jump by whole ones, {np.count_nonzero(jumps)} times, first near theta = "
+            f"{place:.4g} rad: give theta_next unwrapped, so that theta_next - theta is the turn"
         )
     lap = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
     mended = np.empty_like(turn)
@@ -260,8 +293,11 @@ def _without_jumps(theta: Array, images: Array) -> Array:
 
 
 def map_of_turn(law: PeriodicLaw) -> CircleMap:
-    """The lift θ → θ + law(θ) of degree 1, with its derivative, and a form for one number at a time."""
-    # c_k cos kθ + s_k sin kθ is the real part of (c_k - i s_k) e^{ikθ}: one exponential, then Horner's rule.
+    """The lift θ → θ + law(θ) of degree 1, with its derivative, and a form for one number at a
+    time.
+    """
+    # c_k cos kθ + s_k sin kθ is the real part of (c_k - i s_k) e^{ikθ}: one exponential, then
+    # Horner's rule.
     descending = (law.cosine - 1j * law.sine)[::-1].tolist()
 
     def scalar(theta: float) -> float:
@@ -270,16 +306,18 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
             total = total * turner + coefficient
         return theta + total.real
 
-    return CircleMap.with_scalar(lambda theta: theta + law(theta), lambda theta: 1.0 + law.slope(theta), scalar)
+    return CircleMap.with_scalar(
+        lambda theta: theta + law(theta), lambda theta: 1.0 + law.slope(theta), scalar
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class FittedStaircase:
     """The staircase of a map fitted to measured pairs.
 
-    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run : one noisy run of it,
-    as long as the path and from the same start. comparison : the path against the prediction, its visits counted in the
-    predicted slow zones.
+    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run :
+        one noisy run of it, as long as the path and from the same start. comparison : the path
+        against the prediction, its visits counted in the predicted slow zones.
     """
 
     fitted: FittedMap
@@ -292,8 +330,9 @@ class FittedStaircase:
 class MeasuredStaircase:
     """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
 
-    steps : the dwells and steps found in the path, without a model. foretold : what the map fitted to its pairs makes
-    of it; None where the pairs do not fix a map all around, and `problem` says why.
+    steps : the dwells and steps found in the path, without a model. foretold : what the map fitted
+        to its pairs makes of it; None where the pairs do not fix a map all around, and `problem`
+        says why.
     """
 
     path: Array
@@ -303,19 +342,24 @@ class MeasuredStaircase:
 
     @property
     def cycles_a_turn(self) -> float:
-        """Cycles the path took to climb a full turn, on average; inf where it ended where it began."""
+        """Cycles the path took to climb a full turn, on average;
+        inf where it ended where it began."""
         climb = abs(float(self.path[-1] - self.path[0])) / (2 * np.pi)
         return (len(self.path) - 1) / climb if climb > 0.0 else float("inf")
 
 
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
-    """Find the steps of the measured path, fit its map, and predict the staircase from that: wear counts as noise.
+    """Find the steps of the measured path, fit its map, and predict the staircase from that: wear
+    counts as noise.
 
     Raises InvalidInput where the order of the pushes is unknown, or the turns have no noise.
     """
     path = pairs.unbroken.path
     if path is None:
-        raise InvalidInput("the pairs come in no known order: a staircase needs theta0_deg, one row a push in order")
+        raise InvalidInput(
+            "the pairs come in no known order: a staircase needs theta0_deg, one row a push in "
+            "order"
+        )
     steps = find_steps(path)
     places = np.sort(np.mod(pairs.theta, TWO_PI))
     gap = float(np.diff(places, append=places[0] + TWO_PI).max())
@@ -324,15 +368,21 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
         told = f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
         return MeasuredStaircase(path, steps, None, told)
     if harmonics < 1:
-        return MeasuredStaircase(path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to")
+        return MeasuredStaircase(
+            path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to"
+        )
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=harmonics)
     if fitted.sigma < _LEAST_SCATTER:
-        raise InvalidInput("the measured turns lie exactly on a smooth curve: they are no measurement with noise")
+        raise InvalidInput(
+            "the measured turns lie exactly on a smooth curve: they are no measurement with noise"
+        )
     noise, fitted_map = WrappedNormal(fitted.sigma), fitted.map
     try:
         prediction = predict_staircase(fitted_map, noise)
     except ConvergenceError as error:
-        return MeasuredStaircase(path, steps, None, f"of the map fitted to them no staircase can be computed: {error}")
+        return MeasuredStaircase(
+            path, steps, None, f"of the map fitted to them no staircase can be computed: {error}"
+        )
     visits = find_steps(path, zones=prediction.zones) if prediction.zones else steps
     run = sample_staircase(fitted_map, noise, len(path) - 1, float(path[0]), seed)
     foretold = FittedStaircase(fitted, prediction, run, compare_steps(visits, prediction))

@@ -1,4 +1,6 @@
-"""Least squares with what a law needs of it: Fourier columns, outliers, correlated residuals, the order."""
+"""Least squares with what a law needs of it: Fourier columns, outliers, correlated residuals, the
+order.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ FOLDS, BLOCKS_A_FOLD, SMALLEST_BLOCK = 10, 5, 8
 
 
 def fourier_columns(theta: Any, harmonics: int) -> Array:
-    """The columns 1, cos θ, sin θ, cos 2θ, sin 2θ, ...: shape (..., 2·harmonics + 1) for θ (...) in radians.
+    """The columns 1, cos θ, sin θ, cos 2θ, sin 2θ, ...: shape (..., 2·harmonics + 1) for θ (...) in
+    radians.
 
     The first 2k + 1 columns are those of k harmonics, so laws of different orders are nested.
 
@@ -32,7 +35,8 @@ def fourier_columns(theta: Any, harmonics: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LinearFit:
-    """Coefficients (p,), their covariance (p, p), the residuals (n,) and the scatter of one value."""
+    """Coefficients (p,), their covariance (p, p),
+    the residuals (n,) and the scatter of one value."""
 
     coefficients: Array
     covariance: Array
@@ -41,10 +45,12 @@ class LinearFit:
 
 
 def fit_linear(design: Array, value: Array, *, correlated: bool = False) -> LinearFit:
-    """Fit value ≈ design @ coefficients in least squares, design (n, p) with rows in order of recording.
+    """Fit value ≈ design @ coefficients in least squares, design (n, p) with rows in order of
+    recording.
 
-    The covariance is sigma²(XᵀX)⁻¹, or, if ``correlated``, that of Newey and West (1987), which holds for residuals
-    correlated with their neighbours; over 1.3√n lags (Lazarus et al. 2018). In short records it is a little small.
+    The covariance is sigma²(XᵀX)⁻¹, or, if ``correlated``, that of Newey and West (1987), which
+    holds for residuals correlated with their neighbours; over 1.3√n lags (Lazarus et al. 2018). In
+    short records it is a little small.
 
     Raises InvalidInput where the values do not fix the coefficients.
     """
@@ -69,12 +75,16 @@ def weighted_least_squares(design: Array, value: Array, weight: Array) -> tuple[
     """The coefficients (p,) that make Σ weight · residual² least, and (XᵀWX)⁻¹ (p, p)."""
     unknowns = design.shape[1]
     if value.size <= unknowns:
-        raise InvalidInput(f"{value.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics")
+        raise InvalidInput(
+            f"{value.size} pairs cannot fix {unknowns} coefficients; use fewer harmonics"
+        )
     root = np.sqrt(weight)
     q, r = np.linalg.qr(design * root[:, np.newaxis])
     rank = int(np.linalg.matrix_rank(r, rtol=1e-11))
     if rank < unknowns:
-        raise InvalidInput(f"the measured directions fix {rank} of {unknowns} coefficients; use fewer harmonics")
+        raise InvalidInput(
+            f"the measured directions fix {rank} of {unknowns} coefficients; use fewer harmonics"
+        )
     inverse_root = np.linalg.inv(r)
     return inverse_root @ (q.T @ (root * value)), inverse_root @ inverse_root.T
 
@@ -85,21 +95,26 @@ def student_quantile(level: float, freedom: float) -> float:
 
     probability = finite_number("level", level)
     if not 0.0 < probability < 1.0:
-        raise InvalidInput(f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95")
+        raise InvalidInput(
+            f"level is {level!r}; it must be a probability between 0 and 1, such as 0.95"
+        )
     return float(stdtrit(freedom, 0.5 + 0.5 * probability))
 
 
 def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
     """The fold (0 to 9) of each of ``count`` values in order of recording: shape (count,).
 
-    Neighbours in time stand at nearly the same angle and share their errors, so they are left out together (Roberts
-    et al. 2017): the record is cut into blocks of successive values, five a fold where it is long enough, and the
-    blocks dealt to the folds at random, from ``seed``.
+    Neighbours in time stand at nearly the same angle and share their errors, so they are left out
+    together (Roberts et al. 2017): the record is cut into blocks of successive values, five a fold
+    where it is long enough, and the blocks dealt to the folds at random, from ``seed``.
 
     Raises InvalidInput for fewer than two values a fold.
     """
     if count < 2 * FOLDS:
-        raise InvalidInput(f"{count} pairs are too few to choose an order by {FOLDS} folds; give the order yourself")
+        raise InvalidInput(
+            f"{count} pairs are too few to choose an order by {FOLDS} folds; give the order "
+            "yourself"
+        )
     whole_number("seed", seed, least=0)
     blocks = FOLDS * max(1, min(BLOCKS_A_FOLD, count // (SMALLEST_BLOCK * FOLDS)))
     dealt = np.random.default_rng(seed).permutation(np.arange(blocks) % FOLDS)
@@ -107,12 +122,17 @@ def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
 
 
 def nested_errors(
-    design: Array, value: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64], weight: Array | float = 1.0
+    design: Array,
+    value: Array,
+    sizes: NDArray[np.int64],
+    fold: NDArray[np.int64],
+    weight: Array | float = 1.0,
 ) -> Array:
-    """Squared errors of prediction (n, k) when the first sizes[j] columns are fitted without the value's own fold.
+    """Squared errors of prediction (n, k) when the first sizes[j] columns are fitted without the
+    value's own fold.
 
-    Times ``weight`` (n,), by which they are fitted. One QR factorisation a fold serves all sizes. inf where the rest of
-    the values does not fix the coefficients.
+    Times ``weight`` (n,), by which they are fitted. One QR factorisation a fold serves all sizes.
+    inf where the rest of the values does not fix the coefficients.
     """
     root = np.sqrt(np.broadcast_to(weight, value.shape))
     design, value = design * root[:, np.newaxis], value * root
@@ -128,20 +148,28 @@ def nested_errors(
     return errors
 
 
-def simplest_good(errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]) -> tuple[int, Array]:
-    """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean (k,)).
+def simplest_good(
+    errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]
+) -> tuple[int, Array]:
+    """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean
+    (k,)).
 
-    errors : (n, k) of each value under each candidate; sizes : (k,) coefficients of each. The candidate with
-    fewest coefficients is taken whose mean error exceeds the least by no more than the standard error, over the folds,
-    of that very difference: folds that are hard for all candidates alike do not blur the comparison.
+    errors : (n, k) of each value under each candidate; sizes : (k,) coefficients of each. The
+        candidate with fewest coefficients is taken whose mean error exceeds the least by no more
+        than the standard error, over the folds, of that very difference: folds that are hard for
+        all candidates alike do not blur the comparison.
     """
     folds = int(fold.max()) + 1
     mean = np.mean(errors, axis=0)
     if not np.isfinite(mean).any():
-        raise InvalidInput("no order can be fitted with a fold left out; give more pairs, or the order yourself")
+        raise InvalidInput(
+            "no order can be fitted with a fold left out; give more pairs, or the order yourself"
+        )
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
-    excess = np.array([np.mean((finite - finite[:, [best]])[fold == one], axis=0) for one in range(folds)])
+    excess = np.array(
+        [np.mean((finite - finite[:, [best]])[fold == one], axis=0) for one in range(folds)]
+    )
     spread = np.std(excess, axis=0, ddof=1) / np.sqrt(folds)
     # Errors of rounding size differ by chance: there the floor decides for the simpler.
     floor = 1e-26 * np.max(np.abs(mean[np.isfinite(mean)]))

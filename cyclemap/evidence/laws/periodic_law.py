@@ -1,4 +1,6 @@
-"""A periodic law fitted to measured values: a Fourier series of the angle, with its scatter, bands and uncertainty."""
+"""A periodic law fitted to measured values: a Fourier series of the angle, with its scatter, bands
+and uncertainty.
+"""
 
 from __future__ import annotations
 
@@ -33,20 +35,28 @@ _LARGEST_EXPONENT = 300.0
 def fit_with_scatter(
     theta: Array, design: Array, value: Array, noise_harmonics: int | None = 0, seed: int = 0
 ) -> tuple[LinearFit, Array]:
-    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its scatter in θ."""
-    order = None if noise_harmonics is None else whole_number("noise_harmonics", noise_harmonics, least=0)
+    """The fit of value (n,) ≈ design (n, p) @ coefficients, and the log-variance (2q + 1,) of its
+    scatter in θ.
+    """
+    order = (
+        None
+        if noise_harmonics is None
+        else whole_number("noise_harmonics", noise_harmonics, least=0)
+    )
     fit = fit_linear(design, value)
     if fit.sigma <= _ROUNDING * float(np.max(np.abs(value))):
         if order:
-            raise InvalidInput(f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0")
+            raise InvalidInput(
+                f"noise_harmonics is {order} but the values lie exactly on a smooth curve; use 0"
+            )
         order = 0
     elif order is None:
         order = _noise_harmonics(theta, design, value, seed)
     if order == 0:
         # No scatter at all has no logarithm: the smallest positive number stands for it.
         return fit, np.array([2.0 * np.log(max(fit.sigma, np.finfo(float).tiny))])
-    # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals, and so on to the
-    # maximum of the normal likelihood; the variance is then raised by n/(n - p).
+    # Reweighted least squares: the mean with weights 1/variance, the log-variance of its residuals,
+    # and so on to the maximum of the normal likelihood; the variance is then raised by n/(n - p).
     columns, weight, change = fourier_columns(theta, order), np.ones(value.size), np.inf
     for _ in range(_MAX_ROUNDS):
         coefficients, _ = weighted_least_squares(design, value, weight)
@@ -56,7 +66,9 @@ def fit_with_scatter(
         if change < 1e-8:
             break
     else:
-        raise ConvergenceError(f"mean and scatter still change by {change:.3g}: use fewer noise harmonics")
+        raise ConvergenceError(
+            f"mean and scatter still change by {change:.3g}: use fewer noise harmonics"
+        )
     gamma[0] += np.log(value.size / (value.size - design.shape[1]))
     coefficients, inverse = weighted_least_squares(design, value, np.exp(-(columns @ gamma)))
     residuals = value - design @ coefficients
@@ -72,17 +84,21 @@ def scatter_weights(theta: Array, log_variance: Array) -> Array:
 
 
 def fit_log_variance(columns: Array, squares: Array) -> Array:
-    """The coefficients γ (q,) of log variance = columns @ γ that make normal residuals, squares (n,), likeliest.
+    """The coefficients γ (q,) of log variance = columns @ γ that make normal residuals, squares
+    (n,), likeliest.
 
-    Harvey's model (1976). Minus the log-likelihood ½Σ(g + r²e^{-g}) is convex in γ: Newton's method with halved steps
-    finds its one minimum, until the decrease it foresees is below 1e-12 a value. Raises ConvergenceError where the
-    residuals vanish along a part of the circle, since the likelihood then has no bound.
+    Harvey's model (1976). Minus the log-likelihood ½Σ(g + r²e^{-g}) is convex in γ: Newton's method
+    with halved steps finds its one minimum, until the decrease it foresees is below 1e-12 a value.
+    Raises ConvergenceError where the residuals vanish along a part of the circle, since the
+    likelihood then has no bound.
     """
 
     def loss(gamma: Array) -> float:
         """Mean of g + r²e^{-g}, twice minus the log-likelihood a value; inf where it overflows."""
         level = columns @ gamma
-        return float(np.mean(level + squares * np.exp(-level))) if np.min(level) > -600.0 else np.inf
+        return (
+            float(np.mean(level + squares * np.exp(-level))) if np.min(level) > -600.0 else np.inf
+        )
 
     gamma = np.zeros(columns.shape[1])
     gamma[0] = np.log(np.mean(squares))
@@ -94,22 +110,29 @@ def fit_log_variance(columns: Array, squares: Array) -> Array:
         decrease = float(-slope @ step) / squares.size
         if decrease < _TOLERANCE:
             return gamma
-        # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises (Armijo's rule).
+        # The share 1, ½, ¼, ... of the step whose gain is a fair part of what its slope promises
+        # (Armijo's rule).
         start, share = loss(gamma), 1.0
         while not start - (ahead := loss(gamma + share * step)) >= 1e-4 * share * decrease:
             if share < 1e-6 and np.isfinite(ahead):
                 break
             if share < 1e-12:
-                raise ConvergenceError("the scatter vanishes along a part of the circle: use fewer noise harmonics")
+                raise ConvergenceError(
+                    "the scatter vanishes along a part of the circle: use fewer noise harmonics"
+                )
             share *= 0.5
         gamma = gamma + share * step
-    raise ConvergenceError(f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics")
+    raise ConvergenceError(
+        f"the likelihood of the scatter still gains {decrease:.3g}: use fewer noise harmonics"
+    )
 
 
 def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> int:
-    """The order of the log-variance that gives values left out the largest likelihood, by the one-standard-error rule.
+    """The order of the log-variance that gives values left out the largest likelihood, by the
+    one-standard-error rule.
 
-    The residuals are those of prediction: each from the law fitted without its own fold. 0 is constant scatter.
+    The residuals are those of prediction: each from the law fitted without its own fold. 0 is
+    constant scatter.
     """
     fold = cycle_folds(value.size, seed)
     squares = nested_errors(design, value, np.array([design.shape[1]]), fold)[:, 0]
@@ -123,8 +146,11 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
         for one in range(int(fold.max()) + 1):
             out = fold == one
             level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
-            # A law that leaves no scatter at all where something was left out is lost by any measure.
-            losses[out, order] = 0.5 * (level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT)))
+            # A law that leaves no scatter at all where something was left out is lost by any
+            # measure.
+            losses[out, order] = 0.5 * (
+                level + squares[out] * np.exp(np.minimum(-level, _LARGEST_EXPONENT))
+            )
     return simplest_good(losses, 2 * orders + 1, fold)[0]
 
 
@@ -132,13 +158,17 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
 class PeriodicLaw:
     """The law y(θ) = c_0 + Σ_k c_k cos kθ + s_k sin kθ, in the unit of the values it was fitted to.
 
-    coefficients : (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ... covariance : (2K + 1, 2K + 1) of these.
-    log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for constant scatter.
-    sigma : root mean square scatter of one value about the law, degrees of freedom counted. rmse : of the residuals.
-    count, mean, total_std : of the values fitted. lag_correlation : of each residual with the next in order of
-        recording; far from 0, the covariance, that of independent residuals, is too small.
-    rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it cannot be fitted; None
-        where the order was given.
+    coefficients : (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ... covariance : (2K + 1, 2K + 1)
+        of these.
+    log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for
+        constant scatter.
+    sigma : root mean square scatter of one value about the law, degrees of freedom counted. rmse :
+        of the residuals.
+    count, mean, total_std : of the values fitted. lag_correlation : of each residual with the next
+        in order of recording; far from 0, the covariance, that of independent residuals, is too
+        small.
+    rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it
+        cannot be fitted; None where the order was given.
     """
 
     coefficients: Array
@@ -154,8 +184,15 @@ class PeriodicLaw:
 
     def __post_init__(self) -> None:
         size = finite_array("coefficients", self.coefficients, ndim=1).size
-        if size % 2 == 0 or np.shape(self.covariance) != (size, size) or np.size(self.log_variance) % 2 == 0:
-            found = f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, {np.shape(self.log_variance)}"
+        if (
+            size % 2 == 0
+            or np.shape(self.covariance) != (size, size)
+            or np.size(self.log_variance) % 2 == 0
+        ):
+            found = (
+                f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, "
+                f"{np.shape(self.log_variance)}"
+            )
             told = f"coefficients, covariance, log_variance have shapes {found}"
             raise InvalidInput(f"{told}, not (p,), (p, p), (q,), odd")
         for name in ("coefficients", "covariance", "log_variance"):
@@ -178,7 +215,9 @@ class PeriodicLaw:
 
     @property
     def percent(self) -> float:
-        """The RMSE in per cent of the mean value (Ma & Rodriguez 2018, Tables II and III); inf for a mean of 0."""
+        """The RMSE in per cent of the mean value (Ma & Rodriguez 2018, Tables II and III); inf for
+        a mean of 0.
+        """
         return 100.0 * self.rmse / abs(self.mean) if self.mean != 0.0 else float("inf")
 
     def __call__(self, theta: Any) -> Array:
@@ -189,12 +228,18 @@ class PeriodicLaw:
         """dy/dθ, per radian."""
         order = np.arange(self.harmonics + 1)
         multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
-        return np.asarray(np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine))
+        return np.asarray(
+            np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
+        )
 
     def standard_error(self, theta: Any) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
         columns = fourier_columns(theta, self.harmonics)
-        return np.asarray(np.sqrt(np.maximum(np.einsum("...i,ij,...j->...", columns, self.covariance, columns), 0.0)))
+        return np.asarray(
+            np.sqrt(
+                np.maximum(np.einsum("...i,ij,...j->...", columns, self.covariance, columns), 0.0)
+            )
+        )
 
     def noise(self, theta: Any) -> Array:
         """The standard deviation of one value about the law at θ."""
@@ -202,13 +247,18 @@ class PeriodicLaw:
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
     def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
-        """How far Student's bands reach to either side of the law at θ: that of the mean, that of one new value.
+        """How far Student's bands reach to either side of the law at θ: that of the mean, that of
+        one new value.
 
-        t·se and t·√(se² + noise²), each to hold with probability ``level`` at one angle at a time. Exact for
-        independent normal scatter of constant size about a law of the fitted order, else close for many values; errors
-        of the order are not in them. Raises InvalidInput for a level outside (0, 1).
+        t·se and t·√(se² + noise²), each to hold with probability ``level`` at one angle at a time.
+        Exact for independent normal scatter of constant size about a law of the fitted order, else
+        close for many values; errors of the order are not in them. Raises InvalidInput for a level
+        outside (0, 1).
         """
-        quantile, error = student_quantile(level, self.count - self.coefficients.size), self.standard_error(theta)
+        quantile, error = (
+            student_quantile(level, self.count - self.coefficients.size),
+            self.standard_error(theta),
+        )
         return quantile * error, quantile * np.hypot(error, self.noise(theta))
 
 
@@ -223,14 +273,18 @@ def fit_periodic_law(
 ) -> PeriodicLaw:
     """Fit a Fourier series in θ to values measured at ``theta``, in least squares.
 
-    theta, value : (n,), radians and any unit, in order of recording where the order is to be chosen.
-    harmonics : the order; None chooses it from 0 to ``max_harmonics`` by ten-fold cross-validation whose folds are made
-        of blocks of successive cycles, dealt by ``seed``, with the one-standard-error rule on paired differences.
-    noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None chooses from 0 to 3
-        by cross-validated likelihood. Where it is not 0 the law is the one of maximum likelihood, and its order is
-        chosen twice: with equal weights, then with the weights 1/variance (of mean 1) of that first law.
+    theta, value : (n,), radians and any unit, in order of recording where the order is to be
+        chosen.
+    harmonics : the order; None chooses it from 0 to ``max_harmonics`` by ten-fold cross-validation
+        whose folds are made of blocks of successive cycles, dealt by ``seed``, with the
+        one-standard-error rule on paired differences.
+    noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None
+        chooses from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
+        maximum likelihood, and its order is chosen twice: with equal weights, then with the weights
+        1/variance (of mean 1) of that first law.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, and too few values for the order.
+    Raises InvalidInput for lists of different lengths, values that are not finite, and too few
+    values for the order.
 
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
@@ -253,7 +307,9 @@ def candidate_orders(name: str, given: int | None, most: int) -> list[int]:
 
 
 def series_columns(angles: Array, polynomials: Array, harmonics: int) -> Array:
-    """Each Fourier column times each of the polynomials (n, m), these innermost: orders are nested for one degree."""
+    """Each Fourier column times each of the polynomials (n, m), these innermost: orders are nested
+    for one degree.
+    """
     columns = fourier_columns(angles, harmonics)
     return (columns[:, :, np.newaxis] * polynomials[:, np.newaxis, :]).reshape(angles.size, -1)
 
@@ -267,11 +323,13 @@ def fit_series(
     noise_harmonics: int | None,
     seed: int,
 ) -> tuple[LinearFit, Array, int, int, Array | None]:
-    """Fit a Fourier series whose coefficients are sums of polynomials (n, m): fit, log-variance, order, degree, errors.
+    """Fit a Fourier series whose coefficients are sums of polynomials (n, m): fit, log-variance,
+    order, degree, errors.
 
-    Order and degree are the one-standard-error choice from the candidates, which begin with 0 where there are several;
-    the errors (degrees, orders) are the root mean squares in values left out, None without a choice. With scatter that
-    depends on θ the choice is made again, with the weights of the first.
+    Order and degree are the one-standard-error choice from the candidates, which begin with 0 where
+    there are several; the errors (degrees, orders) are the root mean squares in values left out,
+    None without a choice. With scatter that depends on θ the choice is made again, with the weights
+    of the first.
     """
     weight, errors, order, degree = np.ones(values.size), None, orders[0], degrees[0]
     choice = len(orders) > 1 or len(degrees) > 1
@@ -292,7 +350,9 @@ def fit_series(
     return fit, log_variance, order, degree, errors
 
 
-def law_of(fit: LinearFit, log_variance: Array, values: Array, rmse_by_order: Array | None) -> PeriodicLaw:
+def law_of(
+    fit: LinearFit, log_variance: Array, values: Array, rmse_by_order: Array | None
+) -> PeriodicLaw:
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
     off = fit.residuals
     power = float(off @ off)

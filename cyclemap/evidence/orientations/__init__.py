@@ -1,1 +1,2 @@
-"""Measured orientations against a predicted law: distances, tests, p-values that hold for chains."""
+"""Measured orientations against a predicted law: distances, tests,
+p-values that hold for chains."""

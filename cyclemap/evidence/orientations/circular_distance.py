@@ -1,4 +1,6 @@
-"""Orientations against a law on the circle: distances, statistics with Monte Carlo p-values, and modes."""
+"""Orientations against a law on the circle: distances, statistics with Monte Carlo p-values, and
+modes.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,14 @@ from cyclemap.maps.operator.transfer_operator import peaks_of
 
 Density = Callable[[Array], Array]
 
-_MASS_ERROR = 0.01  # a density that jumps is integrated to about a thousandth; one in other units is far off
+_MASS_ERROR = (
+    0.01  # a density that jumps is integrated to about a thousandth; one in other units is far off
+)
 _NEGATIVE = -1e-3 / TWO_PI  # rounding and truncated series dip below zero, but never that far
 DEFAULT_BINS = 36
 _BLOCK = 1 << 20  # entries of a table worked on at a time
-_HALVINGS = 34  # the integral is flat in the median: its error is of second order in what is left of the bracket
+# the integral is flat in the median: its error is of second order in what is left of the bracket
+_HALVINGS = 34
 _TIE = 1e-12  # values that differ by rounding alone count as equal, which makes p larger
 DEFAULT_BANDWIDTH = 0.1  # rad, about 6 degrees
 _LEAST_RISE = 0.1 / TWO_PI  # a tenth of the uniform density
@@ -32,12 +37,14 @@ _NARROWEST = 0.002
 class CircularLaw:
     """A law on the circle, tabulated once so that many samples can be set against it.
 
-    density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π; cells : of the table, equal.
+    density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π; cells : of
+        the table, equal.
 
-    The distribution function is integrated by Simpson's rule and is a monotone cubic inside each cell (slopes limited
-    as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth positive density, O(h³) where it touches 0,
-    O(h) beside a jump. The table is rescaled to mass 1. Raises InvalidInput where the density is not finite, negative,
-    not vectorised, or further than 1 % from integrating to 1.
+    The distribution function is integrated by Simpson's rule and is a monotone cubic inside each
+    cell (slopes limited as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth
+    positive density, O(h³) where it touches 0, O(h) beside a jump. The table is rescaled to mass 1.
+    Raises InvalidInput where the density is not finite, negative, not vectorised, or further than 1
+    % from integrating to 1.
 
     >>> law = CircularLaw(lambda theta: (1 + np.cos(theta)) / (2 * np.pi))
     >>> round(float(law.cumulative(np.pi / 2)), 12) == round(0.25 + 1 / (2 * np.pi), 12)
@@ -52,20 +59,29 @@ class CircularLaw:
 
     def __post_init__(self) -> None:
         if not callable(self.density):
-            raise InvalidInput(f"density is {self.density!r}: give a vectorised callable of angles in radians")
+            raise InvalidInput(
+                f"density is {self.density!r}: give a vectorised callable of angles in radians"
+            )
         count = whole_number("cells", self.cells, least=8)
         angles = np.linspace(0.0, TWO_PI, 2 * count + 1)
         values = finite_array("the density's values", self.density(angles))
         if values.shape != angles.shape:
-            raise InvalidInput(f"the density gave shape {values.shape} for {angles.shape}: it must be vectorised")
+            raise InvalidInput(
+                f"the density gave shape {values.shape} for {angles.shape}: it must be vectorised"
+            )
         worst = int(np.argmin(values))
         if values[worst] < _NEGATIVE:
-            raise InvalidInput(f"the density is {values[worst]:g} at {angles[worst]:g} rad: it must not be negative")
+            raise InvalidInput(
+                f"the density is {values[worst]:g} at {angles[worst]:g} rad: it must not be "
+                "negative"
+            )
         values = np.maximum(values, 0.0)
         parts = (values[:-2:2] + 4.0 * values[1::2] + values[2::2]) * (TWO_PI / (6.0 * count))
         total = float(np.sum(parts))
         if abs(total - 1.0) > _MASS_ERROR:
-            raise InvalidInput(f"the density integrates to {total:g} over the circle, not 1: give it per radian")
+            raise InvalidInput(
+                f"the density integrates to {total:g} over the circle, not 1: give it per radian"
+            )
         below = np.append(0.0, np.cumsum(parts) / total)
         below[-1] = 1.0
         object.__setattr__(self, "knots", read_only(np.linspace(0.0, TWO_PI, count + 1)))
@@ -82,7 +98,9 @@ class CircularLaw:
         # At most three times the mean slope: the cubic then never falls.
         rise = np.minimum(self.heights[cell] * step, 3.0 * mass)
         end = np.minimum(self.heights[cell + 1] * step, 3.0 * mass)
-        return np.asarray(low + t * (rise + t * (3.0 * mass - 2.0 * rise - end + t * (rise + end - 2.0 * mass))))
+        return np.asarray(
+            low + t * (rise + t * (3.0 * mass - 2.0 * rise - end + t * (rise + end - 2.0 * mass)))
+        )
 
     def bin_probabilities(self, bins: int) -> Array:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
@@ -91,25 +109,31 @@ class CircularLaw:
 
 
 def orientations(name: str, sample: Any, single: bool = False) -> Array:
-    """Angles brought into [0, 2π), shape (..., n) with n ≥ 1, or (n,) where ``single``; else InvalidInput."""
+    """Angles brought into [0, 2π), shape (..., n) with n ≥ 1, or (n,) where ``single``; else
+    InvalidInput.
+    """
     angles = finite_array(name, sample, ndim=1 if single else None)
     if angles.ndim == 0 or angles.size == 0:
-        raise InvalidInput(f"{name} has shape {angles.shape}: give at least one orientation in radians")
+        raise InvalidInput(
+            f"{name} has shape {angles.shape}: give at least one orientation in radians"
+        )
     wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
     return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
 
 
 def circular_wasserstein(sample: Any, law: Any) -> Array:
-    """Wasserstein distance of order 1 on the circle, radians, in [0, π]: shape (...), a number for one sample.
+    """Wasserstein distance of order 1 on the circle, radians, in [0, π]: shape (...), a number for
+    one sample.
 
-    W1 = ∫ |F - G - median(F - G)| dθ, F and G the distribution functions from any origin, the median over the
-    uniform measure (Rabin, Delon & Gousseau 2011).
+    W1 = ∫ |F - G - median(F - G)| dθ, F and G the distribution functions from any origin, the
+    median over the uniform measure (Rabin, Delon & Gousseau 2011).
 
-    sample : (..., n), radians, any turn; each row is a sample of its own. law : a ``CircularLaw``, or a second sample
-    (m,), with which ``sample`` must be (n,). Between two samples it is exact to rounding. Against a law, G is taken as
-    linear between the table's knots and the sample's angles: an error of at most h²/8 times the total variation of the
-    density, h = 2π/cells; about 1e-6 rad for a density with one peak of height 1.
+    sample : (..., n), radians, any turn; each row is a sample of its own. law : a ``CircularLaw``,
+        or a second sample (m,), with which ``sample`` must be (n,). Between two samples it is exact
+        to rounding. Against a law, G is taken as linear between the table's knots and the sample's
+        angles: an error of at most h²/8 times the total variation of the density, h = 2π/cells;
+        about 1e-6 rad for a density with one peak of height 1.
     Raises InvalidInput for an empty sample and numbers that are not finite.
 
     >>> round(float(circular_wasserstein([0.1, 0.1], [6.2])), 6)
@@ -117,7 +141,10 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     """
     if not isinstance(law, CircularLaw):
         # F - G is constant from one angle of either sample to the next.
-        pair = [orientations(name, one, single=True) for name, one in (("sample", sample), ("second sample", law))]
+        pair = [
+            orientations(name, one, single=True)
+            for name, one in (("sample", sample), ("second sample", law))
+        ]
         angles = np.unique(np.concatenate(pair))
         shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
         levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
@@ -140,9 +167,14 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
     angles = np.concatenate([rows, knots], axis=1)
     order = np.argsort(angles, axis=1)
     width = np.diff(np.take_along_axis(angles, order, axis=1), axis=1, append=TWO_PI)
-    reached = np.take_along_axis(np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1)
+    reached = np.take_along_axis(
+        np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1
+    )
     steps = np.cumsum(order < size, axis=1) / size
-    high, low = steps - reached, steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
+    high, low = (
+        steps - reached,
+        steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1),
+    )
     # The level that it lies below on half of the circle, by bisection.
     span = np.where(high > low, high - low, 1.0)
     rate = np.where(high > low, 1.0 / span, 1e300)
@@ -160,18 +192,24 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
 
 
 def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
-    """Total variation distance ½ Σ |share of the sample - probability| over equal bins of [0, 2π), in [0, 1].
+    """Total variation distance ½ Σ |share of the sample - probability| over equal bins of [0, 2π),
+    in [0, 1].
 
-    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so that it is at most the
-    distance of the laws themselves; n independent orientations from the law itself lie Σ √(P(1 - P)/(2πn)) away on
-    average, more where they are autocorrelated.
+    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so
+        that it is at most the distance of the laws themselves; n independent orientations from the
+        law itself lie Σ √(P(1 - P)/(2πn)) away on average, more where they are autocorrelated.
 
     >>> float(total_variation([0.5, 1.0, 2.0, 3.0], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)), 2))
     0.5
     """
     if not isinstance(law, CircularLaw):
-        pair = [orientations(name, one, single=True) for name, one in (("sample", sample), ("second sample", law))]
-        first, second = (np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair)
+        pair = [
+            orientations(name, one, single=True)
+            for name, one in (("sample", sample), ("second sample", law))
+        ]
+        first, second = (
+            np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair
+        )
         return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
     angles = orientations("sample", sample)
     rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
@@ -185,11 +223,12 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
 class PValue:
     """A Monte Carlo p-value and what it rests on.
 
-    value : (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1] (Davison &
-        Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of runs.
-    runs : simulated statistics. statistic : the observed one. null_quantiles : the simulated ones at ``LEVELS``.
-    standard_error : of ``value`` by the finite number of runs: the posterior standard deviation of the true p
-        after a uniform prior, which is never 0.
+    value : (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1]
+        (Davison & Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of runs.
+    runs : simulated statistics. statistic : the observed one. null_quantiles : the simulated ones
+        at ``LEVELS``.
+    standard_error : of ``value`` by the finite number of runs: the posterior standard deviation of
+        the true p after a uniform prior, which is never 0.
     """
 
     LEVELS: ClassVar[tuple[float, ...]] = (0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
@@ -218,20 +257,26 @@ def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
 
 
 def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
-    """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960); it does not depend on the origin of the angles.
+    """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960); it does not depend on the
+    origin of the angles.
 
-    sample : (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty sample.
+    sample : (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty
+        sample.
 
     >>> round(float(kuiper_statistic([0.0, np.pi], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)))), 12)
     0.5
     """
     reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     rank = np.arange(reached.shape[-1] + 1) / reached.shape[-1]
-    return np.asarray(np.max(rank[1:] - reached, axis=-1) + np.max(reached - rank[:-1], axis=-1))[()]
+    return np.asarray(np.max(rank[1:] - reached, axis=-1) + np.max(reached - rank[:-1], axis=-1))[
+        ()
+    ]
 
 
 def watson_statistic(sample: Any, law: CircularLaw) -> Array:
-    """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n); the rest as of ``kuiper_statistic``."""
+    """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n); the rest as of
+    ``kuiper_statistic``.
+    """
     reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     size = reached.shape[-1]
     excess = reached - (2.0 * np.arange(size) + 1.0) / (2.0 * size)
@@ -239,11 +284,14 @@ def watson_statistic(sample: Any, law: CircularLaw) -> Array:
 
 
 def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
-    """Angles in [0, 2π) of the maxima of a wrapped normal kernel estimate of the density, sorted, shape (k,).
+    """Angles in [0, 2π) of the maxima of a wrapped normal kernel estimate of the density, sorted,
+    shape (k,).
 
-    theta : shape (n,), radians, any turn. bandwidth : radians, the kernel's standard deviation, 0.002 to π.
-    The estimate is a finite Fourier series, exactly: p = 1/2π + (1/π) Σ e^(-h²k²/2) Re(c_k* e^(ikθ)), c_k the mean of
-    e^(ikθ). Maxima that rise less than a tenth of the uniform density above the dips beside them are left out.
+    theta : shape (n,), radians, any turn. bandwidth : radians, the kernel's standard deviation,
+        0.002 to π.
+    The estimate is a finite Fourier series, exactly: p = 1/2π + (1/π) Σ e^(-h²k²/2) Re(c_k*
+    e^(ikθ)), c_k the mean of e^(ikθ). Maxima that rise less than a tenth of the uniform density
+    above the dips beside them are left out.
 
     >>> kernel_modes([1.0, 1.0, 4.0]).round(6).tolist()
     [1.0, 4.0]

@@ -1,4 +1,6 @@
-"""P-values for orientations that follow one another: the null is simulated as paths of the noisy cycle map."""
+"""P-values for orientations that follow one another: the null is simulated as paths of the noisy
+cycle map.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +34,8 @@ _APART = 1_000  # between the seeds of two samples
 class CollectionModel:
     """θ_{n+1} = F_n(θ_n) + ξ_n: a map, fixed or drifting, and its noise.
 
-    first : of a drifting map, the cycle that a collection begins with. samples : maps of a posterior's samples, from
-    which simulated collections then come in turn, not from ``map``.
+    first : of a drifting map, the cycle that a collection begins with. samples : maps of a
+        posterior's samples, from which simulated collections then come in turn, not from ``map``.
     """
 
     map: CircleMap | DriftingMap
@@ -49,9 +51,13 @@ class CollectionModel:
         return DriftingMap(self.map.cycles - self.first, self.map.maps, self.map.max_error)
 
     def paths(self, start: float, length: int, count: int, seed: int) -> Array:
-        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad, unwrapped."""
+        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad,
+        unwrapped.
+        """
         if not self.samples:
-            return sample_staircases(self.begun, self.noise, length - 1, np.full(count, start), seed)
+            return sample_staircases(
+                self.begun, self.noise, length - 1, np.full(count, start), seed
+            )
         found, used = np.empty((count, length)), self.samples[:count]
         for number, one in enumerate(used):
             rows, own = found[number :: len(used)], seed + _APART * (number + 1)
@@ -59,7 +65,9 @@ class CollectionModel:
         return found
 
     def images(self, paths: Array) -> Array:
-        """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on the same lift."""
+        """F_n(θ_n) of each orientation but the last, of paths (..., n): shape (..., n - 1), rad, on
+        the same lift.
+        """
         if isinstance(self.begun, CircleMap):
             return self.begun(paths[..., :-1])
         return self.begun.images(paths[..., :-1], np.arange(paths.shape[-1] - 1))
@@ -67,9 +75,11 @@ class CollectionModel:
 
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """What a model predicts of a collection: simulated ones from the same start, and the law of their orientations.
+    """What a model predicts of a collection: simulated ones from the same start, and the law of
+    their orientations.
 
-    paths : (k, n) rad, unwrapped. law : of an orientation drawn at random from a collection, the start left out.
+    paths : (k, n) rad, unwrapped. law : of an orientation drawn at random from a collection, the
+        start left out.
     """
 
     model: CollectionModel
@@ -81,11 +91,14 @@ CollectionStatistic = Callable[[Array, Ensemble], Array]
 CollectionRefit = Callable[[Array], CollectionModel]
 
 
-def simulated_ensemble(model: CollectionModel, start: float, length: int, count: int, seed: int) -> Ensemble:
-    """Simulate ``count`` collections of ``length`` orientations from ``start`` (rad), with the law of what they record.
+def simulated_ensemble(
+    model: CollectionModel, start: float, length: int, count: int, seed: int
+) -> Ensemble:
+    """Simulate ``count`` collections of ``length`` orientations from ``start`` (rad), with the law
+    of what they record.
 
-    The law is the mean over the collections' cycles of the noise's density about the image of each orientation: no
-    bandwidth is chosen, and wear and the approach from the start are in it.
+    The law is the mean over the collections' cycles of the noise's density about the image of each
+    orientation: no bandwidth is chosen, and wear and the approach from the start are in it.
 
     >>> from cyclemap.maps import WrappedNormal
     >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
@@ -94,7 +107,9 @@ def simulated_ensemble(model: CollectionModel, start: float, length: int, count:
     True
     """
     size = whole_number("length", length, least=2)
-    paths = model.paths(finite_number("start", start), size, whole_number("count", count, least=1), seed)
+    paths = model.paths(
+        finite_number("start", start), size, whole_number("count", count, least=1), seed
+    )
     # The images counted on a fine grid, and the noise added by Fourier coefficients.
     cell = np.mod(np.floor(model.images(paths) * (_CELLS / TWO_PI)).astype(np.int64), _CELLS)
     share = np.bincount(cell.ravel(), minlength=_CELLS) / cell.size
@@ -102,13 +117,16 @@ def simulated_ensemble(model: CollectionModel, start: float, length: int, count:
     density = np.maximum(np.fft.irfft(smooth, _CELLS), 0.0) * (_CELLS / TWO_PI)
     density *= _CELLS / TWO_PI / np.sum(density)
     middles = (np.arange(_CELLS) + 0.5) * (TWO_PI / _CELLS)
-    return Ensemble(model, paths, CircularLaw(lambda theta: np.interp(theta, middles, density, period=TWO_PI)))
+    return Ensemble(
+        model, paths, CircularLaw(lambda theta: np.interp(theta, middles, density, period=TWO_PI))
+    )
 
 
 def collection_statistics() -> dict[str, CollectionStatistic]:
     """The statistics of a collection by name.
 
-    wasserstein (rad), total_variation, kuiper, watson : of its orientations against the ensemble's law.
+    wasserstein (rad), total_variation, kuiper, watson : of its orientations against the ensemble's
+        law.
     turns : |its climb less the ensemble's mean climb|, in turns.
     """
 
@@ -120,7 +138,9 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
         "total_variation": lambda paths, ensemble: total_variation(paths, ensemble.law),
         "kuiper": lambda paths, ensemble: kuiper_statistic(paths, ensemble.law),
         "watson": lambda paths, ensemble: watson_statistic(paths, ensemble.law),
-        "turns": lambda paths, ensemble: np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI,
+        "turns": lambda paths, ensemble: (
+            np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI
+        ),
     }
 
 
@@ -135,23 +155,27 @@ def collection_p_values(
     ensemble: Ensemble | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> dict[str, PValue]:
-    """P-values of a path of orientations under a map that may wear, autocorrelation and fitted parameters included.
+    """P-values of a path of orientations under a map that may wear, autocorrelation and fitted
+    parameters included.
 
-    The null is the same statistics of ``runs`` simulated collections, as long and from the same start.
+    The null is the same statistics of ``runs`` simulated collections, as long and from the same
+    start.
 
-    theta : (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the climb.
+    theta : (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the
+        climb.
     statistics : by name; None takes ``collection_statistics()``.
-    refit : None for a model given in full, else what fits a path (n,), unwrapped, to a model, by the rule that made
-        ``model`` of ``theta``: each simulated collection is then set against an ensemble of its own fit, as the
-        measured one is (parametric bootstrap).
-    ensemble : of the model, where it is at hand; it must come from another seed than ``seed`` and ``seed`` + 1.
+    refit : None for a model given in full, else what fits a path (n,), unwrapped, to a model, by
+        the rule that made ``model`` of ``theta``: each simulated collection is then set against an
+        ensemble of its own fit, as the measured one is (parametric bootstrap).
+    ensemble : of the model, where it is at hand; it must come from another seed than ``seed`` and
+        ``seed`` + 1.
     progress : called with the fraction done, in (0, 1].
 
-    Without ``refit`` the values are exact: P(p ≤ a) ≤ a under the null for any n and ``runs`` (Davison & Hinkley 1997,
-    chapter 4), whatever the ensemble's size. With it they are so to first order in the error of the fit: true models
-    that wear, fitted with two harmonics to 300 cycles, are measured to be rejected at the 5 % level in 3 to 6 % of
-    runs, at 10 % in 6 to 11 %.
-    Raises InvalidInput for a path or counts that cannot be used; what ``refit`` raises passes through.
+    Without ``refit`` the values are exact: P(p ≤ a) ≤ a under the null for any n and ``runs``
+    (Davison & Hinkley 1997, chapter 4), whatever the ensemble's size. With it they are so to first
+    order in the error of the fit: true models that wear, fitted with two harmonics to 300 cycles,
+    are measured to be rejected at the 5 % level in 3 to 6 % of runs, at 10 % in 6 to 11 %. Raises
+    InvalidInput for a path or counts that cannot be used; what ``refit`` raises passes through.
 
     >>> from cyclemap.maps import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.arnold(0.05, 0.3)), (200, CircleMap.arnold(0.1, 0.3))])
@@ -163,7 +187,9 @@ def collection_p_values(
     """
     path, report = finite_array("theta", theta, ndim=1), progress or (lambda fraction: None)
     if path.size < 2:
-        raise InvalidInput(f"theta holds {path.size} orientations: a chain needs at least two, in order")
+        raise InvalidInput(
+            f"theta holds {path.size} orientations: a chain needs at least two, in order"
+        )
     count, first_seed = whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
     chosen = collection_statistics() if statistics is None else statistics
     size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
@@ -186,7 +212,9 @@ def collection_p_values(
         parts = []
         for done, one in enumerate(paths, 1):
             # An ensemble of the simulated collection's own fit, made as the measured one's was.
-            own = simulated_ensemble(refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1)
+            own = simulated_ensemble(
+                refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1
+            )
             parts.append(values(one[None], own))
             report(done / len(paths))
         null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}

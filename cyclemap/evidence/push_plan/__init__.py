@@ -1,1 +1,3 @@
-"""The plan of pushes: which to make by hand or robot so that they tell most, and what will be known after them."""
+"""The plan of pushes: which to make by hand or robot so that they tell most, and what will be known
+after them.
+"""

@@ -1,4 +1,6 @@
-"""Pushes that a person or a robot can set up: sides, places, angles and lengths of an object, and how it is turned."""
+"""Pushes that a person or a robot can set up: sides, places, angles and lengths of an object, and
+how it is turned.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,8 @@ APPROACH = 0.03
 
 @dataclass(frozen=True)
 class SetPush:
-    """A push to be set up: how the rod pushes, and the pose that the object is put in before (m, rad).
+    """A push to be set up: how the rod pushes, and the pose that the object is put in before (m,
+    rad).
 
     The pose is in the frame of the room, whose origin is the corner at its left and near side.
     """
@@ -40,16 +43,23 @@ class SetPush:
     start: Pose
 
     def rod(self, slider: Slider, radius: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return where the rod's centre first touches and where it ends, m in the frame of `start`."""
+        """Return where the rod's centre first touches and where it ends,
+        m in the frame of `start`."""
         place, way = first_contact(slider, self.push, radius)
         return self.start.to_world(*place), self.start.to_world(*(place + self.push.distance * way))
 
-    def measured(self, slider: Slider, radius: float, end: Pose | None = None, contact: int = 0) -> MeasuredPush:
+    def measured(
+        self, slider: Slider, radius: float, end: Pose | None = None, contact: int = 0
+    ) -> MeasuredPush:
         """Return the push as one that was measured; without an end it has not moved."""
-        return MeasuredPush(self.start, end or self.start, *self.rod(slider, radius), contact=contact)
+        return MeasuredPush(
+            self.start, end or self.start, *self.rod(slider, radius), contact=contact
+        )
 
     def dragged(self, slider: Slider, end: Pose) -> MeasuredDrag:
-        """Return the drag by the ring from the push's end to where the ring was before it, not turning the object."""
+        """Return the drag by the ring from the push's end to where the ring was before it, not
+        turning the object.
+        """
         x, y = self.start.to_world(*slider.hitch)
         lever_x, lever_y = Pose(theta=end.theta).to_world(*slider.hitch)
         return MeasuredDrag(end, Pose(x - lever_x, y - lever_y, end.theta))
@@ -58,9 +68,11 @@ class SetPush:
 def candidate_pushes(
     loop: CollectionLoop, count: int, grid: float | None, longest: float, seed: int
 ) -> tuple[SetPush, ...]:
-    """Return at most `count` of the pushes that can be set up, a random choice of them, of all sides alike.
+    """Return at most `count` of the pushes that can be set up, a random choice of them, of all
+    sides alike.
 
-    grid : rad, between orientations that a hand sets; None: any, for a robot. longest : m, of a push.
+    grid : rad, between orientations that a hand sets; None: any, for a robot. longest : m, of a
+        push.
     Raises InvalidInput for an object without a place for the rod.
     """
     slider, radius = loop.slider, loop.pusher.radius
@@ -77,14 +89,22 @@ def candidate_pushes(
             continue
         contacts.append(push)
     if not contacts:
-        raise InvalidInput(f"{slider.name} has no side that a rod of {1e3 * radius:.3g} mm can push")
+        raise InvalidInput(
+            f"{slider.name} has no side that a rod of {1e3 * radius:.3g} mm can push"
+        )
     found = []
-    order = np.concatenate([rng.permutation(len(contacts)) for _ in range(-(-count // len(contacts)))])
+    order = np.concatenate(
+        [rng.permutation(len(contacts)) for _ in range(-(-count // len(contacts)))]
+    )
     for index in order[:count].tolist():
         turned = rng.uniform(0.0, 2.0 * math.pi)
         if grid is not None:
             turned = grid * math.floor(turned / grid)
-        found.append(SetPush(replace(contacts[index], distance=float(rng.choice(lengths))), Pose(theta=turned)))
+        found.append(
+            SetPush(
+                replace(contacts[index], distance=float(rng.choice(lengths))), Pose(theta=turned)
+            )
+        )
     return tuple(dict.fromkeys(found))
 
 
@@ -97,7 +117,9 @@ def _places(slider: Slider) -> tuple[list[int], tuple[float, ...]]:
     return np.flatnonzero(length >= _SHORT * length.max()).tolist(), _FRACTIONS
 
 
-def placed(push: SetPush, ends: Array, loop: CollectionLoop, room: tuple[float, float]) -> SetPush | None:
+def placed(
+    push: SetPush, ends: Array, loop: CollectionLoop, room: tuple[float, float]
+) -> SetPush | None:
     """Return the push in the middle of a room (m); None where object and rod need more than that.
 
     ends (s, 3) : poses in which it may end, from the start pose of `push`.

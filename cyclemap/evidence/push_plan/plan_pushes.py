@@ -1,8 +1,10 @@
-"""Choose pushes so that what is asked will be known best, on average over what is believed and if any push is lost.
+"""Choose pushes so that what is asked will be known best, on average over what is believed and if
+any push is lost.
 
-To first order the covariance of the unknowns after pushes is C = (C0^-1 + Σ J^T R^-1 J)^-1 in each sample of what is
-believed, and what is asked has the variance g C g^T (Bayesian design for linear functionals, Chaloner & Verdinelli
-1995). Pushes are chosen one by one, then each is exchanged for a better one as long as there is any.
+To first order the covariance of the unknowns after pushes is C = (C0^-1 + Σ J^T R^-1 J)^-1 in each
+sample of what is believed, and what is asked has the variance g C g^T (Bayesian design for linear
+functionals, Chaloner & Verdinelli 1995). Pushes are chosen one by one, then each is exchanged for a
+better one as long as there is any.
 """
 
 from __future__ import annotations
@@ -18,7 +20,13 @@ from cyclemap.checks import non_negative_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
-from cyclemap.evidence.push_plan.sensitivity import TARGETS, Target, push_sensitivity, sampled_beliefs, target_of
+from cyclemap.evidence.push_plan.sensitivity import (
+    TARGETS,
+    Target,
+    push_sensitivity,
+    sampled_beliefs,
+    target_of,
+)
 from cyclemap.evidence.pushes.push_noise import push_noise
 
 MOST_PUSHES = 32
@@ -35,7 +43,8 @@ COUNTS = (4, 8, 16)
 class Knowledge:
     """What will be known after a number of pushes, by name (rad, m).
 
-    direction : root mean square error of a stable direction. wrong : chance of a wrong answer to whether the loop locks
+    direction : root mean square error of a stable direction. wrong : chance of a wrong answer to
+        whether the loop locks
     in. map, place, turn : root mean square error of the map, and of where a push ends.
     """
 
@@ -48,9 +57,11 @@ class Knowledge:
 class PushPlan:
     """Pushes to make, in the order in which they tell most, and what they will tell.
 
-    ends (n, 3) : where each is likely to end, m and rad, in the frame of the room. knowledge : before any push, then
-    after some. without : after all but the one that is missed most. chance : that the loop locks in, as it is believed
-    now; None where that is not asked. read : error of a reading, m and rad.
+    ends (n, 3) : where each is likely to end, m and rad, in the frame of the room. knowledge :
+        before any push, then
+    after some. without : after all but the one that is missed most. chance : that the loop locks
+        in, as it is believed now; None where that is not asked. read : error of a reading, m and
+        rad.
     samples, candidates : of how many floors and pushes it was chosen.
     """
 
@@ -84,15 +95,17 @@ def plan_pushes(
 
     Parameters
     ----------
-    loop : the object, its push, ring and rod; its material has samples of what is believed of floor and plate.
+    loop : the object, its push, ring and rod; its material has samples of what is believed of floor
+        and plate.
     count : how many pushes, 1 to 32.
-    target : what is asked: `direction`, the stable directions and whether there are any; `map`, the whole cycle map;
-        `pushes`, where single pushes end.
+    target : what is asked: `direction`, the stable directions and whether there are any; `map`, the
+        whole cycle map; `pushes`, where single pushes end.
     grid : rad, between orientations that the object is put in, at most 2 pi; None: any.
     room : m, width and depth of the table that object and rod may need.
-    read : m and rad, standard deviations of a measured place and angle. What the best model misses comes on top.
-    samples, candidates : how many floors are looked at, and among how many pushes is chosen: the time goes with both,
-        5 s on two cores for these.
+    read : m and rad, standard deviations of a measured place and angle. What the best model misses
+        comes on top.
+    samples, candidates : how many floors are looked at, and among how many pushes is chosen: the
+        time goes with both, 5 s on two cores for these.
     seed : of the choice of candidates.
     progress : called with the fraction done.
 
@@ -107,13 +120,16 @@ def plan_pushes(
 
     Notes
     -----
-    A rod is taken to be set 2 mm off its mark (standard deviation), so that pushes which depend on that tell less.
-    No push is planned twice: most of what a model misses of a push it misses again when that is repeated. Errors of
-    pushes are taken as independent and alike, of a long push as of a short one.
+    A rod is taken to be set 2 mm off its mark (standard deviation), so that pushes which depend on
+    that tell less. No push is planned twice: most of what a model misses of a push it misses again
+    when that is repeated. Errors of pushes are taken as independent and alike, of a long push as of
+    a short one.
     """
     asked = whole_number("pushes of a plan", count, least=1)
     if asked > MOST_PUSHES:
-        raise InvalidInput(f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on")
+        raise InvalidInput(
+            f"pushes of a plan: {asked}, of at most {MOST_PUSHES}; plan some, measure, and plan on"
+        )
     if target not in TARGETS:
         raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
     whole_number("seed", seed, least=0)
@@ -121,17 +137,24 @@ def plan_pushes(
         raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
     for side in room:
         positive_number("width and depth of a room", side)
-    noise = push_noise((non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1])))
+    noise = push_noise(
+        (non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1]))
+    )
     report = progress or (lambda fraction: None)
     known = sampled_beliefs(loop, whole_number("samples", samples, least=2))
     longest = 0.6 * max(room)
-    offered = candidate_pushes(loop, whole_number("candidates", candidates, least=asked), grid, longest, seed)
+    offered = candidate_pushes(
+        loop, whole_number("candidates", candidates, least=asked), grid, longest, seed
+    )
     ends, by, by_set = push_sensitivity(known, offered, noise)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
     kept = [index for index, push in enumerate(fitting) if push is not None]
     if len(kept) < asked:
-        words = f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)} pushes"
+        words = (
+            f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of "
+            f"{len(offered)} pushes"
+        )
         raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
     wanted = target_of(known, target, by, noise)
     report(0.8)
@@ -143,8 +166,13 @@ def plan_pushes(
     knowledge = []
     for some in sorted({0, asked, *(few for few in COUNTS if few <= len(first))}):
         drawn = [design.knowledge(order[:some]) for order in sets]
-        mean = {name: math.sqrt(float(np.mean([after[name] ** 2 for after in drawn]))) for name in drawn[0]}
-        knowledge.append(Knowledge(some, design.knowledge(chosen if some == asked else first[:some]), mean))
+        mean = {
+            name: math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
+            for name in drawn[0]
+        }
+        knowledge.append(
+            Knowledge(some, design.knowledge(chosen if some == asked else first[:some]), mean)
+        )
     losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
     missed = chosen[int(np.argmax(losses))]
     report(1.0)
@@ -169,8 +197,8 @@ def plan_pushes(
 class Design:
     """Sets of candidates, by number, and what is known after them.
 
-    believed (k, k) : covariance of the unknowns beforehand. derivatives (s, n, m, k) : of the m numbers measured of
-    each of the n candidates, over their noise, in each sample.
+    believed (k, k) : covariance of the unknowns beforehand. derivatives (s, n, m, k) : of the m
+        numbers measured of each of the n candidates, over their noise, in each sample.
     """
 
     def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:
@@ -188,7 +216,9 @@ class Design:
 
     def variance(self, chosen: list[int]) -> Array:
         """Of what is asked, (s, m)."""
-        return np.asarray(np.einsum("smk,skl,sml->sm", self.gradient, self.covariance(chosen), self.gradient))
+        return np.asarray(
+            np.einsum("smk,skl,sml->sm", self.gradient, self.covariance(chosen), self.gradient)
+        )
 
     def loss(self, chosen: list[int]) -> float:
         """What is to be small, after these pushes."""
@@ -227,7 +257,9 @@ class Design:
         return found
 
     def exchanged(self, chosen: list[int]) -> list[int]:
-        """The set with pushes exchanged for better ones: in all, and on average over the loss of any of them."""
+        """The set with pushes exchanged for better ones: in all, and on average over the loss of
+        any of them.
+        """
         found = list(chosen)
         for _ in range(_ROUNDS):
             changed = False

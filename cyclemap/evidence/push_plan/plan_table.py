@@ -28,7 +28,9 @@ ROBOT = ("push", "set_x_mm", "set_y_mm", "set_theta_deg", *_POINTS)
 
 
 def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> bytes:
-    """Return the table that asks for what is measured of each push, as a CSV or an Excel file; see `empty_table`."""
+    """Return the table that asks for what is measured of each push, as a CSV or an Excel file; see
+    `empty_table`.
+    """
     return table_bytes(*empty_table(plan.loop, plan.pushes, plan.read, by), excel)
 
 
@@ -37,8 +39,9 @@ def empty_table(
 ) -> tuple[list[str], list[list[object]]]:
     """Return the header and the rows of a table to fill in.
 
-    read : error of a reading, m and rad. by : `corners`, the places of two marks as a ruler tells them; `pose`, places
-    and orientations, and those of the robot's rod. Columns of the other sort may be added: both are read.
+    read : error of a reading, m and rad. by : `corners`, the places of two marks as a ruler tells
+        them; `pose`, places and orientations, and those of the robot's rod. Columns of the other
+        sort may be added: both are read.
     """
     columns = mark_columns if by == "corners" else pose_columns
     empty = [name for state in "012" for name in columns(state)]
@@ -55,7 +58,9 @@ def empty_table(
             push.fraction,
             *_rounded([math.degrees(push.angle)]),
         ]
-        set_up += _rounded([MM * push.distance, MM * start.x, MM * start.y, math.degrees(start.theta)])
+        set_up += _rounded(
+            [MM * push.distance, MM * start.x, MM * start.y, math.degrees(start.theta)]
+        )
         fixed = _rounded([*(MM * place), *way, *marks, MM * read[0], math.degrees(read[1])])
         rows.append([*set_up, *[None] * len(empty), *fixed])
     return [*SET_UP, *empty, *IN_OBJECT, *ERRORS], rows
@@ -64,15 +69,20 @@ def empty_table(
 def robot_schedule(plan: PushPlan) -> bytes:
     """Return where a robot puts the object and leads its rod, in the room's frame, as a CSV file.
 
-    The object is set, the rod comes in from `approach`, touches at `touch` and goes straight to `end`. Then, in the
-    ring wherever that is, it goes straight to `ring`, where the ring was before the push.
+    The object is set, the rod comes in from `approach`, touches at `touch` and goes straight to
+    `end`. Then, in the ring wherever that is, it goes straight to `ring`, where the ring was before
+    the push.
     """
     rows = []
     for number, planned in enumerate(plan.pushes, 1):
-        first, last = (np.array(place) for place in planned.rod(plan.loop.slider, plan.loop.pusher.radius))
+        first, last = (
+            np.array(place) for place in planned.rod(plan.loop.slider, plan.loop.pusher.radius)
+        )
         approach = first - APPROACH * (last - first) / planned.push.distance
         ring = planned.start.to_world(*plan.loop.slider.hitch)
-        places = [MM * coordinate for place in (approach, first, last, ring) for coordinate in place]
+        places = [
+            MM * coordinate for place in (approach, first, last, ring) for coordinate in place
+        ]
         pose = [MM * planned.start.x, MM * planned.start.y, math.degrees(planned.start.theta)]
         rows.append([number, *_rounded([*pose, *places])])
     return table_bytes(ROBOT, rows, excel=False)

@@ -1,7 +1,9 @@
-"""What pushes tell of floor, plate and rod, and how what is asked depends on them: first order, sample by sample.
+"""What pushes tell of floor, plate and rod, and how what is asked depends on them: first order,
+sample by sample.
 
-Each sample s of what is believed is a possible truth. There J_s are the derivatives of what is measured of a
-push, and g_s those of what is asked: of a stable direction θ* = f(θ*) it is dθ*/dp = -f_p / (f' - 1).
+Each sample s of what is believed is a possible truth. There J_s are the derivatives of what is
+measured of a push, and g_s those of what is asked: of a stable direction θ* = f(θ*) it is dθ*/dp =
+-f_p / (f' - 1).
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 TARGETS = ("direction", "map", "pushes")
 # What is unknown of floor, plate, rod and ring.
 UNKNOWNS = CYCLE_UNKNOWNS
-# Angles at which cycles are run; between them goes a trigonometric polynomial. Angles of the map that is asked for.
+# Angles at which cycles are run; between them goes a trigonometric polynomial. Angles of the map
+# that is asked for.
 _NODES, _FINE, _ANGLES = 33, 720, 36
 # Nothing is known worse than of a direction that may be any, rad.
 ANY_DIRECTION = math.pi / math.sqrt(3.0)
@@ -45,7 +48,8 @@ _ASKED = 60
 class Beliefs:
     """Samples of what is believed of the unknowns, all alike likely, and their covariance.
 
-    loop : about which is asked. values : a row of numbers by name for each of the s samples that are looked at.
+    loop : about which is asked. values : a row of numbers by name for each of the s samples that
+        are looked at.
     covariance (k, k) : of UNKNOWNS, over all samples.
     """
 
@@ -55,7 +59,8 @@ class Beliefs:
 
 
 def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
-    """Return what the posterior of a loop's material tells; `samples` of it, evenly spread, are looked at.
+    """Return what the posterior of a loop's material tells; `samples` of it, evenly spread, are
+    looked at.
 
     Raises InvalidInput for a material without samples.
     """
@@ -70,12 +75,16 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
     return Beliefs(loop, tuple(every[index] for index in chosen.tolist()), covariance)
 
 
-def push_sensitivity(known: Beliefs, pushes: Sequence[SetPush], noise: Array) -> tuple[Array, Array, Array]:
-    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by UNKNOWNS, twice.
+def push_sensitivity(
+    known: Beliefs, pushes: Sequence[SetPush], noise: Array
+) -> tuple[Array, Array, Array]:
+    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by
+    UNKNOWNS, twice.
 
-    Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the ring to where the
-    ring was before the push, rad. noise (4,) : of these. The derivatives (s, n, 4, k) are over it; then over it and
-    what a rod adds that is set a little off its mark: a push that depends on that tells less.
+    Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the
+    ring to where the ring was before the push, rad. noise (4,) : of these. The derivatives (s, n,
+    4, k) are over it; then over it and what a rod adds that is set a little off its mark: a push
+    that depends on that tells less.
     """
     slider, radius = known.loop.slider, known.loop.pusher.radius
     starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
@@ -91,13 +100,17 @@ def push_sensitivity(known: Beliefs, pushes: Sequence[SetPush], noise: Array) ->
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
-    turns = [_by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3] for values in known.values]
+    turns = [
+        _by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3]
+        for values in known.values
+    ]
     first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
     return np.array(ends), first, second
 
 
 def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
-    """Return derivatives by (n, 3, k) of pushes over their noise (3,) and that of where the rod is set.
+    """Return derivatives by (n, 3, k) of pushes over their noise (3,) and that of where the rod is
+    set.
 
     by_rod (n, 3, 2) : derivatives by the place of the rod.
     """
@@ -106,10 +119,13 @@ def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
 
 
 def _by_unknowns(block: DataBlock, jacobian: Array, count: int) -> Array:
-    """Derivatives (count, rows, k) by UNKNOWNS, nought by those that the block does not depend on."""
+    """Derivatives (count, rows, k) by UNKNOWNS,
+    nought by those that the block does not depend on."""
     names = [name for name in block.parameters if name in UNKNOWNS]
     whole = np.zeros((len(jacobian), len(UNKNOWNS)))
-    whole[:, [UNKNOWNS.index(name) for name in names]] = jacobian[:, [block.parameters.index(name) for name in names]]
+    whole[:, [UNKNOWNS.index(name) for name in names]] = jacobian[
+        :, [block.parameters.index(name) for name in names]
+    ]
     return whole.reshape(count, -1, len(UNKNOWNS))
 
 
@@ -117,9 +133,10 @@ def _by_unknowns(block: DataBlock, jacobian: Array, count: int) -> Array:
 class Target:
     """What is asked for, in each of s samples.
 
-    gradient (s, m, k) : of the m numbers asked for, by UNKNOWNS. loss : their variances (..., s, m) -> (...), what is
-    to be made small, averaged over the samples. words : their variances (s, m) -> numbers by name, of what will be
-    known, as people ask for it (rad, m). chance : share of the samples that lock in; None where that is not asked.
+    gradient (s, m, k) : of the m numbers asked for, by UNKNOWNS. loss : their variances (..., s, m)
+        -> (...), what is to be made small, averaged over the samples. words : their variances (s,
+        m) -> numbers by name, of what will be known, as people ask for it (rad, m). chance : share
+        of the samples that lock in; None where that is not asked.
     """
 
     gradient: Array
@@ -129,7 +146,8 @@ class Target:
 
 
 def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
-    """Return what is asked for: the stable directions and whether there are any, the whole map, or single pushes.
+    """Return what is asked for: the stable directions and whether there are any, the whole map, or
+    single pushes.
 
     by (s, n, 4, k) : derivatives of pushes and drags over their noise (4,), m and rad.
     """
@@ -137,14 +155,20 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
         return _direction(known)
     if name == "map":
         theta = 2.0 * math.pi * np.arange(_ANGLES) / _ANGLES
-        gradient = np.array([cycle_map_by_unknowns(known.loop, values, theta)[2] for values in known.values])
-        return Target(gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))})
+        gradient = np.array(
+            [cycle_map_by_unknowns(known.loop, values, theta)[2] for values in known.values]
+        )
+        return Target(
+            gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))}
+        )
     samples, count, _, unknowns = by.shape
     chosen = np.unique(np.linspace(0, count - 1, _ASKED).round().astype(int))
     gradient = by[:, chosen, :3].reshape(samples, -1, unknowns)
 
     def words(variance: Array) -> dict[str, float]:
-        along, across, turn = np.sqrt(variance.reshape(samples, -1, 3).mean(axis=(0, 1))) * noise[:3]
+        along, across, turn = (
+            np.sqrt(variance.reshape(samples, -1, 3).mean(axis=(0, 1))) * noise[:3]
+        )
         return {"place": math.hypot(along, across), "turn": float(turn)}
 
     return Target(gradient, _mean_loss, words)
@@ -154,8 +178,12 @@ def _mean_loss(variance: Array) -> Array:
     return np.asarray(variance.mean(axis=(-2, -1)))
 
 
-def cycle_map_by_unknowns(loop: CollectionLoop, values: dict[str, float], theta: Array) -> tuple[Array, Array, Array]:
-    """Return turn (n,), its slope (n,) and derivatives (n, k) by UNKNOWNS of a loop's map at theta (n,), rad."""
+def cycle_map_by_unknowns(
+    loop: CollectionLoop, values: dict[str, float], theta: Array
+) -> tuple[Array, Array, Array]:
+    """Return turn (n,), its slope (n,) and derivatives (n, k) by UNKNOWNS of a loop's map at theta
+    (n,), rad.
+    """
     nodes = 2.0 * math.pi * np.arange(_NODES) / _NODES
     runs, by = cycles_by_unknowns(SurfaceParameters.from_values(values), loop, nodes)
     between = interpolation(theta, _NODES)
@@ -173,7 +201,8 @@ def _direction(known: Beliefs) -> Target:
         following = np.roll(turn, -1)
         stable = np.flatnonzero((turn > 0.0) & (following <= 0.0) & (slope > -2.0) & (slope < 0.0))
         rows.append([-by[index] / slope[index] for index in stable.tolist()])
-        # The turn that decides: the extreme that is nearest to nought, whose sign would end or begin the lock.
+        # The turn that decides: the extreme that is nearest to nought, whose sign would end or
+        # begin the lock.
         extremes = [int(np.argmin(turn)), int(np.argmax(turn))]
         nearest = min(extremes, key=lambda index: abs(float(turn[index])))
         rows[-1].insert(0, by[nearest])
@@ -181,11 +210,15 @@ def _direction(known: Beliefs) -> Target:
     most = max(map(len, rows))
     gradient = np.array([row + [np.zeros(len(UNKNOWNS))] * (most - len(row)) for row in rows])
     margin = np.array(margins)
-    has = np.array([[place < len(row) for place in range(1, most)] for row in rows]).reshape(len(rows), most - 1)
+    has = np.array([[place < len(row) for place in range(1, most)] for row in rows]).reshape(
+        len(rows), most - 1
+    )
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:
-        """Chance (..., s) of a wrong answer to whether it locks, and mean square error of directions (..., s)."""
+        """Chance (..., s) of a wrong answer to whether it locks, and mean square error of
+        directions (..., s).
+        """
         from scipy.special import ndtr
 
         wrong = ndtr(-margin / np.sqrt(np.maximum(variance[..., 0], 1e-12)))
@@ -199,6 +232,8 @@ def _direction(known: Beliefs) -> Target:
     def words(variance: Array) -> dict[str, float]:
         wrong, square = errors(variance)
         chances = {"wrong": float(wrong.mean())}
-        return chances | ({"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {})
+        return chances | (
+            {"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {}
+        )
 
     return Target(gradient, loss, words, float(locks.mean()))

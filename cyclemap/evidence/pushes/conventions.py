@@ -1,4 +1,5 @@
-"""How data count angles and lay their axes: what a robot, a camera or a compass writes, brought to our own convention.
+"""How data count angles and lay their axes: what a robot, a camera or a compass writes, brought to
+our own convention.
 
 Ours: x and y in a right-handed frame seen from above, angles counter-clockwise from x.
 """
@@ -31,11 +32,19 @@ ANGLES: Mapping[str, tuple[float, float]] = {
 RIGHT_HANDED, MIRRORED, SWAPPED = "right-handed", "mirrored", "swapped"
 FRAMES = (RIGHT_HANDED, MIRRORED, SWAPPED)
 KEYS = ("angles", "frame", "offset_deg")
-# A table that was brought to our convention already ends so: what its folder says of the data is done.
+# A table that was brought to our convention already ends so: what its folder says of the data is
+# done.
 AS_READ = "_as_read.csv"
-_SAID = (r"counter-clockwise|clockwise|compass", r"right-handed|mirrored|swapped", r"plus(-?[\d.]+)deg")
-_NAMED_LAST = re.compile(rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$")
-# Columns of tables that every reader takes: pairs of places, angles and turns; in degrees where the name says so.
+_SAID = (
+    r"counter-clockwise|clockwise|compass",
+    r"right-handed|mirrored|swapped",
+    r"plus(-?[\d.]+)deg",
+)
+_NAMED_LAST = re.compile(
+    rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$"
+)
+# Columns of tables that every reader takes: pairs of places, angles and turns; in degrees where the
+# name says so.
 _PAIRS = (("x0", "y0"), ("x1", "y1"), ("x0n", "y0n"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
 _ORIENTATIONS = ("th0", "th1", "th0n", "theta0", "theta1", "theta_next")
 _DEGREES = ("theta0_deg", "theta1_deg", "theta_next_deg", "theta0_accum_deg", "theta0_mod360_deg")
@@ -46,9 +55,10 @@ _TURNS = ("dtheta", "dtheta_to_next_deg")
 class Convention:
     """How data count angles and lay their axes, seen from above.
 
-    angles : "counter-clockwise" from x, "clockwise" from x, or "compass": clockwise from y. frame : "right-handed";
-    "mirrored": y points the other way, as in pictures; "swapped": x stands for y and y for x. offset : rad, added to
-    every angle then: the orientation of an object whose angle reads as zero.
+    angles : "counter-clockwise" from x, "clockwise" from x, or "compass": clockwise from y. frame :
+        "right-handed"; "mirrored": y points the other way, as in pictures; "swapped": x
+        stands for y and y for x. offset : rad, added to every angle then: the orientation of an object whose
+        angle reads as zero.
 
     >>> heading = Convention("compass")
     >>> round(math.degrees(heading.theta(math.radians(30.0))))
@@ -70,13 +80,20 @@ class Convention:
 
     @classmethod
     def of_keys(cls, told: Mapping[str, object]) -> Convention:
-        """Return what keys of a file, or options, say; None says nothing. InvalidInput for an unknown key or word."""
+        """Return what keys of a file, or options, say; None says nothing. InvalidInput for an
+        unknown key or word.
+        """
         for key in told:
             if key not in KEYS:
                 raise unknown_name("key of [data]", key, KEYS)
-        words = {name: str(told[name]) for name in ("angles", "frame") if told.get(name) is not None}
+        words = {
+            name: str(told[name]) for name in ("angles", "frame") if told.get(name) is not None
+        }
         degrees = told.get("offset_deg")
-        return cls(**words, offset=0.0 if degrees is None else math.radians(finite_number("offset_deg", degrees)))
+        return cls(
+            **words,
+            offset=0.0 if degrees is None else math.radians(finite_number("offset_deg", degrees)),
+        )
 
     @property
     def is_ours(self) -> bool:
@@ -112,8 +129,16 @@ class Convention:
 
     def words(self) -> str:
         """Return what it says, in words."""
-        angle = "counter-clockwise from x" if self.angles == "counter-clockwise" else f"{self.angles} from x"
-        angle = "compass headings, clockwise from y" if self.angles == "compass" else f"{angle}, seen from above"
+        angle = (
+            "counter-clockwise from x"
+            if self.angles == "counter-clockwise"
+            else f"{self.angles} from x"
+        )
+        angle = (
+            "compass headings, clockwise from y"
+            if self.angles == "compass"
+            else f"{angle}, seen from above"
+        )
         offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
         return f"axes {self.frame}, angles {angle}{offset}"
 
@@ -122,7 +147,10 @@ class Convention:
         if self.is_ours:
             return record
         if isinstance(record, PushRecord):
-            poses, tips = self._series(record.object_pose, True), self._series(record.tip_pose, True)
+            poses, tips = (
+                self._series(record.object_pose, True),
+                self._series(record.tip_pose, True),
+            )
             return PushRecord(poses, tips, self._series(record.ft_wrench, False))
         return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
 
@@ -130,15 +158,20 @@ class Convention:
         """Rows of time, x, y and an angle, or time, two forces and a torque."""
         time, x, y, last = np.asarray(table).T
         handed = 1.0 if self.frame == RIGHT_HANDED else -1.0
-        return np.column_stack([time, *self.place(x, y), self.theta(last) if posed else handed * last])
+        return np.column_stack(
+            [time, *self.place(x, y), self.theta(last) if posed else handed * last]
+        )
 
     def direction(self, angle: float) -> float:
-        """Return the direction of a motion, rad, that data tell by its angle from their x towards their y."""
+        """Return the direction of a motion, rad, that data tell by its angle from their x towards
+        their y.
+        """
         x, y = self.place(math.cos(angle), math.sin(angle))
         return math.atan2(y, x)
 
     def table(self, table: CsvTable) -> CsvTable:
-        """Return a table whose columns every reader takes in our convention; of other columns nothing changes.
+        """Return a table whose columns every reader takes in our convention; of other columns
+        nothing changes.
 
         What is no number stays as it is, for its reader to refuse.
         """
@@ -151,7 +184,9 @@ class Convention:
         numbers = {name: float(text) for name, text in fields.items() if _is_number(text)}
         for pair in _PAIRS:
             if set(pair) <= set(numbers):
-                fields |= zip(pair, map(repr, self.place(*(numbers[name] for name in pair))), strict=True)
+                fields |= zip(
+                    pair, map(repr, self.place(*(numbers[name] for name in pair))), strict=True
+                )
         for name in (*_ORIENTATIONS, *_DEGREES):
             if name in numbers:
                 scale = math.degrees(1.0) if name in _DEGREES else 1.0
@@ -173,7 +208,8 @@ def _is_number(text: str) -> bool:
 
 
 def as_read_name(stem: str, told: Mapping[str, object]) -> str:
-    """Return the file name of a table brought to our convention: it says what was told of the one it was in.
+    """Return the file name of a table brought to our convention: it says what was told of the one
+    it was in.
 
     >>> as_read_name("log", {"angles": "clockwise", "frame": None})
     'log_clockwise_as_read.csv'
@@ -186,7 +222,9 @@ def as_read_name(stem: str, told: Mapping[str, object]) -> str:
 
 
 def written_convention(data: str | Path) -> tuple[Convention, bool]:
-    """Return the convention in which data were written before anything was done to them, and whether all was told."""
+    """Return the convention in which data were written before anything was done to them, and
+    whether all was told.
+    """
     name = Path(data).name
     told: dict[str, object] = dict(data_table(data))
     if name.endswith(AS_READ):
@@ -199,11 +237,16 @@ def written_convention(data: str | Path) -> tuple[Convention, bool]:
 
 
 def convention_of(
-    data: str | Path, angles: str | None = None, frame: str | None = None, offset_deg: float | None = None
+    data: str | Path,
+    angles: str | None = None,
+    frame: str | None = None,
+    offset_deg: float | None = None,
 ) -> Convention:
-    """Return the convention of data: what is told, else what the table [data] of their folder's collection.toml says.
+    """Return the convention of data: what is told, else what the table [data] of their folder's
+    collection.toml says.
 
-    A file that was brought to ours already, as its name tells, is in ours. Raises InvalidInput for an unknown word.
+    A file that was brought to ours already, as its name tells, is in ours. Raises InvalidInput for
+    an unknown word.
     """
     told = {"angles": angles, "frame": frame, "offset_deg": offset_deg}
     if Path(data).name.endswith(AS_READ):

@@ -1,4 +1,6 @@
-"""Measured pushes and drags with known rod paths and end poses from CSV tables, and which rows of data take part."""
+"""Measured pushes and drags with known rod paths and end poses from CSV tables, and which rows of
+data take part.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,8 @@ from cyclemap.text_files import CsvRow, CsvTable, require_columns
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 Place = tuple[float, float]
-# The robot was further than this from where it was sent: the push is not the one that was asked for.
+# The robot was further than this from where it was sent: the push is not the one that was asked
+# for.
 LARGEST_TIP_ERROR = 5e-3
 NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, or set push_mm"
 PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
@@ -30,7 +33,8 @@ DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
 
 @dataclass(frozen=True)
 class RowSelection:
-    """The objects whose rows are kept (none: whatever it is), and values of other facts, SI units and radians.
+    """The objects whose rows are kept (none: whatever it is), and values of other facts, SI units
+    and radians.
 
     What a row does not tell is not held against it. Raises InvalidInput for an unknown fact.
     """
@@ -47,7 +51,11 @@ class RowSelection:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
         if self.objects and _known(shape) and shape not in self.objects:
-            return f"of {shape}, not {self.objects[0]}" if len(self.objects) == 1 else f"of {shape}, of unknown outline"
+            return (
+                f"of {shape}, not {self.objects[0]}"
+                if len(self.objects) == 1
+                else f"of {shape}, of unknown outline"
+            )
         for name, wanted in self.chosen.items():
             value: Any = facts.get(name)
             if name == "object" or not _known(value):
@@ -57,18 +65,26 @@ class RowSelection:
             else:
                 same = math.isclose(float(value), wanted, rel_tol=1e-6, abs_tol=1e-9)
             if not same:
-                return f"of {name} {value if isinstance(value, str) else f'{value:g}'}, not {wanted}"
+                return (
+                    f"of {name} {value if isinstance(value, str) else f'{value:g}'}, not {wanted}"
+                )
         return ""
 
 
-def selected_rows(table: CsvTable, selection: RowSelection) -> tuple[list[CsvRow], list[dict[str, Any]], Counter[str]]:
-    """Return the rows of a CSV table that take part, the facts by which they do, and how many stay out, by reason.
+def selected_rows(
+    table: CsvTable, selection: RowSelection
+) -> tuple[list[CsvRow], list[dict[str, Any]], Counter[str]]:
+    """Return the rows of a CSV table that take part, the facts by which they do, and how many stay
+    out, by reason.
 
     Raises DataFileError where a fact is no number.
     """
     rows, told, left_out = list[CsvRow](), list[dict[str, Any]](), Counter[str]()
     for row in table.rows:
-        facts = {name: column_value(table, row, name) for name in ("surface", "object", "speed", *selection.chosen)}
+        facts = {
+            name: column_value(table, row, name)
+            for name in ("surface", "object", "speed", *selection.chosen)
+        }
         if reason := selection.refusal(facts):
             left_out[reason] += 1
         else:
@@ -80,7 +96,8 @@ def selected_rows(table: CsvTable, selection: RowSelection) -> tuple[list[CsvRow
 def select_pushes(
     path: Path, selection: RowSelection, tables_too: bool, progress: Any = None
 ) -> tuple[PushTable, Counter[str]]:
-    """Return the pushes and scans of a file or tree that take part, and how many stay out, by reason.
+    """Return the pushes and scans of a file or tree that take part, and how many stay out, by
+    reason.
 
     tables_too : whether CSV tables count; else files of the MIT layout alone do.
     """
@@ -95,7 +112,9 @@ def select_pushes(
             left_out[reason] += bool(reason)
             keep[number] = not (reason or table)
         frames.append(frame[keep].reset_index(drop=True))
-    bad = [file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX]
+    bad = [
+        file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX
+    ]
     return replace(found, table=frames[0], scans=frames[1], unreadable=tuple(bad)), +left_out
 
 
@@ -109,12 +128,17 @@ def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
 
 
 def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
-    """Return what a session is called: the plate and its speed, m/s; where that is unknown, what it is `otherwise`.
+    """Return what a session is called: the plate and its speed, m/s; where that is unknown, what it
+    is `otherwise`.
 
     >>> session_name("hex", 0.02)
     'hex 20 mm/s'
     """
-    return f"{plate} {otherwise}".strip() if speed is None or math.isnan(speed) else f"{plate} {1e3 * speed:.4g} mm/s"
+    return (
+        f"{plate} {otherwise}".strip()
+        if speed is None or math.isnan(speed)
+        else f"{plate} {1e3 * speed:.4g} mm/s"
+    )
 
 
 def told(values: Iterable[Any]) -> frozenset[str]:
@@ -128,9 +152,11 @@ def _known(value: Any) -> bool:
 
 @dataclass(frozen=True)
 class MeasuredPush:
-    """A straight push: the object's poses before and after, the rod's centre before and after (m, world frame).
+    """A straight push: the object's poses before and after, the rod's centre before and after (m,
+    world frame).
 
-    end.theta is on the lift nearest to start.theta. contact : label of the place touched, alike for pushes there.
+    end.theta is on the lift nearest to start.theta. contact : label of the place touched, alike for
+    pushes there.
     """
 
     start: Pose
@@ -141,7 +167,9 @@ class MeasuredPush:
 
     def __post_init__(self) -> None:
         if self.tip_start == self.tip_end:
-            raise InvalidInput(f"a push whose rod stays at {self.tip_start} m moves nothing: leave it out")
+            raise InvalidInput(
+                f"a push whose rod stays at {self.tip_start} m moves nothing: leave it out"
+            )
 
     @property
     def direction(self) -> float:
@@ -156,7 +184,8 @@ class MeasuredPush:
 
 @dataclass(frozen=True)
 class MeasuredDrag:
-    """A straight drag by the ring: the object's poses before and after; end.theta nearest to start.theta.
+    """A straight drag by the ring: the object's poses before and after; end.theta nearest to
+    start.theta.
 
     contact : label of drags that belong together.
     """
@@ -167,15 +196,23 @@ class MeasuredDrag:
 
 
 def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredPush, ...]:
-    """Read pushes from rows of a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1` (m, rad).
+    """Read pushes from rows of a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1`
+    (m, rad).
 
-    Rows whose `tip_err_mm`, where there is such a column, exceeds 5 mm are left out. Columns `i` and `s` (side,
-    fraction), where present, label the contact. Raises DataFileError naming file, line and mend.
+    Rows whose `tip_err_mm`, where there is such a column, exceeds 5 mm are left out. Columns `i`
+    and `s` (side, fraction), where present, label the contact. Raises DataFileError naming file,
+    line and mend.
     """
     require_columns(table, PUSH_END_COLUMNS)
-    rows = [row for row in _whole(table, rows, PUSH_END_COLUMNS) if tip_error(table, row) <= LARGEST_TIP_ERROR]
+    rows = [
+        row
+        for row in _whole(table, rows, PUSH_END_COLUMNS)
+        if tip_error(table, row) <= LARGEST_TIP_ERROR
+    ]
     labels = list(range(len(rows)))
-    if {"i", "s"} <= set(table.header) and all(table.text(row, name) for row in rows for name in "is"):
+    if {"i", "s"} <= set(table.header) and all(
+        table.text(row, name) for row in rows for name in "is"
+    ):
         places = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
         known = sorted(set(places))
         labels = [known.index(place) for place in places]
@@ -191,13 +228,22 @@ def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measu
 
 
 def told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
-    """Return the push that a row of a table tells, and its length; what is NaN stays as in ``push``."""
-    told = {"side": facts["side"], "fraction": facts["fraction"], "angle": facts["angle"], "distance": length}
+    """Return the push that a row of a table tells, and its length; what is NaN stays as in
+    ``push``.
+    """
+    told = {
+        "side": facts["side"],
+        "fraction": facts["fraction"],
+        "angle": facts["angle"],
+        "distance": length,
+    }
     return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
 
 
 def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredDrag, ...]:
-    """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m, rad)."""
+    """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m,
+    rad).
+    """
     require_columns(table, DRAG_COLUMNS)
     drags = []
     for label, row in enumerate(_whole(table, rows, DRAG_COLUMNS)):
@@ -214,17 +260,26 @@ def tip_error(table: CsvTable, row: CsvRow) -> float:
 
 
 def _whole(table: CsvTable, rows: Sequence[CsvRow], columns: Sequence[str]) -> list[CsvRow]:
-    """The rows with a number in every one of the columns; those with an empty field are warned of, and none is left."""
+    """The rows with a number in every one of the columns; those with an empty field are warned of,
+    and none is left.
+    """
     kept = [row for row in rows if all(table.text(row, name) for name in columns)]
     if len(kept) < len(rows):
         if not kept:
             raise table.error(rows[0].line, f"no row has all of {', '.join(columns)}: fill them in")
-        told = f"{table.path}: {len(rows) - len(kept)} of {len(rows)} rows left out for want of a place or an angle"
+        told = (
+            f"{table.path}: {len(rows) - len(kept)} of {len(rows)} rows left out for want of "
+            "a place or an angle"
+        )
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     return kept
 
 
 def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
-    """Return the object's poses before and after a push, angles as written, and the rod's places then (m, world)."""
-    x0, y0, theta0, x1, y1, theta1, *tip = (table.number(row, column) for column in PUSH_END_COLUMNS)
+    """Return the object's poses before and after a push, angles as written, and the rod's places
+    then (m, world).
+    """
+    x0, y0, theta0, x1, y1, theta1, *tip = (
+        table.number(row, column) for column in PUSH_END_COLUMNS
+    )
     return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])

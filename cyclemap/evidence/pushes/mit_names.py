@@ -1,4 +1,6 @@
-"""File names of the MIT push dataset (Yu et al. 2016): what a name says about the push or the friction scan."""
+"""File names of the MIT push dataset (Yu et al. 2016): what a name says about the push or the
+friction scan.
+"""
 
 import math
 import re
@@ -24,10 +26,12 @@ _SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]*")
 class PushFacts:
     """What the name of a push file says; a fact it does not give is NaN (text: None).
 
-    surface, object : names, such as "plywood" and "rect1". acceleration : m/s^2, 0 for a push at constant speed.
-    speed : m/s; NaN where the name gives a negative one, as names of accelerated pushes do. side : side of the
-    object, counter-clockwise from 0. fraction : place on that side, from its first vertex. angle : rad, of the
-    push against the inner normal, in the object's initial frame. repetition : number of the push in its set.
+    surface, object : names, such as "plywood" and "rect1". acceleration : m/s^2, 0 for a push at
+        constant speed.
+    speed : m/s; NaN where the name gives a negative one, as names of accelerated pushes do. side :
+        side of the object, counter-clockwise from 0. fraction : place on
+        that side, from its first vertex. angle : rad, of the push against the inner normal, in the
+        object's initial frame. repetition : number of the push in its set.
     """
 
     surface: str | None = None
@@ -44,7 +48,8 @@ class PushFacts:
 class ScanFacts:
     """What the name of a friction scan says; a fact it does not give is NaN (text: None).
 
-    direction : rad in [0, 2π), the way the object moves in the world: half a turn from the `deg` of the name.
+    direction : rad in [0, 2π), the way the object moves in the world: half a turn from the `deg` of
+        the name.
     The rest as in `PushFacts`.
     """
 
@@ -57,10 +62,11 @@ class ScanFacts:
 
 
 def push_facts(path: str | PurePath) -> PushFacts | None:
-    """Return the facts in the name of a push file (folders and suffix do not matter); None for any other name.
+    """Return the facts in the name of a push file (folders and suffix do not matter); None for any
+    other name.
 
-    Names are `motion_surface=S_shape=O_a=A_v=V_i=I_s=F_t=T` with A in mm/s^2, V in mm/s and T in rad, and
-    `_rep=NNNN` behind it in repeated sets.
+    Names are `motion_surface=S_shape=O_a=A_v=V_i=I_s=F_t=T` with A in mm/s^2, V in mm/s and T in
+    rad, and `_rep=NNNN` behind it in repeated sets.
     """
     if (read := _read(_PUSH, path)) is None:
         return None
@@ -71,8 +77,8 @@ def push_facts(path: str | PurePath) -> PushFacts | None:
 def scan_facts(path: str | PurePath) -> ScanFacts | None:
     """Return the facts in the name of a straight friction scan; None for any other name.
 
-    Names are `record_surface=S_shape=O_a=A_v=V_deg=D_rep=RRR`; scans that also turn the object (`rotdeg` in
-    the name) are another kind, and none of these.
+    Names are `record_surface=S_shape=O_a=A_v=V_deg=D_rep=RRR`; scans that also turn the object
+    (`rotdeg` in the name) are another kind, and none of these.
     """
     if (read := _read(_SCAN, path)) is None:
         return None
@@ -94,10 +100,12 @@ def _read(
 
 
 def push_name(facts: PushFacts) -> str:
-    """Return the name of a push file, without folder and suffix, that says these facts: the inverse of `push_facts`.
+    """Return the name of a push file, without folder and suffix, that says these facts: the inverse
+    of `push_facts`.
 
-    Numbers have the decimals that names of the dataset have, and more where the exact number needs them. Raises
-    InvalidInput where a fact is missing (only the repetition may be) or no name could say it.
+    Numbers have the decimals that names of the dataset have, and more where the exact number needs
+    them. Raises InvalidInput where a fact is missing (only the repetition may be) or no name could
+    say it.
 
     >>> push_name(PushFacts("plywood", "rect1", 0.0, 0.02, 0.0, 0.7, 0.0, 12.0))
     'motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0012'
@@ -105,7 +113,9 @@ def push_name(facts: PushFacts) -> str:
     0.0055
     """
     place = (("i", "side"), ("s", "fraction"), ("t", "angle"))
-    told = "_".join(f"{letter}={_decimal(fact, getattr(facts, fact), 0, 3)}" for letter, fact in place)
+    told = "_".join(
+        f"{letter}={_decimal(fact, getattr(facts, fact), 0, 3)}" for letter, fact in place
+    )
     return _name("motion", facts, told, 4, push_facts)
 
 
@@ -135,8 +145,13 @@ def _name(
     read: Callable[[str], PushFacts | ScanFacts | None],
 ) -> str:
     """The name of a file; InvalidInput where reading it gives other facts."""
-    motion = f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
-    name, repetition = f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}", facts.repetition
+    motion = (
+        f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
+    )
+    name, repetition = (
+        f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}",
+        facts.repetition,
+    )
     if not math.isnan(repetition):
         number = int(repetition) if float(repetition).is_integer() else repetition
         name += f"_rep={whole_number('repetition', number, 0):0{digits}d}"
@@ -149,5 +164,8 @@ def _name(
             both_unknown = math.isnan(value) and math.isnan(found)
             same = both_unknown or abs(math.remainder(value - found, 2.0 * math.pi)) < 1e-10
         if not same:
-            raise InvalidInput(f"no file name can say {facts}: it would be read as {seen}; mend the texts and numbers")
+            raise InvalidInput(
+                f"no file name can say {facts}: it would be read as {seen}; mend the texts and "
+                "numbers"
+            )
     return name

@@ -1,4 +1,6 @@
-"""The columns of a file of numbers as it names them: CSV of any house, Excel, LeRobot's parquet, poses of a ROS bag."""
+"""The columns of a file of numbers as it names them: CSV of any house, Excel, LeRobot's parquet,
+poses of a ROS bag.
+"""
 
 from __future__ import annotations
 
@@ -29,17 +31,22 @@ JSON_LINES = (".jsonl", ".ndjson")
 # Of columns of texts those that tell what was pushed on what are kept.
 _TEXTS = re.compile(r"surface|object|shape", re.IGNORECASE)
 QUATERNION = ("qx", "qy", "qz", "qw")
-# Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on disk.
+# Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on
+# disk.
 _LARGEST_DECODED = 2**26
 
 
 def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
-    """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an unfinished line."""
+    """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an
+    unfinished line.
+    """
     if path.is_dir() and (path / "meta" / "info.json").is_file():
         return _lerobot(path)
     if not path.is_dir() and not path.is_file():
         pipe = "is a pipe or a device; give a regular file"
-        raise DataFileError(f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}")
+        raise DataFileError(
+            f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}"
+        )
     if path.is_dir() or path.suffix.lower() in BAGS:
         return _bag(path, told.get("pose"))
     if path.suffix.lower() in PARQUET:
@@ -47,7 +54,11 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     if path.suffix.lower() not in EXCEL:
         text = read_text(path, "CSV")
         text = text[: text.rfind("\n") + 1] if growing else text
-        return _json_lines(path, text) if path.suffix.lower() in (*JSON_LINES, ".json") else _csv(path, text)
+        return (
+            _json_lines(path, text)
+            if path.suffix.lower() in (*JSON_LINES, ".json")
+            else _csv(path, text)
+        )
     _library("openpyxl", "excel")
     # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
     with _refused_as(path, "a spreadsheet"):
@@ -69,11 +80,18 @@ def _refused_as(path: Path, kind: str) -> Iterator[None]:
 
 def _check_size(path: Path, decoded: int) -> None:
     """Refuse what is small on disk and large when it is unpacked."""
-    require_room(f"{path}: holds {decoded / 1e6:.0f} MB of numbers", decoded // 8, "split it", _LARGEST_DECODED // 8)
+    require_room(
+        f"{path}: holds {decoded / 1e6:.0f} MB of numbers",
+        decoded // 8,
+        "split it",
+        _LARGEST_DECODED // 8,
+    )
 
 
 def _json_lines(path: Path, text: str) -> Columns:
-    """Rows of JSON, one a line: what stands deeper is named by its way there, parts of lists by their number."""
+    """Rows of JSON, one a line: what stands deeper is named by its way there, parts of lists by
+    their number.
+    """
     pandas: Any = import_module("pandas")
     rows = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -84,7 +102,9 @@ def _json_lines(path: Path, text: str) -> Columns:
         except ValueError as error:
             raise DataFileError(f"{path}, line {number}: not JSON ({error})") from error
         if not isinstance(row, dict):
-            raise DataFileError(f"{path}, line {number}: a row is an object, {{...}}, not {line[:40]}")
+            raise DataFileError(
+                f"{path}, line {number}: a row is an object, {{...}}, not {line[:40]}"
+            )
         rows.append(dict(_flat("", row)))
     if len(rows) < 2:
         raise DataFileError(f"{path}: {len(rows)} lines; rows are wanted")
@@ -106,7 +126,9 @@ def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
 def _csv(path: Path, text: str) -> Columns:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
     pandas: Any = import_module("pandas")
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))]
+    lines = [
+        line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))
+    ]
     if len(lines) < 2:
         raise DataFileError(f"{path}: {len(lines)} lines; a header and rows are wanted")
     separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
@@ -116,12 +138,21 @@ def _csv(path: Path, text: str) -> Columns:
     try:
         rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
         names = len(rows[0])
-        # pandas would take the first column of longer rows for their names, and move all others by one.
+        # pandas would take the first column of longer rows for their names, and move all others by
+        # one.
         for row in rows:
             if any(field.strip() for field in row[names:]):
-                raise DataFileError(f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}")
-        form = {"sep": separator, "decimal": "." if separator == "," else ",", "skipinitialspace": True}
-        frame = pandas.read_csv(io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form)
+                raise DataFileError(
+                    f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}"
+                )
+        form = {
+            "sep": separator,
+            "decimal": "." if separator == "," else ",",
+            "skipinitialspace": True,
+        }
+        frame = pandas.read_csv(
+            io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form
+        )
     except (ValueError, csv.Error, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
     return _numbers(path, frame)
@@ -143,19 +174,30 @@ def _numbers(path: Path, frame: Any) -> Columns:
                 column = (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds()
         found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
     if not any(np.isfinite(values).any() for values in found.values() if values.dtype.kind == "f"):
-        raise DataFileError(f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
+        raise DataFileError(
+            f"{path}: no column of numbers among {', '.join(map(str, frame.columns))[:200]}"
+        )
     return found
 
 
 def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = None) -> Columns:
-    """Columns of parquet files, one after the other; of lists each part as a column named[i], or by its own name."""
+    """Columns of parquet files, one after the other; of lists each part as a column named[i], or by
+    its own name.
+    """
     _library("pyarrow", "lerobot")
     pandas: Any = import_module("pandas")
     parquet: Any = import_module("pyarrow.parquet")
     # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
     with _refused_as(files[0], "parquet"):
-        groups = [told.row_group(n) for told in map(parquet.read_metadata, files) for n in range(told.num_row_groups)]
-        _check_size(files[0], 8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)))
+        groups = [
+            told.row_group(n)
+            for told in map(parquet.read_metadata, files)
+            for n in range(told.num_row_groups)
+        ]
+        _check_size(
+            files[0],
+            8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)),
+        )
         frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
     found: Columns = {}
     for column in frame.columns:
@@ -174,10 +216,14 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
 
 
 def _lerobot(path: Path) -> Columns:
-    """A LeRobot data set: its parquet files in order, the parts of its features by the names that it gives them."""
+    """A LeRobot data set: its parquet files in order, the parts of its features by the names that
+    it gives them.
+    """
     files = sorted((path / "data").rglob("*.parquet"))
     if not files:
-        raise DataFileError(f"{path}: a LeRobot data set without data/*.parquet: fetch its data, not meta alone")
+        raise DataFileError(
+            f"{path}: a LeRobot data set without data/*.parquet: fetch its data, not meta alone"
+        )
     try:
         features = json.loads(read_text(path / "meta" / "info.json", "JSON")).get("features", {})
     except ValueError as error:
@@ -200,7 +246,11 @@ def _bag(path: Path, topic: str | None) -> Columns:
     try:
         store = typesys.get_typestore(typesys.Stores.LATEST)
         with highlevel.AnyReader([path], default_typestore=store) as reader:
-            posed = [one for one in reader.connections if re.search(r"Pose|Odometry|Transform", one.msgtype)]
+            posed = [
+                one
+                for one in reader.connections
+                if re.search(r"Pose|Odometry|Transform", one.msgtype)
+            ]
             topics = sorted({one.topic for one in posed})
             wanted = topic or (topics[0] if len(topics) == 1 else None)
             if wanted not in topics:
@@ -218,9 +268,13 @@ def _bag(path: Path, topic: str | None) -> Columns:
     except DataFileError:
         raise
     except Exception as error:
-        mend = "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
+        mend = (
+            "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
+        )
         if "Profile is not ros2" in str(error):
-            mend = "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
+            mend = (
+                "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
+            )
         raise DataFileError(f"{path}: not a ROS bag that can be read ({error}): {mend}") from error
     if not rows:
         raise DataFileError(f"{path}: the topic {wanted} has no message")

@@ -1,7 +1,8 @@
 """Tables of one's own, as `own_files` reads them, brought to the columns of `read_push_csv`.
 
-What a column means is told or guessed by its name, its unit by name or size; every guess is said, and nothing that two
-readings are possible of is guessed. A stream of one object's poses becomes pushes by its episodes, or by its rests.
+What a column means is told or guessed by its name, its unit by name or size; every guess is said,
+and nothing that two readings are possible of is guessed. A stream of one object's poses becomes
+pushes by its episodes, or by its rests.
 """
 
 from __future__ import annotations
@@ -19,7 +20,15 @@ import numpy as np
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
-from cyclemap.evidence.pushes.own_files import BAGS, EXCEL, JSON_LINES, PARQUET, QUATERNION, Columns, raw_columns
+from cyclemap.evidence.pushes.own_files import (
+    BAGS,
+    EXCEL,
+    JSON_LINES,
+    PARQUET,
+    QUATERNION,
+    Columns,
+    raw_columns,
+)
 from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
 from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
 from cyclemap.plain_text import json_value
@@ -36,10 +45,17 @@ _ANGLE_UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "turn": 2.0 * math.pi}
 _LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 _TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
-_UNITS_OF = dict.fromkeys(_ANGLES, _ANGLE_UNITS) | dict.fromkeys(_LENGTHS, _LENGTH_UNITS) | {"t": _TIME_UNITS}
+_UNITS_OF = (
+    dict.fromkeys(_ANGLES, _ANGLE_UNITS)
+    | dict.fromkeys(_LENGTHS, _LENGTH_UNITS)
+    | {"t": _TIME_UNITS}
+)
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
-_BEFORE, _AFTER = r"(?:0|before|start|initial|init|pre|vorher|first)", r"(?:1|after|end|final|post|nachher|last)"
+_BEFORE, _AFTER = (
+    r"(?:0|before|start|initial|init|pre|vorher|first)",
+    r"(?:1|after|end|final|post|nachher|last)",
+)
 _ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)"
 _MEANING = {
     "theta0": (rf"{_ANGLE}_?{_BEFORE}", rf"{_BEFORE}_{_ANGLE}"),
@@ -67,7 +83,10 @@ _MEANING = {
         for end, words in (("0", _BEFORE), ("1", _AFTER))
     },
     **{
-        name: (rf"(?:orientation_|quat(?:ernion)?_)?{name}", rf"(?:orientation|quat(?:ernion)?)_{name[1]}")
+        name: (
+            rf"(?:orientation_|quat(?:ernion)?_)?{name}",
+            rf"(?:orientation|quat(?:ernion)?)_{name[1]}",
+        )
         for name in QUATERNION
     },
 }
@@ -80,15 +99,23 @@ _UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
 }
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
-_OURS = ({"theta0_deg"}, {"theta0_accum_deg"}, _POSES, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
+_OURS = (
+    {"theta0_deg"},
+    {"theta0_accum_deg"},
+    _POSES,
+    {"x1", "y1", "x0n", "y0n"},
+    {"fx", "fy", "vx", "vy"},
+)
 # Seconds from row to row: up to this many rows follow a moving object.
 _STREAM_STEP = 0.4
 _LONGEST_HEADER = 100_000
-# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no metres of a table.
+# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
+# metres of a table.
 _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
 # So many angles that fill so much of one and no more are turns as likely as radians.
 _TELLING, _MOST_OF_A_TURN = 8, 0.7
-# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so on.
+# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
+# on.
 _AN_EPOCH = 1e8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
 _FEWEST_AT_RANDOM = 20
@@ -119,12 +146,17 @@ class OwnTable:
             columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
         elif "tip_x1" in columns:
             # The names by which rods' places are read, too.
-            columns = {{"theta0": "th0", "theta1": "th1"}.get(name, name): one for name, one in columns.items()}
+            columns = {
+                {"theta0": "th0", "theta1": "th1"}.get(name, name): one
+                for name, one in columns.items()
+            }
         return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
 def is_own(path: str | Path) -> bool:
-    """Whether data are of a kind or with columns that `load_pushes` and its like do not read as they are."""
+    """Whether data are of a kind or with columns that `load_pushes` and its like do not read as
+    they are.
+    """
     place = Path(path)
     if place.is_dir():
         return (place / "meta" / "info.json").is_file() or (place / "metadata.yaml").is_file()
@@ -166,25 +198,33 @@ def read_own_table(
 ) -> OwnTable:
     """Read a table of one's own, or a stream of poses, as pushes.
 
-    columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream t, x, y, theta (or
-    the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A part of a list is named[i]. units : of
-    angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is not told is guessed.
-    angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`; what is not told is
-    what a collection.toml with the data says, else counter-clockwise and right-handed, 0.
+    columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream
+        t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A
+        part of a list is named[i]. units : of angles (deg, rad, turn), lengths (mm, cm, m, inch)
+        and times (s, ms, us, ns). What is not told is guessed.
+    angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`;
+        what is not told is what a collection.toml with the data says, else counter-clockwise and
+        right-handed, 0.
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)
-    found, words, guessed, segments = _understood(Path(path), dict(columns or {}), units, convention)
+    found, words, guessed, segments = _understood(
+        Path(path), dict(columns or {}), units, convention
+    )
     pushes, more_words = _cleaned(Path(path), found)
     return OwnTable(pushes, (*words, *more_words, _assumed(pushes, convention)), guessed, segments)
 
 
 def _assumed(pushes: Columns, convention: Convention) -> str:
-    """What is said of the convention: orientations alone cannot tell whether it is the right one."""
+    """What is said of the convention:
+    orientations alone cannot tell whether it is the right one."""
     if set(pushes) >= _POSES:
         return f"read with {convention.words()}"
     angles = convention.words().partition("angles ")[2]
-    return f"angles taken as {angles}: orientations alone cannot tell, --angles clockwise or compass says otherwise"
+    return (
+        f"angles taken as {angles}: orientations alone cannot tell, --angles clockwise or "
+        "compass says otherwise"
+    )
 
 
 def read_orientations(
@@ -194,12 +234,16 @@ def read_orientations(
     growing: bool = False,
     convention: Convention = OURS,
 ) -> OwnTable:
-    """Read θ0 alone of a table of one's own, as `read_own_table` does: every one known, in the order of the rows.
+    """Read θ0 alone of a table of one's own, as `read_own_table` does: every one known, in the
+    order of the rows.
 
-    growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError also where rows to
-    come could change what earlier ones mean: a stream of poses, or a unit that would be guessed.
+    growing : a CSV file that is written to, whose last line waits for its end. Then DataFileError
+        also where rows to come could change what earlier ones mean: a stream of poses, or a unit
+        that would be guessed.
     """
-    found, words, guessed, _ = _understood(Path(path), dict(columns or {}), units, convention, growing)
+    found, words, guessed, _ = _understood(
+        Path(path), dict(columns or {}), units, convention, growing
+    )
     known = np.isfinite(found["theta0"])
     said = (*words, *_without_orientation(known), _assumed({}, convention))
     return OwnTable({"theta0": found["theta0"][known]}, said, guessed)
@@ -211,14 +255,21 @@ def _without_orientation(known: Mask) -> list[str]:
 
 
 def _understood(
-    place: Path, told: dict[str, str], units: Sequence[str], convention: Convention, growing: bool = False
+    place: Path,
+    told: dict[str, str],
+    units: Sequence[str],
+    convention: Convention,
+    growing: bool = False,
 ) -> tuple[Columns, list[str], bool, Segments | None]:
-    """The columns in SI units and our convention by our names, what was read as what, whether any of that is a guess,
-    and how a stream was cut.
+    """The columns in SI units and our convention by our names, what was read as what, whether any
+    of that is a guess, and how a stream was cut.
     """
     units = [_UNIT_WORDS.get(unit, unit) for unit in units]
     if growing and place.suffix.lower() not in TEXTS:
-        raise DataFileError(f"{place}: read once it is whole, without --follow: only a CSV file is read while it grows")
+        raise DataFileError(
+            f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
+            "grows"
+        )
     for name in told:
         if name not in (*_KNOWN, "pose"):
             raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
@@ -228,7 +279,9 @@ def _understood(
     raw = raw_columns(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
-        raise DataFileError(f"{place}: a stream of poses is cut into pushes once it is whole: without --follow")
+        raise DataFileError(
+            f"{place}: a stream of poses is cut into pushes once it is whole: without --follow"
+        )
     words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
     found: Columns = {}
     for name, column in meaning.items():
@@ -237,7 +290,9 @@ def _understood(
             continue
         factor, said = _factor(name, meaning, raw, units)
         if growing and name in _ANGLES and "guessed" in said:
-            raise DataFileError(f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad")
+            raise DataFileError(
+                f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad"
+            )
         found[name] = factor * raw[column]
         words.append(f"{column} read as {name}{said}")
     if unread := [column for column in raw if column not in meaning.values()]:
@@ -245,7 +300,9 @@ def _understood(
     if "qw" in found:
         x, y, z, w = (found.pop(name) for name in QUATERNION)
         size = x * x + y * y + z * z + w * w
-        found["theta"] = np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
+        found["theta"] = np.arctan2(
+            2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size
+        )
     for name in set(_ANGLES) & set(found):
         found[name] = convention.theta(found[name])
     for pair in _PAIRS:
@@ -263,7 +320,10 @@ def _understood(
         step = float(np.median(np.abs(np.diff(found["t"]))))
         if 0.0 < step <= _STREAM_STEP:
             line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
-            mend = f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or leave the times out"
+            mend = (
+                f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
+                "leave the times out"
+            )
             raise DataFileError(f"{line}: {mend}")
     if not growing:
         found, more = _ordered(found)
@@ -281,11 +341,16 @@ def _ordered(found: Columns) -> tuple[Columns, list[str]]:
             # Of a push that is there twice, or has no number, nobody knows the place.
             if name == "repetition":
                 found.pop(name)
-                return found, [f"{what} of pushes are missing or there twice: rows are taken in their own order"]
+                return found, [
+                    f"{what} of pushes are missing or there twice: rows are taken in their own "
+                    "order"
+                ]
             continue
         if (np.diff(numbers) < 0.0).any():
             order = np.argsort(numbers, kind="stable")
-            return {one: column[order] for one, column in found.items()}, [f"rows put in the order of their {what}"]
+            return {one: column[order] for one, column in found.items()}, [
+                f"rows put in the order of their {what}"
+            ]
         return found, []
     return found, []
 
@@ -315,7 +380,11 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
         if name in meaning:
             continue
         free = [column for column in raw if column not in meaning.values()]
-        hits = [column for column in free if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)]
+        hits = [
+            column
+            for column in free
+            if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)
+        ]
         if len(hits) > 1:
             both = f"{' and '.join(hits)} may both be {name}"
             raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
@@ -324,23 +393,39 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
         told_by = f"Say --columns theta1={after} or theta_next={after}"
-        raise DataFileError(f"{path}: is {after} the orientation after the push, or before the next one? {told_by}")
+        raise DataFileError(
+            f"{path}: is {after} the orientation after the push, or before the next one? {told_by}"
+        )
     quaternion = set(QUATERNION) & set(meaning)
     if quaternion and quaternion != set(QUATERNION):
-        raise DataFileError(f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
+        raise DataFileError(
+            f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}"
+        )
     if not {"theta0", "theta", "qw"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
         one = "theta" if {"t", "episode"} & set(meaning) else "theta0"
         mend = f"say which, --columns {one}=NAME"
-        raise DataFileError(f"{path}: no column of the object's orientation before each push: {mend}; it has {have}")
+        raise DataFileError(
+            f"{path}: no column of the object's orientation before each push: {mend}; it has {have}"
+        )
     return meaning
 
 
-def _factor(name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]) -> tuple[float, str]:
-    """SI units of one unit of a column, and how that is said. All angles, and all places, are guessed to be alike."""
+def _factor(
+    name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]
+) -> tuple[float, str]:
+    """SI units of one unit of a column, and how that is said. All angles, and all places, are
+    guessed to be alike.
+    """
     alike = _ANGLES if name in _ANGLES else _PLACES if name in _PLACES else (name,)
     kinds = (
-        _ANGLE_UNITS if name in _ANGLES else _LENGTH_UNITS if name in _LENGTHS else _TIME_UNITS if name == "t" else {}
+        _ANGLE_UNITS
+        if name in _ANGLES
+        else _LENGTH_UNITS
+        if name in _LENGTHS
+        else _TIME_UNITS
+        if name == "t"
+        else {}
     )
     if not kinds:
         return 1.0, ""
@@ -366,39 +451,61 @@ def _factor(name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence
         turns = values[0][np.isfinite(values[0])]
         if most <= 1.0 and turns.size >= _TELLING and float(np.ptp(turns)) > _MOST_OF_A_TURN:
             told = f"{meaning[name]} runs from {turns.min():.3g} to {turns.max():.3g}"
-            raise DataFileError(f"{told}: are these turns, or radians? Say --units turn or --units rad")
+            raise DataFileError(
+                f"{told}: are these turns, or radians? Say --units turn or --units rad"
+            )
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
-    return _UNITS[unit], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
+    return _UNITS[
+        unit
+    ], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
 
 
-# -- from streams and rows to pushes ---------------------------------------------------------------------------------
+# -- from streams and rows to pushes
+# ---------------------------------------------------------------------------------
 
 
 def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
-    """Whether rows follow a moving object, several to a push; `guessed`: the unit of its times is."""
+    """Whether rows follow a moving object, several to a push; `guessed`:
+    the unit of its times is."""
     if "episode" in found:
         return bool((np.diff(found["episode"]) == 0.0).any())
     if "t" not in found:
         return False
-    step = float(np.median(np.diff(np.sort(found["t"][np.isfinite(found["t"])])))) if found["t"].size > 1 else 0.0
+    step = (
+        float(np.median(np.diff(np.sort(found["t"][np.isfinite(found["t"])]))))
+        if found["t"].size > 1
+        else 0.0
+    )
     if not step > 0.0:
-        raise DataFileError(f"{path}: its times do not rise from row to row; mend them, or say --columns theta0=NAME")
-    if _STREAM_STEP < step < _A_CYCLE or (guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()):
         raise DataFileError(
-            f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a push of its own? Say "
-            "the unit of its times, --units s or ms; where each row is a push, leave the times out"
+            f"{path}: its times do not rise from row to row; mend them, or say --columns "
+            "theta0=NAME"
+        )
+    if _STREAM_STEP < step < _A_CYCLE or (
+        guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()
+    ):
+        raise DataFileError(
+            f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a "
+            "push of its own? Say the unit of its times, --units s or ms; where each row is a "
+            "push, leave the times out"
         )
     return step <= _STREAM_STEP
 
 
 def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments | None]:
-    """The pushes of a stream of poses: one an episode, else what its rests and its ring's place tell."""
+    """The pushes of a stream of poses: one an episode, else what its rests and its ring's place
+    tell.
+    """
     good = np.isfinite(stream["theta"])
     for name in ("t", "x", "y"):
         good &= np.isfinite(stream.get(name, stream["theta"]))
-    lost = [f"left out for want of a pose: {int((~good).sum())} of {good.size} rows"] if not good.all() else []
+    lost = (
+        [f"left out for want of a pose: {int((~good).sum())} of {good.size} rows"]
+        if not good.all()
+        else []
+    )
     stream = {name: values[good] for name, values in stream.items()}
     if "episode" not in stream:
         order = np.argsort(stream["t"], kind="stable")
@@ -414,7 +521,9 @@ def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments |
     spans = [(int(one[0]), int(one[-1])) for one in parts if one.size > 1]
     if not spans:
         raise DataFileError(f"{path}: no push in it: no episode has two rows")
-    theta = np.concatenate([np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]).reshape(-1, 2)
+    theta = np.concatenate(
+        [np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]
+    ).reshape(-1, 2)
     pushes: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
     ends = np.array(spans)
     for axis in ("x", "y"):
@@ -424,26 +533,43 @@ def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments |
 
 
 def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
-    """Rows with an orientation, and with it the next one's where that follows; what was left out is told."""
+    """Rows with an orientation, and with it the next one's where that follows; what was left out is
+    told.
+    """
     known = np.isfinite(found["theta0"])
     words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
     number, at_random = found.get("repetition", np.arange(known.size, dtype=float)), False
-    if "theta_next" not in found and not posed and known.all() and (np.diff(number) == 1.0).all() and known.size > 1:
+    if (
+        "theta_next" not in found
+        and not posed
+        and known.all()
+        and (np.diff(number) == 1.0).all()
+        and known.size > 1
+    ):
         return {"theta0": found["theta0"]}, words
     if "theta_next" not in found:
         following = np.append(found["theta0"][1:], math.nan)
         follows = np.append(np.diff(number) == 1.0, False)
         found["theta_next"] = np.where(follows, following, math.nan)
         if not follows[:-1].all():
-            words.insert(0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}")
+            words.insert(
+                0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}"
+            )
         pairs = np.isfinite(found["theta0"]) & np.isfinite(found["theta_next"])
         now, later = found["theta0"][pairs], found["theta_next"][pairs]
         # Where a reset makes them they gather somewhere, or turns have a mean.
-        gather = max((abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size), default=1.0)
+        gather = max(
+            (abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size),
+            default=1.0,
+        )
         at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
         even = posed and now.size > 2 and float(np.ptp(later - now)) < _EVENLY
         if at_random or even:
-            how = "are evenly spaced: taken as set one by one" if even else "go with nothing: taken as set at random"
+            how = (
+                "are evenly spaced: taken as set one by one"
+                if even
+                else "go with nothing: taken as set at random"
+            )
             words.append(f"orientations before pushes {how}, no cycle among them")
             at_random = True
             del found["theta_next"]

@@ -1,8 +1,10 @@
-"""A table of planned pushes to fill in with a ruler or by a robot, and what it tells once it is filled in.
+"""A table of planned pushes to fill in with a ruler or by a robot, and what it tells once it is
+filled in.
 
-A row is a push. It tells how to set it up, in the object's frame and in the room's, and has room for what is measured
-before the push (0), after it (1) and after the drag back (2): a pose each, or the places of two marks on the object.
-Millimetres and degrees throughout; what is in the object's frame makes the table readable without the object.
+A row is a push. It tells how to set it up, in the object's frame and in the room's, and has room
+for what is measured before the push (0), after it (1) and after the drag back (2): a pose each, or
+the places of two marks on the object. Millimetres and degrees throughout; what is in the object's
+frame makes the table readable without the object.
 """
 
 from __future__ import annotations
@@ -23,13 +25,35 @@ from cyclemap.evidence.pushes.measured_strokes import DRAG_COLUMNS, PUSH_END_COL
 from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
 
-# How a push is set up: its number, where the rod touches, how far it goes; the pose that the object is put in.
-SET_UP = ("push", "object", "side", "fraction", "angle_deg", "push_mm", "set_x_mm", "set_y_mm", "set_theta_deg")
-# In the object's frame: the rod's centre as it touches, the way it goes, the ring, and the two marks.
-IN_OBJECT = ("rod_x_mm", "rod_y_mm", "way_x", "way_y", "mark_a_x_mm", "mark_a_y_mm", "mark_b_x_mm", "mark_b_y_mm")
+# How a push is set up: its number, where the rod touches, how far it goes; the pose that the object
+# is put in.
+SET_UP = (
+    "push",
+    "object",
+    "side",
+    "fraction",
+    "angle_deg",
+    "push_mm",
+    "set_x_mm",
+    "set_y_mm",
+    "set_theta_deg",
+)
+# In the object's frame: the rod's centre as it touches, the way it goes, the ring, and the two
+# marks.
+IN_OBJECT = (
+    "rod_x_mm",
+    "rod_y_mm",
+    "way_x",
+    "way_y",
+    "mark_a_x_mm",
+    "mark_a_y_mm",
+    "mark_b_x_mm",
+    "mark_b_y_mm",
+)
 # How far off a reading of a place or an angle is, a standard deviation.
 ERRORS = ("error_mm", "error_deg")
-# Where a robot's rod was, in the frame of the poses; left empty, it went as it was planned from the object as it lay.
+# Where a robot's rod was, in the frame of the poses; left empty, it went as it was planned from the
+# object as it lay.
 ROD = ("rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm")
 # Told of a table in which no rod was measured: rods were set by marks on the object.
 FRAMES_AGREE = "frames_agree"
@@ -52,7 +76,8 @@ def mark_columns(state: str) -> tuple[str, str, str, str]:
 
 
 def marks_of(slider: Slider) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the two places on an object (m, its frame) that are measured: corner 0 and the one farthest from it.
+    """Return the two places on an object (m, its frame) that are measured: corner 0 and the one
+    farthest from it.
 
     Of an ellipse the ends of its axis along x.
 
@@ -79,18 +104,20 @@ def is_planned(path: Path) -> bool:
 
 
 def filled_text(path: Path) -> tuple[str, list[str]]:
-    """Return what a filled table tells, as a CSV table of measured pushes and drags, and words on what was read.
+    """Return what a filled table tells, as a CSV table of measured pushes and drags, and words on
+    what was read.
 
-    Poses are in m and rad. Rows without a measurement before and after the push are left out; a drag counts where there
-    is one. Marks that seem to be swapped, half a turn from `set_theta_deg`, bring the warning `DoubtfulInput`.
-    Raises DataFileError, naming the row, where a state is half measured, marks are where they cannot be, or a pose and
-    marks contradict each other.
+    Poses are in m and rad. Rows without a measurement before and after the push are left out; a
+    drag counts where there is one. Marks that seem to be swapped, half a turn from `set_theta_deg`,
+    bring the warning `DoubtfulInput`. Raises DataFileError, naming the row, where a state is half
+    measured, marks are where they cannot be, or a pose and marks contradict each other.
     """
     columns = raw_columns(path, {}, growing=False)
     missing = [name for name in (*SET_UP, *IN_OBJECT) if name not in columns]
     if missing:
         raise DataFileError(
-            f"{path}: the table has lost its column {missing[0]}: leave all that were planned as they are"
+            f"{path}: the table has lost its column {missing[0]}: leave all that were planned as "
+            "they are"
         )
     count, rows = len(columns["push"]), []
     with_drag, by_robot = 0, 0
@@ -102,7 +129,15 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
             continue
         rod = _rod(path, columns, row, start)
         by_robot += not math.isnan(_numbers(columns, row, ROD)[0])
-        filled = [start.x, start.y, start.theta, end.x, end.y, start.theta + shorter_way(end.theta - start.theta), *rod]
+        filled = [
+            start.x,
+            start.y,
+            start.theta,
+            end.x,
+            end.y,
+            start.theta + shorter_way(end.theta - start.theta),
+            *rod,
+        ]
         filled += [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
         with_drag += back is not None
         if _lies_half_turned(columns, row, start):
@@ -111,10 +146,14 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         rows.append([str(columns["object"][row]), columns["push"][row], *filled])
     if not rows:
         raise DataFileError(
-            f"{path}: no push is filled in: measure the object before and after each, and write it down"
+            f"{path}: no push is filled in: measure the object before and after each, and write "
+            "it down"
         )
     if swapped:
-        lay = f"{swapped[0]}: the object lay half a turn from set_theta_deg, as in {len(swapped)} of {len(rows)} pushes"
+        lay = (
+            f"{swapped[0]}: the object lay half a turn from set_theta_deg, as in {len(swapped)} of "
+            f"{len(rows)} pushes"
+        )
         mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
         warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
     names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
@@ -124,7 +163,10 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         frame[FRAMES_AGREE] = 1
     # Without drags and errors the table tells of none.
     text = str(frame.dropna(axis="columns", how="all").to_csv(index=False, lineterminator="\n"))
-    return text, [f"{path.name}: {len(rows)} of {count} planned pushes filled in, {with_drag} with their drag back"]
+    return text, [
+        f"{path.name}: {len(rows)} of {count} planned pushes filled in, {with_drag} with their "
+        "drag back"
+    ]
 
 
 def _numbers(columns: Columns, row: int, names: Sequence[str]) -> list[float]:
@@ -134,7 +176,11 @@ def _numbers(columns: Columns, row: int, names: Sequence[str]) -> list[float]:
 def _place(path: Path, columns: Columns, row: int) -> str:
     """How a row is called: by the number of its push, where that is not lost."""
     push = columns["push"][row]
-    return f"{path}, push {push:g}" if math.isfinite(push) else f"{path}, row {row + 1} below the header"
+    return (
+        f"{path}, push {push:g}"
+        if math.isfinite(push)
+        else f"{path}, row {row + 1} below the header"
+    )
 
 
 def _planned(path: Path, columns: Columns, row: int, names: Sequence[str]) -> list[float]:
@@ -142,7 +188,10 @@ def _planned(path: Path, columns: Columns, row: int, names: Sequence[str]) -> li
     values = _numbers(columns, row, names)
     for name, value in zip(names, values, strict=True):
         if not math.isfinite(value):
-            raise DataFileError(f"{_place(path, columns, row)}: {name} is no number: leave what was planned as it was")
+            raise DataFileError(
+                f"{_place(path, columns, row)}: {name} is no number: leave what was planned as "
+                "it was"
+            )
     return values
 
 
@@ -151,19 +200,26 @@ def _errors(path: Path, columns: Columns, row: int) -> list[float]:
     errors = _numbers(columns, row, ERRORS)
     for name, error in zip(ERRORS, errors, strict=True):
         if error < 0.0 or math.isinf(error):
-            raise DataFileError(f"{_place(path, columns, row)}: {name} is {error:g}: give 0 or more, or nothing")
+            raise DataFileError(
+                f"{_place(path, columns, row)}: {name} is {error:g}: give 0 or more, or nothing"
+            )
     return errors
 
 
 def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose | None:
-    """The object's pose in a state, m and rad, by its pose or by its marks; None where neither is filled in."""
+    """The object's pose in a state, m and rad, by its pose or by its marks; None where neither is
+    filled in.
+    """
     x, y, theta = pose = _numbers(columns, row, pose_columns(state))
     places = _numbers(columns, row, mark_columns(state))
     where = _place(path, columns, row)
     for given, names in ((pose, pose_columns(state)), (places, mark_columns(state))):
         empty = [name for name, value in zip(names, given, strict=True) if math.isnan(value)]
         if 0 < len(empty) < len(names):
-            raise DataFileError(f"{where}: {_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, or none")
+            raise DataFileError(
+                f"{where}: {_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, "
+                "or none"
+            )
     written = None if math.isnan(x) else Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
     if math.isnan(places[0]):
         return written
@@ -181,7 +237,10 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
         return written
     apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
     if abs(measured - apart) > allowed:
-        distance = f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object {apart:.1f} mm"
+        distance = (
+            f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object "
+            f"{apart:.1f} mm"
+        )
         raise DataFileError(f"{where}: {distance}: measure them again, or leave the row empty")
     turned = math.atan2(*(seen[1] - seen[0])[::-1]) - math.atan2(*(marks[1] - marks[0])[::-1])
     middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
@@ -190,15 +249,21 @@ def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose |
 
 
 def _lies_half_turned(columns: Columns, row: int, start: Pose) -> bool:
-    """Whether marks say that an object lay half a turn from how it was to be set; a robot's poses have any frame."""
+    """Whether marks say that an object lay half a turn from how it was to be set; a robot's poses
+    have any frame.
+    """
     if not math.isnan(_numbers(columns, row, pose_columns("0"))[0]):
         return False
-    turned = math.remainder(start.theta - math.radians(_numbers(columns, row, ("set_theta_deg",))[0]), 2.0 * math.pi)
+    turned = math.remainder(
+        start.theta - math.radians(_numbers(columns, row, ("set_theta_deg",))[0]), 2.0 * math.pi
+    )
     return math.pi - abs(turned) < _SWAPPED
 
 
 def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
-    """Where the rod's centre was before and after a push, m: as a robot says, else as planned from where it lay."""
+    """Where the rod's centre was before and after a push, m: as a robot says, else as planned from
+    where it lay.
+    """
     places = _numbers(columns, row, ROD)
     if not np.isnan(places).any():
         return [1e-3 * place for place in places]
@@ -207,7 +272,9 @@ def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
         raise DataFileError(f"{_place(path, columns, row)}: {advice}")
     length, *touch = _planned(path, columns, row, ("push_mm", *IN_OBJECT[:4]))
     if length <= 0.0:
-        raise DataFileError(f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing")
+        raise DataFileError(
+            f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing"
+        )
     first = 1e-3 * np.array(touch[:2])
     last = first + 1e-3 * length * np.array(touch[2:])
     return [*start.to_world(*first.tolist()), *start.to_world(*last.tolist())]

@@ -1,8 +1,10 @@
-"""A stream of one object's poses cut into pushes and drags back: by what noise lets one see, and by what motions are.
+"""A stream of one object's poses cut into pushes and drags back: by what noise lets one see, and by
+what motions are.
 
-A drag ends with the ring at the target, wherever the object's centre comes to lie: of all rests those are before a push
-from which one place of the object is always at one place of the world. A rest between two of them is a push's end, and
-so the pause of a robot in the middle of a stroke is none.
+A drag ends with the ring at the target, wherever the object's centre comes to lie: of all rests
+those are before a push from which one place of the object is always at one place of the world. A
+rest between two of them is a push's end, and so the pause of a robot in the middle of a stroke is
+none.
 """
 
 from __future__ import annotations
@@ -18,30 +20,37 @@ from scipy.ndimage import uniform_filter1d
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError
 
-# Half windows, s, in which poses are averaged before and after a moment: the shortest that noise allows is taken.
+# Half windows, s, in which poses are averaged before and after a moment: the shortest that noise
+# allows is taken.
 _WINDOWS = (0.05, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5)
-# How far means before and after a moment lie apart where a motion is seen, and where it ends: in standard deviations of
-# noise, and as shares of what the faster motions show.
+# How far means before and after a moment lie apart where a motion is seen, and where it ends: in
+# standard deviations of noise, and as shares of what the faster motions show.
 _SEEN, _ENDED, _SEEN_SHARE, _ENDED_SHARE = 4.0, 2.4, 0.3, 0.1
-# Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions have to be.
+# Noise that nobody has (m), turns as lengths (m per rad), and how much faster than noise motions
+# have to be.
 _LEAST_NOISE, _LEVER, _CLEAR = 2e-5, 0.03, 2.0
 # What moves less (m, with turns by the lever) between two rests has not moved.
 _LEAST_MOTION = 6e-3
-# Rests are averaged over so many seconds, and that share of their length, before and after their middle.
+# Rests are averaged over so many seconds, and that share of their length, before and after their
+# middle.
 _AVERAGED, _MIDDLE = 1.0, 0.3
 # The ring's places agree within so many standard deviations of a rest, or that far (m).
 _AGREE, _AGREE_LEAST = 5.0, 2e-3
-# Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left out.
+# Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
+# out.
 _FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
-# Where more rests than this share have the ring at one place, none tells it; then those are home that lie near the
-# first, as a share of how far the others are.
+# Where more rests than this share have the ring at one place, none tells it; then those are home
+# that lie near the first, as a share of how far the others are.
 _ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
-# Pushes, or drags, whose motion is further from the median of its kind than this share of it are of neither kind.
+# Pushes, or drags, whose motion is further from the median of its kind than this share of it are of
+# neither kind.
 _ALIKE = 0.35
 
 
 class UnclearStream(DataFileError):
-    """A stream of poses that does not come apart into pushes and drags: with what was seen, for a picture."""
+    """A stream of poses that does not come apart into pushes and drags: with what was seen, for a
+    picture.
+    """
 
     def __init__(self, message: str, seen: Segments) -> None:
         super().__init__(message)
@@ -52,8 +61,10 @@ class UnclearStream(DataFileError):
 class Segments:
     """A stream, and how it was cut.
 
-    t, x, y, theta : (n,) s, m, rad (unwrapped). rests : (r, 2) first and last sample of each rest. pushes : (k, 2) the
-    rests between which each push lies, whole pauses within it; numbers : (k,) of their cycles, gaps where something
+    t, x, y, theta : (n,) s, m, rad (unwrapped). rests : (r, 2) first
+        and last sample of each rest. pushes : (k, 2) the rests between which each push lies, whole
+        pauses within it; numbers :
+        (k,) of their cycles, gaps where something
     between is unclear. unclear : (u, 2) the rests between which motions make no push and drag.
     """
 
@@ -69,10 +80,12 @@ class Segments:
 
 
 def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array], Segments]:
-    """Return the poses before and after each push, by the names of `read_push_csv`, and how the stream was cut.
+    """Return the poses before and after each push, by the names of `read_push_csv`, and how the
+    stream was cut.
 
-    stream : t, theta, and x, y where known. Poses are means over the rests beside the motions. Raises UnclearStream
-    where too many motions are neither a push nor a drag, or where there is no telling one from the other.
+    stream : t, theta, and x, y where known. Poses are means over the rests beside the motions.
+        Raises UnclearStream where too many motions are neither a push nor a drag, or where there is
+        no telling one from the other.
     """
     t, theta = stream["t"], np.unwrap(stream["theta"])
     zero = np.zeros(t.size)
@@ -86,13 +99,22 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     cut, unclear, number, words = _cycles(poses, errors)
     found = Segments(t, x, y, theta, rests, cut, number, unclear, words)
     if len(cut) < 2 or len(unclear) > _MOST_UNCLEAR * (len(cut) + len(unclear)):
-        listed = ", ".join(f"{t[rests[a][1]]:.4g} to {t[rests[b][0]]:.4g} s" for a, b in unclear[:3])
-        told = f"{len(rests) - 1} motions between rests, {len(cut)} of them pushes and {len(unclear)} stretches unclear"
-        mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
+        listed = ", ".join(
+            f"{t[rests[a][1]]:.4g} to {t[rests[b][0]]:.4g} s" for a, b in unclear[:3]
+        )
+        told = (
+            f"{len(rests) - 1} motions between rests, {len(cut)} of them pushes and "
+            f"{len(unclear)} stretches unclear"
+        )
+        mend = (
+            "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
+        )
         raise UnclearStream(f"{path}: {told}{f' ({listed})' if listed else ''}: {mend}", found)
     columns = {"repetition": number.astype(float)}
     for end in (0, 1):
-        columns |= dict(zip((f"x{end}", f"y{end}", f"theta{end}"), poses[cut[:, end]].T, strict=True))
+        columns |= dict(
+            zip((f"x{end}", f"y{end}", f"theta{end}"), poses[cut[:, end]].T, strict=True)
+        )
     return columns, found
 
 
@@ -105,7 +127,8 @@ def _mean_pose(t: Array, x: Array, y: Array, theta: Array, rest: Array) -> Array
     return np.array([one[first:last][near].mean() for one in (x, y, theta)])
 
 
-# -- rests -------------------------------------------------------------------------------------------------------------
+# -- rests
+# -------------------------------------------------------------------------------------------------------------
 
 
 def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Array, float]:
@@ -123,7 +146,9 @@ def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Arra
             break
     else:
         told = f"its noise of {1e3 * noise:.2g} mm hides its motions"
-        raise DataFileError(f"{path}: {told}: give poses before and after each push, or smoother ones")
+        raise DataFileError(
+            f"{path}: {told}: give poses before and after each push, or smoother ones"
+        )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
     moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], (~moving).astype(np.int8), [0]])))
@@ -135,7 +160,9 @@ def _noise(courses: Array) -> float:
     """The standard deviation of one sample's errors, from second differences."""
     second = np.abs(np.diff(courses, n=2, axis=1))
     return (
-        float(max(np.median(one[one > 0.0]) if (one > 0.0).mean() > 0.5 else 0.0 for one in second)) / 0.6745 / 6**0.5
+        float(max(np.median(one[one > 0.0]) if (one > 0.0).mean() > 0.5 else 0.0 for one in second))
+        / 0.6745
+        / 6**0.5
     )
 
 
@@ -143,7 +170,10 @@ def _change(courses: Array, half: int) -> Array:
     """How far the mean after each sample lies from the mean before it, (n,), m."""
     means = uniform_filter1d(courses, half, axis=1, mode="nearest")
     # A filter of this length is centred: its mean before a sample ends there.
-    ahead, behind = np.roll(means, -(half - half // 2), axis=1), np.roll(means, half // 2 + 1, axis=1)
+    ahead, behind = (
+        np.roll(means, -(half - half // 2), axis=1),
+        np.roll(means, half // 2 + 1, axis=1),
+    )
     ahead[:, -half:], behind[:, : half + 1] = means[:, -1:], means[:, :1]
     return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
 
@@ -175,23 +205,37 @@ def _joined(rests: Array, t: Array, x: Array, y: Array, theta: Array) -> Array:
     return np.array(kept, dtype=int).reshape(-1, 2)
 
 
-# -- cycles ------------------------------------------------------------------------------------------------------------
+# -- cycles
+# ------------------------------------------------------------------------------------------------------------
 
 
 def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
-    """Pushes as pairs of rests, unclear stretches likewise, the numbers of the pushes, and what was seen, in words."""
+    """Pushes as pairs of rests, unclear stretches likewise, the numbers of the pushes, and what was
+    seen, in words.
+    """
     home, sense = _home(poses, errors)
     if home is None:
         return _in_turn(poses)
     where = np.flatnonzero(home)
-    spans = [(int(a), int(b)) for a, b in zip(where, [*where[1:], len(poses) - 1], strict=True) if b > a]
+    spans = [
+        (int(a), int(b)) for a, b in zip(where, [*where[1:], len(poses) - 1], strict=True) if b > a
+    ]
     last_is_open = not home[-1]
     if not last_is_open:
         spans = [span for span in spans if home[span[1]]]
-    motions = {span: _motion(poses, *span, sense) for a, b in spans for span in [(a, k) for k in range(a + 1, b + 1)]}
+    motions = {
+        span: _motion(poses, *span, sense)
+        for a, b in spans
+        for span in [(a, k) for k in range(a + 1, b + 1)]
+    }
     clean = np.array([motions[(a, a + 1)] for a, b in spans if b == a + 2 and home[b]])
     if not len(clean):
-        return np.zeros((0, 2), dtype=int), np.array(spans, dtype=int).reshape(-1, 2), np.zeros(0), "no push is clear"
+        return (
+            np.zeros((0, 2), dtype=int),
+            np.array(spans, dtype=int).reshape(-1, 2),
+            np.zeros(0),
+            "no push is clear",
+        )
     usual = np.median(clean, axis=0)
     backs = np.array([_motion(poses, a + 1, b, sense) for a, b in spans if b == a + 2 and home[b]])
     back, limit, limit_back = np.median(backs, axis=0), _spread(clean), _spread(backs)
@@ -210,7 +254,10 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
             paused += last - first > 2
         elif not open_end:
             unclear.append((first, last))
-    words = f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the ring is at the target"
+    words = (
+        f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the "
+        "ring is at the target"
+    )
     words += f", {paused} of them or of their drags with a pause" if paused else ""
     words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
     return (
@@ -222,14 +269,17 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
 
 
 def _spread(motions: Array) -> float:
-    """How far from their median motions of one kind may lie: a share of its size, or where most of them do."""
+    """How far from their median motions of one kind may lie: a share of its size, or where most of
+    them do.
+    """
     middle = np.median(motions, axis=0)
     off = np.linalg.norm(motions - middle, axis=1)
     return max(_ALIKE * float(np.linalg.norm(middle)), 2.0 * float(np.quantile(off, 0.8)))
 
 
 def _motion(poses: Array, first: int, last: int, sense: float = 1.0) -> Array:
-    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever (m).
+    """A motion between two rests in the object's frame at its begin: dx, dy (m), turn by the lever
+    (m).
 
     sense : -1 where angles grow from y to x of the places.
     """
@@ -243,8 +293,9 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
 
     None where no place of the object is again and again at one place of the world.
 
-    The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most agree with are
-    taken. Ends of pushes that are all alike agree with a ring of their own, but one farther from the object's centre.
+    The ring h and the target c solve p + R(theta) h = c; two rests tell them, and those that most
+    agree with are taken. Ends of pushes that are all alike agree with a ring of their own, but one
+    farther from the object's centre.
     """
     if len(poses) < 5:
         return None, 1.0
@@ -262,10 +313,14 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
         rows[:, 0, 2] = rows[:, 1, 3] = -1.0
         for _ in range(400):
             pair = generator.choice(len(poses), 2, replace=False)
-            solved, *_ = np.linalg.lstsq(rows[pair].reshape(4, 4), -poses[pair, :2].ravel(), rcond=None)
+            solved, *_ = np.linalg.lstsq(
+                rows[pair].reshape(4, 4), -poses[pair, :2].ravel(), rcond=None
+            )
             agree = np.hypot(*(np.einsum("nij,j->ni", rows, solved) + poses[:, :2]).T) < limit
             if agree.sum() >= max(3, _FEWEST_HOME * len(poses)):
-                again, *_ = np.linalg.lstsq(rows[agree].reshape(-1, 4), -poses[agree, :2].ravel(), rcond=None)
+                again, *_ = np.linalg.lstsq(
+                    rows[agree].reshape(-1, 4), -poses[agree, :2].ravel(), rcond=None
+                )
                 agree = np.hypot(*(np.einsum("nij,j->ni", rows, again) + poses[:, :2]).T) < limit
                 found.append((int(agree.sum()), -math.hypot(*again[:2]), agree, sense))
     if not found:
@@ -275,14 +330,17 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     near = [entry for entry in found if entry[0] >= 0.7 * most]
     home, sense = max(near, key=lambda entry: (round(entry[1], 3), entry[0]))[2:]
     if home.mean() > _ALL_HOME:
-        # Locked in: from two poses again and again no ring can be told, and the first one is taken as a push's begin.
+        # Locked in: from two poses again and again no ring can be told, and the first one is taken
+        # as a push's begin.
         return _like_the_first(poses), sense
     return home, sense
 
 
 def _like_the_first(poses: Array) -> Mask:
     """Which poses lie near to the first, beside how far the others are."""
-    places = np.column_stack([poses[:, :2], _LEVER * np.cos(poses[:, 2]), _LEVER * np.sin(poses[:, 2])])
+    places = np.column_stack(
+        [poses[:, :2], _LEVER * np.cos(poses[:, 2]), _LEVER * np.sin(poses[:, 2])]
+    )
     away = np.linalg.norm(places - places[0], axis=1)
     centre = np.median(places[away < 0.5 * np.median(away[away > 0.5 * away.max()])], axis=0)
     off = np.linalg.norm(places - centre, axis=1)
@@ -298,9 +356,19 @@ def _in_turn(poses: Array) -> tuple[Array, Array, Array, str]:
         return nobody, nobody, np.zeros(0), "one motion"
     medians = [np.median(kind, axis=0) for kind in kinds]
     apart = float(np.linalg.norm(medians[0] - medians[1]))
-    off = [np.linalg.norm(kind - middle, axis=1) for kind, middle in zip(kinds, medians, strict=True)]
+    off = [
+        np.linalg.norm(kind - middle, axis=1) for kind, middle in zip(kinds, medians, strict=True)
+    ]
     if max(float(one.max()) for one in off) > 0.5 * apart:
-        return nobody, np.array([(0, len(poses) - 1)]), np.zeros(0), "motions do not come in two kinds"
+        return (
+            nobody,
+            np.array([(0, len(poses) - 1)]),
+            np.zeros(0),
+            "motions do not come in two kinds",
+        )
     first = np.arange(0, len(motions), 2)
-    words = f"{len(motions)} motions between rests, of two kinds in turn: the first and every other one a push"
+    words = (
+        f"{len(motions)} motions between rests, of two kinds in turn: the first and every "
+        "other one a push"
+    )
     return np.stack([first, first + 1], axis=-1), nobody, np.arange(float(first.size)), words

@@ -1,4 +1,6 @@
-"""One recorded push or friction scan: its time series, checked, and the file of the MIT layout that holds them."""
+"""One recorded push or friction scan: its time series, checked, and the file of the MIT layout that
+holds them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,16 @@ TABLES = (*PUSH_TABLES, "tip_array")
 _FILTERS = (2, 1, 3)
 _GZIP = 1
 # A damaged file makes h5py raise any of these, and now and then others, from any of its calls.
-_HDF5_FAULTS = (OSError, RuntimeError, ValueError, TypeError, LookupError, MemoryError, AttributeError, zlib.error)
+_HDF5_FAULTS = (
+    OSError,
+    RuntimeError,
+    ValueError,
+    TypeError,
+    LookupError,
+    MemoryError,
+    AttributeError,
+    zlib.error,
+)
 # Beyond these no table-top measurement lies: a damaged number, or one in other units.
 LARGEST_POSITION, LARGEST_ANGLE = 100.0, 1e4
 _POSE_LIMITS = (1e11, LARGEST_POSITION, LARGEST_POSITION, LARGEST_ANGLE)
@@ -39,11 +50,12 @@ class PushRecord:
     """The time series of one push, each on its own clock, in the world frame.
 
     object_pose, tip_pose : (n, 4) and (m, 4): time (s), x (m), y (m), angle (rad, wrapped or not).
-    ft_wrench : (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT files have it.
+    ft_wrench : (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT
+        files have it.
 
-    Raises InvalidInput, naming the table and the row, for a wrong shape, fewer than two rows of a pose, a number
-    that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind the units), and for a clock
-    that runs backwards.
+    Raises InvalidInput, naming the table and the row, for a wrong shape, fewer than two rows of a
+    pose, a number that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind
+    the units), and for a clock that runs backwards.
 
     >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
     >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
@@ -72,7 +84,9 @@ class PushRecord:
 
     @property
     def end(self) -> tuple[float, float, float]:
-        """The object's last pose: x (m), y (m), angle (rad) on the lift that begins at the first pose."""
+        """The object's last pose: x (m), y (m), angle (rad) on the lift that begins at the first
+        pose.
+        """
         x, y = self.object_pose[-1, 1:3].tolist()
         return x, y, float(self.object_angle[-1])
 
@@ -95,9 +109,11 @@ class PushRecord:
 
 @dataclass(frozen=True, eq=False)
 class ScanRecord:
-    """The time series of one friction scan: a straight stroke of the rod that carries the object with it.
+    """The time series of one friction scan: a straight stroke of the rod that carries the object
+    with it.
 
-    tip : (m, 4): time (s), x (m), y (m), angle (rad). ft_wrench : (k, 4) as in `PushRecord`, and refused alike.
+    tip : (m, 4): time (s), x (m), y (m), angle (rad). ft_wrench : (k, 4) as in `PushRecord`, and
+        refused alike.
     """
 
     tip: Array
@@ -119,48 +135,65 @@ def _checked_series(name: str, value: object) -> Array:
     try:
         array = np.asarray(value)
     except ValueError as cause:
-        raise InvalidInput(f"{name} has rows of different lengths; it must have 4 columns throughout") from cause
+        raise InvalidInput(
+            f"{name} has rows of different lengths; it must have 4 columns throughout"
+        ) from cause
     if array.dtype.kind not in "iuf":
-        raise InvalidInput(f"{name} holds something other than numbers (type {array.dtype}); it must hold numbers only")
+        raise InvalidInput(
+            f"{name} holds something other than numbers (type {array.dtype}); it must hold "
+            "numbers only"
+        )
     array = array.astype(float)
     least = 1 if name == "ft_wrench" else 2
     if array.ndim != 2 or array.shape[1] != 4 or len(array) < least:
-        raise InvalidInput(f"{name} has shape {array.shape}; it must have at least {least} rows of 4 columns")
+        raise InvalidInput(
+            f"{name} has shape {array.shape}; it must have at least {least} rows of 4 columns"
+        )
     limits = np.array(_WRENCH_LIMITS if name == "ft_wrench" else _POSE_LIMITS)
     # Written so that NaN counts as out of bounds.
     for row, column in np.argwhere(~(np.abs(array) <= limits))[:1]:
         bound = f"it must be a number within {limits[column]:g}"
-        raise InvalidInput(f"{name}, row {row}, column {column} is {array[row, column]:g}; {bound} (SI units)")
+        raise InvalidInput(
+            f"{name}, row {row}, column {column} is {array[row, column]:g}; {bound} (SI units)"
+        )
     for row in np.flatnonzero(np.diff(array[:, 0]) < 0.0)[:1]:
         back = array[row, 0] - array[row + 1, 0]
-        raise InvalidInput(f"{name}: the clock runs backwards by {back:.3g} s behind row {row}; restore the file")
+        raise InvalidInput(
+            f"{name}: the clock runs backwards by {back:.3g} s behind row {row}; restore the file"
+        )
     return read_only(array)
 
 
 def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
-    """Read one push (or, where its name or its tables say so, one friction scan) from a .h5, .hdf5 or .json file.
+    """Read one push (or, where its name or its tables say so, one friction scan) from a .h5, .hdf5
+    or .json file.
 
-    A push has the tables `object_pose`, `tip_pose` and `ft_wrench`, a scan `tip_array` (or `tip_pose`) and
-    `ft_wrench`; see `PushRecord` for their columns. Any name will do, but scans (`record_...`) must be straight.
-    Other tables are passed over. In JSON they are lists of rows.
+    A push has the tables `object_pose`, `tip_pose` and `ft_wrench`, a scan `tip_array` (or
+    `tip_pose`) and `ft_wrench`; see `PushRecord` for their columns. Any name will do, but scans
+    (`record_...`) must be straight. Other tables are passed over. In JSON they are lists of rows.
 
-    Raises DataFileError, naming the file and the reason, where it is absent, cut short, damaged, lacks a table,
-    has wrong columns, text or NaN among the numbers, or a clock that runs backwards; and, before anything is read,
-    where it is no regular file, a table would take more than 16 MB as doubles, is packed otherwise than by gzip, or
-    lies outside the file.
+    Raises DataFileError, naming the file and the reason, where it is absent, cut short, damaged,
+    lacks a table, has wrong columns, text or NaN among the numbers, or a clock that runs backwards;
+    and, before anything is read, where it is no regular file, a table would take more than 16 MB as
+    doubles, is packed otherwise than by gzip, or lies outside the file.
     """
     path = Path(path)
     try:
         is_scan = scan_facts(path) is not None
         # Scans that also turn the object may hold all tables of a push, yet are none.
         if path.name.startswith("record_") and not is_scan:
-            raise InvalidInput("its name begins as a friction scan's, but is not that of a straight one; leave it out")
+            raise InvalidInput(
+                "its name begins as a friction scan's, but is not that of a straight one; leave "
+                "it out"
+            )
         tables = _tables(path)
         listed = ", ".join(sorted(tables)) or "none"
         if is_scan or ("object_pose" not in tables and "tip_array" in tables):
             tip = tables.get("tip_array", tables.get("tip_pose"))
             if tip is None or "ft_wrench" not in tables:
-                raise InvalidInput(f"a scan needs the tables tip_array and ft_wrench; the file has {listed}")
+                raise InvalidInput(
+                    f"a scan needs the tables tip_array and ft_wrench; the file has {listed}"
+                )
             return ScanRecord(tip, tables["ft_wrench"])
         if missing := [name for name in PUSH_TABLES if name not in tables]:
             raise InvalidInput(f"table {', '.join(missing)} is missing; the file has {listed}")
@@ -173,7 +206,9 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
 
 def _tables(path: Path) -> dict[str, Any]:
     if path.suffix.lower() not in SUFFIXES:
-        raise InvalidInput(f"'{path.suffix}' is no suffix of push data; it must be one of {', '.join(SUFFIXES)}")
+        raise InvalidInput(
+            f"'{path.suffix}' is no suffix of push data; it must be one of {', '.join(SUFFIXES)}"
+        )
     # A pipe is no file either: opening one would wait for ever.
     if not path.is_file():
         raise InvalidInput("there is no such file; check the path")
@@ -182,7 +217,9 @@ def _tables(path: Path) -> dict[str, Any]:
     if path.suffix.lower() not in HDF5_SUFFIXES:
         content = read_json(path)
         if not isinstance(content, dict):
-            raise InvalidInput(f"holds a {type(content).__name__}; it must be an object with the tables of a push")
+            raise InvalidInput(
+                f"holds a {type(content).__name__}; it must be an object with the tables of a push"
+            )
         return {name: content[name] for name in TABLES if name in content}
     import h5py
 
@@ -207,25 +244,38 @@ def _hdf5_table(file: Any, name: str) -> Any:
     if not isinstance(table, h5py.Dataset) or table.is_virtual or table.external:
         raise InvalidInput(f"{name} is no table kept in this file itself")
     if table.ndim != 2 or table.shape[1] != 4 or table.dtype.kind not in "iuf":
-        raise InvalidInput(f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 columns")
+        raise InvalidInput(
+            f"{name} is of type {table.dtype} and shape {table.shape}; it must be numbers in 4 "
+            "columns"
+        )
     chunk, stored = math.prod(table.chunks or (1,)), int(table.id.get_storage_size())
     if 8 * max(table.size, chunk) > LARGEST_CONTENT or stored > LARGEST_CONTENT:
-        raise InvalidInput(f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it")
+        raise InvalidInput(
+            f"{name} takes more than {LARGEST_CONTENT / 1e6:.0f} MB; no push is so long: split it"
+        )
     # HDF5 reads what was never written as zeros: they would pass for poses.
-    needed = math.prod(-(-length // part) for length, part in zip(table.shape, table.chunks or (1, 1), strict=True))
+    needed = math.prod(
+        -(-length // part) for length, part in zip(table.shape, table.chunks or (1, 1), strict=True)
+    )
     if stored == 0 or (table.chunks and table.id.get_num_chunks() < needed):
-        raise InvalidInput(f"{name} has rows that are not in the file; restore the file or remove it")
+        raise InvalidInput(
+            f"{name} has rows that are not in the file; restore the file or remove it"
+        )
     if table.chunks:
         _refuse_false_packing(name, table, chunk * table.dtype.itemsize)
     return table[()]
 
 
 def _refuse_false_packing(name: str, table: Any, room: int) -> None:
-    """Raise InvalidInput where a chunk would unpack to more than its `room` (bytes): HDF5 unpacks whatever there is."""
+    """Raise InvalidInput where a chunk would unpack to more than its `room` (bytes): HDF5 unpacks
+    whatever there is.
+    """
     properties = table.id.get_create_plist()
     filters = [properties.get_filter(number)[0] for number in range(properties.get_nfilters())]
     if filters != [code for code in _FILTERS if code in filters]:
-        raise InvalidInput(f"{name} is packed in a way that is not known; write it with gzip or without packing")
+        raise InvalidInput(
+            f"{name} is packed in a way that is not known; write it with gzip or without packing"
+        )
     if _GZIP not in filters:
         return
 
@@ -241,17 +291,22 @@ def _refuse_false_packing(name: str, table: Any, room: int) -> None:
 
 
 def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
-    """Write a push or a scan to `path` (.h5, .hdf5 or .json), making its folder; return the file's size in bytes.
+    """Write a push or a scan to `path` (.h5, .hdf5 or .json), making its folder; return the file's
+    size in bytes.
 
-    The tables are those that `read_push_file` reads, with their very numbers: HDF5 (compressed, without any date, so
-    that equal records make equal files) or JSON (lists of rows). A file that was there is replaced.
+    The tables are those that `read_push_file` reads, with their very numbers: HDF5 (compressed,
+    without any date, so that equal records make equal files) or JSON (lists of rows). A file that
+    was there is replaced.
 
-    Raises InvalidInput for another suffix, OSError where the disk is full or the folder cannot be written; then, or
-    when the process is killed, `path` is as it was before.
+    Raises InvalidInput for another suffix, OSError where the disk is full or the folder cannot be
+    written; then, or when the process is killed, `path` is as it was before.
     """
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
-        raise InvalidInput(f"{path}: '{path.suffix}' is no suffix of push data; choose one of {', '.join(SUFFIXES)}")
+        raise InvalidInput(
+            f"{path}: '{path.suffix}' is no suffix of push data; choose one of "
+            f"{', '.join(SUFFIXES)}"
+        )
     if isinstance(record, PushRecord):
         tables = {name: getattr(record, name) for name in PUSH_TABLES}
     else:
@@ -262,10 +317,14 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
         # Made in memory: a full disk is then met by plain writing alone, which fails cleanly.
         with h5py.File("push", "w", driver="core", backing_store=False) as file:
             for name, rows in tables.items():
-                file.create_dataset(name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True)
+                file.create_dataset(
+                    name, data=rows, chunks=rows.shape, compression="gzip", shuffle=True
+                )
             file.flush()
             content = bytes(file.id.get_file_image())
     else:
-        content = json.dumps({name: rows.tolist() for name, rows in tables.items()}, allow_nan=False).encode()
+        content = json.dumps(
+            {name: rows.tolist() for name, rows in tables.items()}, allow_nan=False
+        ).encode()
     write_whole(path, content)
     return len(content)

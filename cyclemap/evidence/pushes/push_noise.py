@@ -8,18 +8,22 @@ import numpy as np
 
 from cyclemap.arrays import Array
 
-# How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in drags, rad.
+# How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
+# drags, rad.
 _MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
-# How far off its mark a rod is set by hand, m, and what that adds to a push: about as much, and so much turn, rad.
+# How far off its mark a rod is set by hand, m, and what that adds to a push: about as much, and so
+# much turn, rad.
 SET_OFF, _SET_OFF_TURN = 2e-3, math.radians(2.0)
 
 
 def push_noise(read: tuple[float, float], by_hand: bool = False) -> Array:
-    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from what a model says.
+    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from
+    what a model says.
 
-    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on real floors comes on
-    top; it is taken as independent from push to push, and of a long push as of a short one. by_hand : whether rods were
-    set by marks, which adds 2 mm and 2 degrees in the median of pushes, and more to those that depend on it.
+    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on
+        real floors comes on top; it is taken as independent from push to push, and of a long
+        push as of a short one. by_hand : whether rods were set by marks, which adds 2 mm and 2 degrees
+        in the median of pushes, and more to those that depend on it.
 
     >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
     >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)

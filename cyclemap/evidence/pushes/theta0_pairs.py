@@ -1,4 +1,6 @@
-"""Measured pairs (θ0, next θ0), and their sums: arcs covered, medians by bin, histogram, distance from a map."""
+"""Measured pairs (θ0, next θ0), and their sums: arcs covered, medians by bin, histogram, distance
+from a map.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +29,22 @@ PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
 _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
 _CONSISTENT_DEG = 0.005
-# Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond so many are told.
+# Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond
+# so many are told.
 _ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
-# Turns by hand: from how near others are like them, how many of these it takes, how far off a hand's is (rad), and how
-# many there may be.
-_NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = math.radians(10.0), 4, 8.0, math.radians(12.0), 0.04
+# Turns by hand: from how near others are like them, how many of these it takes, how far off a
+# hand's is (rad), and how many there may be.
+_NEARBY, _FEWEST_NEARBY, _FAR_OFF, _LEAST_BY_HAND, _MOST_BY_HAND = (
+    math.radians(10.0),
+    4,
+    8.0,
+    math.radians(12.0),
+    0.04,
+)
 # How alike a column's name and theta_next_deg are where it is likely meant; theta1_deg is 0.75.
 _NEARLY_THE_NAME = 0.85
-# Measured orientations further apart than this leave a gap: laws of cycles may do anything within 20 degrees.
+# Measured orientations further apart than this leave a gap: laws of cycles may do anything within
+# 20 degrees.
 GAP = float(np.radians(20.0))
 # What lies this near an end of an arc is taken with it.
 _EDGE = float(np.radians(1.0))
@@ -45,11 +55,15 @@ DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 class Theta0Pairs:
     """Measured steps of the cycle map.
 
-    theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
-    path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is unknown.
+    theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that
+        cycle.
+    path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is
+        unknown.
     dropped : how many pairs were left out, by reason.
-    cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`. None where unknown.
-    moved : numbers of pushes behind which somebody moved the object: they make no pair, and the path breaks there.
+    cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`.
+        None where unknown.
+    moved : numbers of pushes behind which somebody moved the object: they make no pair, and the
+        path breaks there.
     """
 
     theta: Array
@@ -63,10 +77,17 @@ class Theta0Pairs:
     def __post_init__(self) -> None:
         if self.theta.ndim != 1 or self.theta.shape != self.theta_next.shape or not self.theta.size:
             shapes = f"{self.theta.shape} and {self.theta_next.shape}"
-            raise InvalidInput(f"theta and theta_next have shapes {shapes}; give two equally long lists")
+            raise InvalidInput(
+                f"theta and theta_next have shapes {shapes}; give two equally long lists"
+            )
         if not (np.isfinite(self.theta).all() and np.isfinite(self.theta_next).all()):
-            raise InvalidInput("theta and theta_next hold a number that is not finite; remove those pairs")
-        for name, cycle, angles in (("cycle", self.cycle, self.theta), ("path_cycle", self.path_cycle, self.path)):
+            raise InvalidInput(
+                "theta and theta_next hold a number that is not finite; remove those pairs"
+            )
+        for name, cycle, angles in (
+            ("cycle", self.cycle, self.theta),
+            ("path_cycle", self.path_cycle, self.path),
+        ):
             shape = None if angles is None else angles.shape
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
                 told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
@@ -79,11 +100,18 @@ class Theta0Pairs:
 
     @property
     def unbroken(self) -> Theta0Pairs:
-        """The same pairs with the longest stretch of the path in which each ends where the next begins.
+        """The same pairs with the longest stretch of the path in which each ends where the next
+        begins.
 
-        Beyond it stands what no map tells: the object moved by hand, or an orientation that was misread.
+        Beyond it stands what no map tells: the object moved by hand, or an orientation that was
+        misread.
         """
-        if self.path is None or self.cycle is None or self.path_cycle is None or (np.diff(self.path_cycle) <= 0).any():
+        if (
+            self.path is None
+            or self.cycle is None
+            or self.path_cycle is None
+            or (np.diff(self.path_cycle) <= 0).any()
+        ):
             return self
         # Where the next push stands in the path; one that is missing tells no gap.
         ahead = np.searchsorted(self.path_cycle, self.cycle + 1.0)
@@ -100,7 +128,9 @@ class Theta0Pairs:
 
 
 def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
-    """Which gaps are no mere error of measured orientations: the object was moved, or an orientation misread."""
+    """Which gaps are no mere error of measured orientations: the object was moved, or an
+    orientation misread.
+    """
     return np.abs(gap_deg) > max(_CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
 
 
@@ -113,19 +143,23 @@ def read_theta0_pairs(
 ) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
-    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a flag makes
-      no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order where pairs begin where
-      the one before ended (half of 20 or more within a fifth of what turns vary by, or all within 0.005 degrees), in
-      any order else. Pairs of a row in order that begin elsewhere are warned of (`DoubtfulInput`).
-    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A column beside it whose
-      name is nearly theta_next_deg, or speaks of the next one, is refused.
+    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a
+      flag makes no pair and is counted in `dropped`; the last row has no next θ0.
+    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order where
+      pairs begin where the one before ended (half of 20 or more within a fifth of what turns vary
+      by, or all within 0.005 degrees), in any order else. Pairs of a row in order that begin
+      elsewhere are warned of (`DoubtfulInput`).
+    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A
+      column beside it whose name is nearly theta_next_deg, or speaks of the next one, is refused.
 
-    angles, offset_deg : how the file counts angles, as in `Convention`, or all of that as one; what is not told is what
-    a collection.toml with the data says, else counter-clockwise. Orientations alone cannot tell.
+    angles, offset_deg : how the file counts angles, as in `Convention`, or all of that as one; what
+        is not told is what a collection.toml with the data says, else counter-clockwise.
+        Orientations alone cannot tell.
     DataFileError names the file, the line and the mend.
     """
-    table = (convention or convention_of(path, angles, None, offset_deg)).table(read_csv_table(path))
+    table = (convention or convention_of(path, angles, None, offset_deg)).table(
+        read_csv_table(path)
+    )
     doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
     if "theta0_accum_deg" in table.header:
         return _from_staircase(table)
@@ -137,7 +171,10 @@ def read_theta0_pairs(
         raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
     for name in table.header:
         if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
-            told = f"the header has {name} beside {ordered}: name it {ahead} if it is the next θ0 in degrees"
+            told = (
+                f"the header has {name} beside {ordered}: name it {ahead} if it is the next "
+                "θ0 in degrees"
+            )
             raise table.error(1, f"{told}, or leave it out")
     theta = _column(table, ordered)
     if theta.size < 2:
@@ -149,20 +186,24 @@ def read_theta0_pairs(
     if moved:
         where = ", ".join(f"{one:.0f}" for one in moved[:6])
         line = (
-            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as moved by hand, left out"
+            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
+            "moved by hand, left out"
         )
         warnings.warn(line, DoubtfulInput, stacklevel=2)
     dropped = {"moved by hand": len(moved)} if moved else {}
     kept = ~by_hand
-    return Theta0Pairs(course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, moved)
+    return Theta0Pairs(
+        course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, moved
+    )
 
 
 def moved_by_hand(theta: Array, turn: Array) -> NDArray[np.bool_]:
-    """Which turns (n,), rad, of cycles from orientations (n,), rad, are a hand's: few, and unlike those from nearby.
+    """Which turns (n,), rad, of cycles from orientations (n,), rad, are a hand's: few, and unlike
+    those from nearby.
 
-    Each is held against the median of four or more others from within 10 degrees; of a cycle that has no such
-    neighbours nothing is said. Far is eight times what is usual, and 12 degrees at least. Where many are far, or cycles
-    are few, none is a hand's.
+    Each is held against the median of four or more others from within 10 degrees; of a cycle that
+    has no such neighbours nothing is said. Far is eight times what is usual, and 12 degrees at
+    least. Where many are far, or cycles are few, none is a hand's.
     """
     none, off = np.zeros(turn.size, dtype=bool), np.full(turn.size, np.nan)
     if turn.size < _ENOUGH:
@@ -193,13 +234,18 @@ def _column(table: CsvTable, name: str) -> Array:
 
 
 def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
-    """Warn (`DoubtfulInput`) where angles of columns in degrees fill one circle in radians, and no more."""
+    """Warn (`DoubtfulInput`) where angles of columns in degrees fill one circle in radians, and no
+    more.
+    """
     for name in columns:
         numbers = [table.number(row, name) for row in table.rows if table.text(row, name)]
         low, high = min(numbers, default=0.0), max(numbers, default=0.0)
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
         if len(numbers) >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
-            told = f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: are these radians?"
+            told = (
+                f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: "
+                "are these radians?"
+            )
             warnings.warn(told, DoubtfulInput, stacklevel=4)
             return
 
@@ -209,24 +255,36 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     number, path, wrapped = (_column(table, name) for name in STAIRCASE_COLUMNS[:3])
     # Empty where there is no next one.
     column = "dtheta_to_next_deg"
-    turns = np.array([table.number(row, column) if table.text(row, column) else np.nan for row in table.rows])
+    turns = np.array(
+        [table.number(row, column) if table.text(row, column) else np.nan for row in table.rows]
+    )
     if not np.isnan(turns[-1]):
         last = table.rows[-1].line
-        raise table.error(last, "the last row has a next θ0: the file is cut off; restore it or empty that field")
+        raise table.error(
+            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
+        )
     for index in np.flatnonzero(np.abs(_shorter_way(path - wrapped)) > _CONSISTENT_DEG)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
-        raise table.error(table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})")
+        raise table.error(
+            table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
+        )
     off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > _CONSISTENT_DEG)
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
-        raise table.error(table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off")
+        raise table.error(
+            table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
+        )
     flags = np.array([table.text(row, "flag") for row in table.rows])
     kept = (flags == "") & ~np.isnan(turns)
     if not kept.any():
-        raise table.error(table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with")
+        raise table.error(
+            table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with"
+        )
     theta = np.deg2rad(path[kept])
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    return Theta0Pairs(theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), dropped, number[kept], number)
+    return Theta0Pairs(
+        theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), dropped, number[kept], number
+    )
 
 
 def _from_pairs(table: CsvTable) -> Theta0Pairs:
@@ -234,18 +292,27 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
     theta, theta_next = (_column(table, name) for name in PAIR_COLUMNS)
     turn = _shorter_way(theta_next - theta)
     gap = _shorter_way(theta[1:] - theta_next[:-1])
-    usual, varied = np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1) if gap.size else (0.0, 0.0)
+    usual, varied = (
+        np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1) if gap.size else (0.0, 0.0)
+    )
     exact = bool((np.abs(gap) <= _CONSISTENT_DEG).all())
-    # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as turns.
+    # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as
+    # turns.
     if not gap.size or not (exact or (theta.size >= _ENOUGH and usual <= _SMALL_GAP * varied)):
         return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
-        told = f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one before ended: the rows are "
+        told = (
+            f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one "
+            "before ended: the rows are "
+        )
         told += "taken to be in order, and staircases are of the longest run without such a pair"
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
-    number, steps = np.arange(float(path.size)), (np.deg2rad(path[:-1]), np.deg2rad(path[:-1] + turn))
+    number, steps = (
+        np.arange(float(path.size)),
+        (np.deg2rad(path[:-1]), np.deg2rad(path[:-1] + turn)),
+    )
     return Theta0Pairs(*steps, np.deg2rad(path), cycle=number[:-1], path_cycle=number)
 
 
@@ -255,7 +322,8 @@ def _shorter_way(turn_deg: Array) -> Array:
 
 
 def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
-    """The arcs from the first to the last of orientations (n,), n ≥ 1, rad, that lie no further apart than ``GAP``.
+    """The arcs from the first to the last of orientations (n,), n ≥ 1, rad, that lie no further
+    apart than ``GAP``.
 
     Each is (from, to), from in [0, 2π), to no less; in order of from. The whole circle is (0, 2π).
 
@@ -273,15 +341,22 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
 
 
 def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
-    """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured`` (n,), n ≥ 1, rad."""
+    """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured``
+    (n,), n ≥ 1, rad.
+    """
     angles = finite_array("theta", theta)
-    inside = [np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE for low, high in covered_arcs(measured)]
+    inside = [
+        np.mod(angles - low + _EDGE, TWO_PI) <= high - low + 2 * _EDGE
+        for low, high in covered_arcs(measured)
+    ]
     return np.asarray(np.any(inside, axis=0))
 
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 with three or more."""
+    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 with
+    three or more.
+    """
 
     centre: Array
     median: Array
@@ -290,7 +365,9 @@ class TurnBins:
 
 @dataclass(frozen=True, eq=False)
 class AngleHistogram:
-    """How often each direction was recorded. edges : (k + 1,) rad over [0, 2π]. density : (k,) per rad."""
+    """How often each direction was recorded. edges : (k + 1,) rad over [0, 2π]. density : (k,) per
+    rad.
+    """
 
     edges: Array
     density: Array
@@ -298,7 +375,9 @@ class AngleHistogram:
 
 @dataclass(frozen=True)
 class MapAgreement:
-    """How far measured turns lie from a map's: root mean squares over pairs, and over bin medians alike (rad)."""
+    """How far measured turns lie from a map's: root mean squares over pairs, and over bin medians
+    alike (rad).
+    """
 
     pairs: int
     rms: float
@@ -316,7 +395,8 @@ def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
 
 
 def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
-    """Probability density (per rad) of the directions `theta` (n,) rad in `bins` equal bins over [0, 2π).
+    """Probability density (per rad) of the directions `theta` (n,) rad in `bins` equal bins over
+    [0, 2π).
 
     >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
     array([0.5, 0.5])
@@ -328,7 +408,9 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 
 
 def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
-    """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput for fewer than one."""
+    """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput
+    for fewer than one.
+    """
     count = whole_number("bins", bins, least=1)
     require_room("bins", count, "so many hold no counts: use fewer", _MOST_BINS)
     # An angle a hair below 0 wraps to exactly 2π and would fall past the last bin.
@@ -337,7 +419,9 @@ def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOverlay:
-    """Measured pairs with their medians by direction, their histogram, and their distance from a map."""
+    """Measured pairs with their medians by direction, their histogram, and their distance from a
+    map.
+    """
 
     pairs: Theta0Pairs
     bins: TurnBins
@@ -349,6 +433,8 @@ def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> Meas
     """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad)."""
     bins = turn_bins(pairs)
     off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
-    rms, bin_rms = (float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off))
+    rms, bin_rms = (
+        float(np.sqrt(np.mean(one**2))) if one.size else np.nan for one in (off, bin_off)
+    )
     agreement = MapAgreement(pairs.theta.size, rms, bins.centre.size, bin_rms)
     return MeasuredOverlay(pairs, bins, angle_histogram(pairs.theta), agreement)

@@ -23,11 +23,14 @@ BEND = 0.3e-3
 _SHORTEST_PATH = 1e-3
 # More than this is no offset of a calibration: the record and the outline do not fit each other.
 _LARGEST_SHIFT = 5e-3
-# Curved outlines are cut into pieces of a thousandth of their size: gaps are exact to 0.1 micrometre.
+# Curved outlines are cut into pieces of a thousandth of their size: gaps are exact to 0.1
+# micrometre.
 _PIECES = 3600
-# What is left between rod and object after a shift, and how well gaps of touching rods are known, m.
+# What is left between rod and object after a shift, and how well gaps of touching rods are known,
+# m.
 _CLEARANCE, _ROUNDING, _MOST_SHIFTS = 1e-7, 1e-7, 10
-# Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a micrometre.
+# Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a
+# micrometre.
 _SAMPLE_SPACING = 0.5e-3
 # An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
 _MOVED = 0.5e-3
@@ -36,10 +39,11 @@ _MOVED = 0.5e-3
 def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
     """Return the chain of straight strokes that stays within 0.3 mm of a recorded tip.
 
-    tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners (k, 2), m, are recorded
-    places, chosen by halving at the farthest place (Ramer 1972; Douglas & Peucker 1973). With them come the travel (m,)
-    along the chain at the recorded times, which never falls, and the largest distance of a place from the chord between
-    the first and the last, m. Raises InvalidInput where the tip moves less than 1 mm.
+    tip_pose : (m, 3 or more): time (s), x (m), y (m), and what else is recorded. The corners (k,
+        2), m, are recorded places, chosen by halving at the farthest place (Ramer 1972; Douglas &
+        Peucker 1973). With them come the travel (m,) along the chain at the recorded times, which
+        never falls, and the largest distance of a place from the chord between the first and the
+        last, m. Raises InvalidInput where the tip moves less than 1 mm.
     """
     place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
     kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
@@ -74,7 +78,8 @@ def _from_chord(place: Array) -> Array:
 
 
 def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> tuple[float, Array]:
-    """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward normal (2,) there.
+    """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward
+    normal (2,) there.
 
     The gap is negative where the rod reaches into the object; the normal is in the world frame.
     """
@@ -96,10 +101,11 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> 
 
 
 def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> Array:
-    """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object; zero outside.
+    """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object;
+    zero outside.
 
-    Along the outward normal, until rod and object are 0.1 micrometre apart. Raises InvalidInput where 5 mm are not
-    enough: that is no offset between two calibrations.
+    Along the outward normal, until rod and object are 0.1 micrometre apart. Raises InvalidInput
+    where 5 mm are not enough: that is no offset between two calibrations.
     """
     shift = np.zeros(2)
     for _ in range(_MOST_SHIFTS):
@@ -110,18 +116,25 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, floa
         if np.hypot(*shift) > _LARGEST_SHIFT:
             break
     depth, most = 1e3 * np.hypot(*shift), 1e3 * _LARGEST_SHIFT
-    told = f"the rod starts {depth:.3g} mm inside the object, more than the {most:.0f} mm that a calibration may be off"
+    told = (
+        f"the rod starts {depth:.3g} mm inside the object, more than the {most:.0f} mm that a "
+        "calibration may be off"
+    )
     raise InvalidInput(f"{told}: check the object's outline and the rod's radius")
 
 
-def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> tuple[Array, Array, bool, bool]:
-    """Push the object from `pose` with a rod that goes straight from corner to corner, (k, 2), m, world frame.
+def push_along(
+    model: QuasiStaticModel, pose: Pose, corners: Array
+) -> tuple[Array, Array, bool, bool]:
+    """Push the object from `pose` with a rod that goes straight from corner to corner, (k, 2), m,
+    world frame.
 
-    Returns travels (n,), m along the chain, that never fall, the poses (n, 3) there (m, rad), whether the rod ever
-    pushed, and whether it had lost the object by the end.
-    Each stroke is a push of its own that starts where the last one ended, in contact or not: quasi-static motion has
-    no memory. A rod that loses the object may find it again on a later stroke. Raises UnsupportedContact where the
-    rod touches two sides at once or enters the object, ConvergenceError where the contact cannot be solved.
+    Returns travels (n,), m along the chain, that never fall, the poses (n, 3) there (m, rad),
+    whether the rod ever pushed, and whether it had lost the object by the end. Each stroke is a
+    push of its own that starts where the last one ended, in contact or not: quasi-static motion has
+    no memory. A rod that loses the object may find it again on a later stroke. Raises
+    UnsupportedContact where the rod touches two sides at once or enters the object,
+    ConvergenceError where the contact cannot be solved.
     """
     travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
     done, touched, left = 0.0, False, False
@@ -129,12 +142,17 @@ def push_along(model: QuasiStaticModel, pose: Pose, corners: Array) -> tuple[Arr
         length = math.hypot(*(end - start))
         if length == 0.0:
             continue
-        place, direction = (float(start[0]), float(start[1])), math.atan2(*(end - start)[::-1].tolist())
+        place, direction = (
+            (float(start[0]), float(start[1])),
+            math.atan2(*(end - start)[::-1].tolist()),
+        )
         if rod_gap(model, pose, place)[0] < -_ROUNDING:
             there = f"({place[0]:.4f}, {place[1]:.4f}) m"
             raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
         rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touches(model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta]))[0]
+        touch = first_touches(
+            model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta])
+        )[0]
         left = touched
         if touch[0] * model.unit < length:
             push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
@@ -153,12 +171,16 @@ class Replay:
     """A recorded push beside its prediction, at the times of the recorded poses.
 
     time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place. outline : (k, 2) m, the object's, closed.
-    shift : (2,) m, by which the recorded path was moved: the offset that was given, and what takes the rod out of the
-        object at the start. start_gap : m, between rod and object there with the offset alone; negative: they overlap.
-    straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand for it.
+    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place. outline : (k, 2) m,
+        the object's, closed.
+    shift : (2,) m, by which the recorded path was moved: the offset that was given, and what takes
+        the rod out of the object at the start. start_gap : m, between rod and object there with the
+        offset alone; negative: they overlap.
+    straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand
+        for it.
     touched, left : whether the predicted rod touches the object, and has lost it by the end.
-    touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod travel, or neither does.
+    touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod
+        travel, or neither does.
     leaving_agrees : whether the rod ends over 3 mm from both objects, or from neither.
     """
 
@@ -188,28 +210,47 @@ class Replay:
         return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
 
     def summary(self) -> dict[str, Any]:
-        """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and whether."""
+        """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and
+        whether.
+        """
         weight, found = np.diff(self.travel), dict[str, Any]()
         for name, error in (("error", self.error), ("turn_error", self.turn_error)):
             # The root mean square along the rod's way, by the trapezium rule.
             middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
-            mean_square = float(weight @ middle) / float(weight.sum()) if weight.sum() > 0.0 else math.nan
+            mean_square = (
+                float(weight @ middle) / float(weight.sum()) if weight.sum() > 0.0 else math.nan
+            )
             found |= {name: float(error[-1]), f"rms_{name}": math.sqrt(mean_square)}
         for name, poses in (("measured", self.measured), ("predicted", self.predicted)):
             x, y, turn = (poses[-1] - poses[0]).tolist()
             found |= {f"{name}_motion": math.hypot(x, y), f"{name}_turn": turn}
-        told = ("start_gap", "straightness", "strokes", "touched", "left", "touch_agrees", "leaving_agrees")
-        return {**found, "shift": math.hypot(*self.shift.tolist()), **{name: getattr(self, name) for name in told}}
+        told = (
+            "start_gap",
+            "straightness",
+            "strokes",
+            "touched",
+            "left",
+            "touch_agrees",
+            "leaving_agrees",
+        )
+        return {
+            **found,
+            "shift": math.hypot(*self.shift.tolist()),
+            **{name: getattr(self, name) for name in told},
+        }
 
 
-def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)) -> Replay:
+def replay_push(
+    record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)
+) -> Replay:
     """Push the model's slider from the record's first pose along the record's tip path.
 
-    The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is a single push. The
-    model is quasi-static: the tip's times say where the rod is, its speed changes nothing. A rod that overlaps the
-    object at the start by up to 5 mm is an offset between two calibrations: the path is then shifted along the
-    outward normal until they touch. `offset` (m) is added to the path before. A rod that never touches predicts no
-    motion. Raises InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and
+    The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is
+    a single push. The model is quasi-static: the tip's times say where the rod is, its speed
+    changes nothing. A rod that overlaps the object at the start by up to 5 mm is an offset between
+    two calibrations: the path is then shifted along the outward normal until they touch. `offset`
+    (m) is added to the path before. A rod that never touches predicts no motion. Raises
+    InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and
     ConvergenceError as `QuasiStaticModel.push` does.
 
     >>> from cyclemap.mechanics import EllipseFriction, Slider
@@ -235,7 +276,10 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: tuple[float
         far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
         onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
     last = (float(tip[-1, 0]), float(tip[-1, 1]))
-    apart = [rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK for poses in (measured, predicted)]
+    apart = [
+        rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK
+        for poses in (measured, predicted)
+    ]
     return Replay(
         record.object_pose[:, 0],
         measured,

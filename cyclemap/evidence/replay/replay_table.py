@@ -1,4 +1,6 @@
-"""Every recorded push of a collection replayed, a row each, and the errors gathered by object or by speed."""
+"""Every recorded push of a collection replayed, a row each, and the errors gathered by object or by
+speed.
+"""
 
 from __future__ import annotations
 
@@ -47,9 +49,10 @@ from cyclemap.text_files import read_csv_table
 if TYPE_CHECKING:
     import pandas
 
-# A quarter of the butterfly's outline, mm from its centre: from the middle of the waist to the end of the wing. The
-# plate is symmetric about both axes. Nodes of the outline in the dataset's code (peterkty/pnpush, shape_db.py, "butt",
-# and its CAD points), whose spline the mesh in mcubelab/pdproc (butter.obj) follows within 0.01 mm.
+# A quarter of the butterfly's outline, mm from its centre: from the middle of the waist to the end
+# of the wing. The plate is symmetric about both axes. Nodes of the outline in the dataset's code
+# (peterkty/pnpush, shape_db.py, "butt", and its CAD points), whose spline the mesh in
+# mcubelab/pdproc (butter.obj) follows within 0.01 mm.
 _QUARTER = (
     (27.3790177, 0.0),
     (28.021517, 4.9769114),
@@ -74,8 +77,8 @@ _QUARTER = (
     (0.0, 78.6396103),
 )
 
-# Of the dataset's rect1, cut from the same plate: 0.8374 kg on 90 mm by 90 mm; the butterfly's own mass is not given
-# there. It scales the forces alone, never the motion.
+# Of the dataset's rect1, cut from the same plate: 0.8374 kg on 90 mm by 90 mm; the butterfly's own
+# mass is not given there. It scales the forces alone, never the motion.
 _PLATE_DENSITY = 0.8374 / 0.0081
 _BUTTER_INERTIA = 0.003019
 # The rod, and its friction with the objects as measured in pushes of the dataset.
@@ -131,13 +134,16 @@ def dataset_sliders() -> dict[str, Slider]:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPushes:
-    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the order of the table.
+    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the
+    order of the table.
 
-    table : `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`, `repetition`: by the file's
-        name. `error` (m), `turn_error` (rad, predicted minus measured): at the end; `isotropic_error`,
-        `isotropic_turn_error`: of isotropic friction under even pressure; `rms_error`, `rms_turn_error`: along the
-        rod's path. `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn` (rad),
-        `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in `Replay`.
+    table : `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
+        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured):
+        at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic friction under even
+        pressure; `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`,
+        `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn` (rad), `start_gap`,
+        `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in
+        `Replay`.
     """
 
     table: pandas.DataFrame
@@ -146,22 +152,30 @@ class ReplayedPushes:
 
     @property
     def mean_errors(self) -> tuple[float, float]:
-        """Mean distance (m) and turn (rad) by which the replays are off at the end; NaN where there is none."""
+        """Mean distance (m) and turn (rad) by which the replays are off at the end; NaN where there
+        is none.
+        """
         return float(self.table["error"].mean()), float(self.table["turn_error"].abs().mean())
 
     def by(self, *columns: str) -> pandas.DataFrame:
-        """Return the errors gathered by columns of the table, a row a group, in order of the columns.
+        """Return the errors gathered by columns of the table, a row a group, in order of the
+        columns.
 
-        `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad, without sign) at the
-        end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`, `relative_turn_error`:
-        mean error over mean motion; `mean_rms_error` (m); `isotropic_mean_error`, `isotropic_mean_turn_error`: what
-        isotropic friction misses; `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad,
+        without sign) at the end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured;
+        `relative_error`, `relative_turn_error`: mean error over mean motion; `mean_rms_error` (m);
+        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
+        `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:
-                raise InvalidInput(f"no column {column!r} to gather by: know {', '.join(self.table.columns)}")
+                raise InvalidInput(
+                    f"no column {column!r} to gather by: know {', '.join(self.table.columns)}"
+                )
         turns = ("turn_error", "measured_turn", "isotropic_turn_error")
-        groups = self.table.assign(**self.table[[*turns]].abs()).groupby(list(columns), dropna=False)
+        groups = self.table.assign(**self.table[[*turns]].abs()).groupby(
+            list(columns), dropna=False
+        )
         mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
         found = {
             "count": groups.size(),
@@ -198,52 +212,76 @@ def replay_pushes(
 ) -> ReplayedPushes:
     """Replay every push of a file, a folder or a tree along its own tip path; see `replay_push`.
 
-    The layout is that of the MIT dataset, or CSV with a row a push: poses before and after (`x0,y0,th0,x1,y1,th1`, m
-    and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which went straight from one to the other.
+    The layout is that of the MIT dataset, or CSV with a row a push: poses before and after
+    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which
+    went straight from one to the other.
 
-    friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the objects by the
-    names in the files; None: those of the dataset, `butter` among them. plates : how objects rest on the surface, by
-    the same names; the others are flat, or as built in where the floor has a shape. floor : its shape, kPa at 50 mm;
-    sessions : its shapes in sessions that were seen, taken for pushes of their plate and speed. field : how
-    the floor's shape varies with the place about the dataset's target, kPa. frames : how the frames
-    of each plate's data are shifted. select : values of surface, object, speed, side, fraction, angle (SI, rad) to
-    keep. Each push is replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what is known
-    of surface and plates is worth what it gains on that. progress : called with the fraction done.
+    friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the
+        objects by the names in the files; None: those of the dataset, `butter` among them. plates :
+        how objects rest on the surface, by the same names; the others are flat, or as built in
+        where the floor has a shape. floor : its shape, kPa at 50 mm;
+    sessions : its shapes in sessions that were seen, taken
+        for pushes of their plate and speed. field : how the floor's shape varies with the place
+        about the dataset's target, kPa. frames
+        : how the frames of each plate's data are shifted. select : values of surface, object,
+        speed, side, fraction, angle (SI, rad) to keep. Each push is replayed on isotropic friction,
+        all flat, too, with the same rod, no frame shifted: what is known of surface and plates is
+        worth what it gains on that. progress : called with the fraction done.
 
-    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a contact outside
-    the model, a table of end poses without a tip path, a robot more than 5 mm from where it was sent, a file that
-    cannot be read - is listed in `not_replayed` with the reason. Raises InvalidInput where there is no push data at
-    `path`, or none that is selected.
+    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a
+    contact outside the model, a table of end poses without a tip path, a robot more than 5 mm from
+    where it was sent, a file that cannot be read - is listed in `not_replayed` with the reason.
+    Raises InvalidInput where there is no push data at `path`, or none that is selected.
     """
     import pandas
 
     report, chosen = progress or (lambda fraction: None), dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
-    found, left = select_pushes(Path(path), selection, True, lambda fraction: report(_READING * fraction))
+    found, left = select_pushes(
+        Path(path), selection, True, lambda fraction: report(_READING * fraction)
+    )
     for name, slider in (sliders or {}).items():
         own = found.table[found.table["object"] == name]
-        check_pushes(replace(found, table=own), CollectionLoop.mit("isotropic", slider=slider, footprint=None))
+        check_pushes(
+            replace(found, table=own),
+            CollectionLoop.mit("isotropic", slider=slider, footprint=None),
+        )
     objects = dataset_sliders() if sliders is None else sliders
-    surface, models = Material("floor", friction, plates=tuple(plates), floor=floor, field=field), dict[str, _Models]()
+    surface, models = (
+        Material("floor", friction, plates=tuple(plates), floor=floor, field=field),
+        dict[str, _Models](),
+    )
     shapes = {one.name: one.shape for one in sessions}
     shifts = {one.plate: (one.x, one.y) for one in frames}
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
     left_out = list(found.unreadable)
-    left_out += [UnreadableFile(Path(file), "a friction scan, not a push") for file in found.scans["path"].unique()]
+    left_out += [
+        UnreadableFile(Path(file), "a friction scan, not a push")
+        for file in found.scans["path"].unique()
+    ]
     files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
     if not len(files) and left:
-        raise InvalidInput(f"{path}: nothing is selected: {', '.join(f'{count} {why}' for why, count in left.items())}")
+        raise InvalidInput(
+            f"{path}: nothing is selected: "
+            f"{', '.join(f'{count} {why}' for why, count in left.items())}"
+        )
     for file in map(Path, files):
         try:
             for facts, record in _recorded(file, selection, left_out):
                 done += 1
                 try:
                     if facts.object is None:
-                        raise InvalidInput("its name does not say which object was pushed: it is not of the MIT layout")
+                        raise InvalidInput(
+                            "its name does not say which object was pushed: it is not of the MIT "
+                            "layout"
+                        )
                     if facts.object not in objects:
                         told = f"object {facts.object!r} has no outline"
-                        raise InvalidInput(f"{told}: neither the material file nor the data's collection.toml has it")
+                        raise InvalidInput(
+                            f"{told}: neither the material file nor the data's collection.toml "
+                            "has it"
+                        )
                     session = session_name(facts.object, facts.speed)
                     if session not in models:
                         found_there = replace(surface, floor=shapes.get(session, floor))
@@ -251,12 +289,17 @@ def replay_pushes(
                     (model, plain), offset = models[session], shifts.get(facts.object, (0.0, 0.0))
                     record = record if field is None else _seen_from(record, DATASET_TARGET)
                     replay = replay_push(record, model, offset)
-                    isotropic = replay if plain is model and not any(offset) else replay_push(record, plain)
+                    isotropic = (
+                        replay if plain is model and not any(offset) else replay_push(record, plain)
+                    )
                 except CycleMapError as error:
                     left_out.append(UnreadableFile(file, str(error)))
                 else:
                     replays.append(replay)
-                    plainly = {f"isotropic_{key}": isotropic.summary()[key] for key in ("error", "turn_error")}
+                    plainly = {
+                        f"isotropic_{key}": isotropic.summary()[key]
+                        for key in ("error", "turn_error")
+                    }
                     known = {key: getattr(facts, key) for key in _FACTS}
                     rows.append({**known, **replay.summary(), **plainly, "path": str(file)})
                 report(_READING + (1.0 - _READING) * min(done / total, 1.0))
@@ -264,14 +307,18 @@ def replay_pushes(
             left_out.append(UnreadableFile(file, str(error)))
     report(1.0)
     left_out.sort(key=lambda entry: entry.path)
-    return ReplayedPushes(pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out))
+    return ReplayedPushes(
+        pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out)
+    )
 
 
 def _models(slider: Slider, surface: Material, pusher: Pusher) -> _Models:
     """The models of an object: on the surface, and on isotropic friction, all flat."""
     friction, footprint = surface.friction, plate_footprint(surface, slider)
     model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
-    is_plain = footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
+    is_plain = (
+        footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
+    )
     return model, model if is_plain else model.isotropic
 
 
@@ -284,7 +331,9 @@ def _seen_from(record: PushRecord, place: tuple[float, float]) -> PushRecord:
 def _recorded(
     path: Path, selection: RowSelection, left_out: list[UnreadableFile]
 ) -> Iterator[tuple[PushFacts, PushRecord]]:
-    """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a CSV table."""
+    """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a
+    CSV table.
+    """
     if path.suffix.lower() != CSV_SUFFIX:
         record = convention_of(path).record(read_push_file(path))
         if not isinstance(record, PushRecord):
@@ -293,14 +342,20 @@ def _recorded(
         return
     table = convention_of(path).table(read_csv_table(path))
     if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
-        raise InvalidInput(f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}")
+        raise InvalidInput(
+            f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}"
+        )
     for row in table.rows:
         facts = {name: column_value(table, row, name) for name in FACTS}
         if selection.refusal(facts):
             continue
         start, end, tip_start, tip_end = push_ends(table, row)
         if (astray := tip_error(table, row)) > LARGEST_TIP_ERROR:
-            left_out.append(UnreadableFile(path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"))
+            left_out.append(
+                UnreadableFile(
+                    path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"
+                )
+            )
             continue
         poses = [[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]]
         tips = [[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]]

@@ -1,1 +1,3 @@
-"""Tables and comparisons of one set of repeated pushes: its statistics, its laws, its histogram, its cycle map."""
+"""Tables and comparisons of one set of repeated pushes: its statistics, its laws, its histogram,
+its cycle map.
+"""

@@ -1,4 +1,6 @@
-"""The cycle map of measured orientations with its wear, and what it foretells of the very path it was fitted to."""
+"""The cycle map of measured orientations with its wear, and what it foretells of the very path it
+was fitted to.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +17,20 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, Theta0Pairs, angle_histogram, is_covered
+from cyclemap.evidence.pushes.theta0_pairs import (
+    AngleHistogram,
+    Theta0Pairs,
+    angle_histogram,
+    is_covered,
+)
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
 _PATIENCE, _LEAST = 3, 60
-# Early and late are told an eighth of the run from its ends: polynomials are least certain at the very ends.
+# Early and late are told an eighth of the run from its ends: polynomials are least certain at the
+# very ends.
 _EARLY, _LATE = 0.125, 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 _WORN_IN = 0.25
@@ -30,8 +38,8 @@ _GRID = 1440
 _AROUND = TWO_PI * np.arange(_GRID) / _GRID
 # Fewer cycles than these pass any place too seldom to tell wear from scatter.
 FEWEST_FOR_WEAR = 100
-# Residuals within 10 degrees tell by how much a law is off there; where their mean is this many standard errors from
-# 0, it is: by chance some window of the circle is in one fit of twenty.
+# Residuals within 10 degrees tell by how much a law is off there; where their mean is this many
+# standard errors from 0, it is: by chance some window of the circle is in one fit of twenty.
 _MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
 # Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
 _CROWD = 10
@@ -45,9 +53,11 @@ _POOLED, _COMPARED = 20_000, 40
 class TurnPace:
     """The full turns (k,) of a measured path, in order, each beside its prediction.
 
-    start : the cycle in which each began. measured : the pushes that it took. predicted, lower, upper : median and
-    central 95 % of the pushes that the worn map takes for the same turn, begun in the same cycle at the same angle; inf
-    where too many paths took longer than they were followed.
+    start : the cycle in which each began. measured : the
+        pushes that it took. predicted, lower, upper : median and central 95 % of the pushes that
+        the worn map takes for the same turn,
+        begun in the same cycle at the same angle; inf where too many paths took longer than they
+        were followed.
     """
 
     start: Array
@@ -58,15 +68,19 @@ class TurnPace:
 
     @property
     def inside(self) -> float:
-        """The share of measured turns within the central 95 % of their predictions; NaN without turns."""
+        """The share of measured turns within the central 95 % of their predictions; NaN without
+        turns.
+        """
         held = (self.lower <= self.measured) & (self.measured <= self.upper)
         return float(np.mean(held)) if held.size else float("nan")
 
 
 def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
-    """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for each next whole j.
+    """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for
+    each next whole j.
 
-    A path that turns downward on the whole is read upside down. Empty where it passes no such level.
+    A path that turns downward on the whole is read upside down. Empty where it passes no such
+    level.
     """
     upward = path[-1] >= path[0]
     climb, mark = (path, level) if upward else (-path, -level)
@@ -76,11 +90,15 @@ def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
     return np.searchsorted(highest, levels)
 
 
-def turn_pace(fitted: FittedMap, path: Array, cycle: Array, level: float, runs: int = _RUNS, seed: int = 0) -> TurnPace:
+def turn_pace(
+    fitted: FittedMap, path: Array, cycle: Array, level: float, runs: int = _RUNS, seed: int = 0
+) -> TurnPace:
     """Time the turns of a path (m,), rad, whose entries were recorded in the cycles ``cycle`` (m,).
 
-    level : rad, where a turn begins and ends: best where the map is fast, so that jitter does not move the mark.
-    fitted : with wear (``fit_map(..., cycle=...)``). Each prediction is made of ``runs`` paths, from ``seed``.
+    level : rad, where a turn begins and ends: best where the map is fast, so that jitter does not
+        move the mark.
+    fitted : with wear (``fit_map(..., cycle=...)``). Each prediction is made of ``runs`` paths,
+        from ``seed``.
 
     Raises InvalidInput where the map was fitted without cycle numbers.
     """
@@ -92,7 +110,9 @@ def turn_pace(fitted: FittedMap, path: Array, cycle: Array, level: float, runs: 
         start, patience = float(path[place]), int(_PATIENCE * float(taken)) + _LEAST
         # A turn begins a little past its mark: by so much less it has to climb to the next.
         past = np.remainder(sign * start - sign * level, TWO_PI)
-        paths = fitted.paths(np.full(runs, start), patience, first=float(cycle[place]), seed=seed + k)
+        paths = fitted.paths(
+            np.full(runs, start), patience, first=float(cycle[place]), seed=seed + k
+        )
         reached = sign * (paths - start) >= TWO_PI - past
         pushes = np.where(reached.any(axis=1), np.argmax(reached, axis=1), np.inf)
         quantiles.append(np.quantile(pushes, [0.025, 0.5, 0.975], method="inverted_cdf"))
@@ -102,9 +122,11 @@ def turn_pace(fitted: FittedMap, path: Array, cycle: Array, level: float, runs: 
 
 @dataclass(frozen=True)
 class TurnPlace:
-    """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever the place.
+    """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever
+    the place.
 
-    Neighbouring residuals that are alike and the law's own misfit thereabouts are in it. cycles : of a slow passage.
+    Neighbouring residuals that are alike and the law's own misfit thereabouts are in it. cycles :
+    of a slow passage.
     """
 
     theta: float
@@ -116,11 +138,13 @@ class TurnPlace:
 
 @dataclass(frozen=True, eq=False)
 class MapState:
-    """The fitted map at one cycle: what attracts, and where it is slow, as far as orientations were measured.
+    """The fitted map at one cycle: what attracts, and where it is slow, as far as orientations were
+    measured.
 
-    fixed_points : of the map, stable and unstable, where the interval of the turn excludes 0 on either side with
-        opposite signs. passages : bottlenecks where the interval excludes 0. undecided : the least turn of each arc
-        where the interval holds 0 and no sign changes for certain: the map may have fixed points there, or none.
+    fixed_points : of the map, stable and unstable, where the interval of the turn excludes 0
+        on either side with opposite signs. passages : bottlenecks where the interval excludes
+        0. undecided : the least turn of each arc where the interval holds 0 and no sign changes for
+        certain: the map may have fixed points there, or none.
     slowest : where |turn| is least. cycle : NaN where the cycles have no numbers.
     """
 
@@ -135,12 +159,16 @@ class MapState:
 class WornForecast:
     """Paths of the worn map beside the measured one.
 
-    first_cycle : from here on full turns are counted. measured_turns : climbed from there to the end; left_out_turns :
-        those in cycles that the fit left out (gaps and flagged jumps); turns : (runs,) of paths from the same place.
-    measured : (m,) rad, the measured path at every cycle, gaps filled in straight. run : (m,) rad, one path of the map
-        from the measured start. lower, upper : (m,) rad, between which 95 % of such paths lie in each cycle.
-    measured_histogram, histogram : of θ0 over all cycles. total_variation, wasserstein (rad) : between these two.
-    run_distances : (up to 40,) rad, the Wasserstein distance of each path from all of them: what chance makes.
+    first_cycle : from here on full turns are counted. measured_turns : climbed from there to the
+        end; left_out_turns : those in cycles that the fit left out (gaps and flagged jumps); turns
+        : (runs,) of paths from the same place.
+    measured : (m,) rad, the measured path at every cycle, gaps filled in straight. run : (m,) rad,
+        one path of the map from the measured start. lower, upper : (m,) rad, between which 95 % of
+        such paths lie in each cycle.
+    measured_histogram, histogram : of θ0 over all cycles. total_variation, wasserstein (rad) :
+        between these two.
+    run_distances : (up to 40,) rad, the Wasserstein distance of each path from all of them: what
+        chance makes.
     """
 
     first_cycle: float
@@ -163,10 +191,12 @@ class WornForecast:
 class MeasuredCycleMap:
     """A fitted cycle map and its account.
 
-    fitted : with scatter that may depend on the angle and wear in time (of degree 0 where it was not asked for, or the
-        order of the cycles is unknown). quietest, loudest : (rad, rad) where the pairs within 10 degrees scatter least
-        and most about it, and their root mean square. early, late : the map an eighth of the run from its ends.
-    forecast : None where the order of the pushes is unknown, or the map's paths leave the measured orientations.
+    fitted : with scatter that may depend on the angle and wear in time (of degree 0 where it was
+        not asked for, or the order of the cycles is unknown). quietest, loudest : (rad, rad) where
+        the pairs within 10 degrees scatter least and most about it,
+        and their root mean square. early, late : the map an eighth of the run from its ends.
+    forecast : None where the order of the pushes is unknown, or the map's paths leave the measured
+        orientations.
     """
 
     pairs: Theta0Pairs
@@ -194,21 +224,25 @@ def measured_cycle_map(
 ) -> MeasuredCycleMap:
     """Fit the map, and follow it from where the measured path stood.
 
-    harmonics : the order; None chooses it, together with the degree of the wear, by cross-validation over blocks of
-        successive cycles; the degree is that of least error where there is wear at all.
+    harmonics : the order; None chooses it, together with the degree of the wear, by
+        cross-validation over blocks of successive cycles; the degree is that of least error where
+        there is wear at all.
     wear : False keeps the map the same in all cycles. runs : paths of each forecast.
 
-    Raises InvalidInput for fewer than 20 pairs, and where they do not fix the map; ConvergenceError where the scatter
-    could not be fitted.
+    Raises InvalidInput for fewer than 20 pairs, and where they do not fix the map; ConvergenceError
+    where the scatter could not be fitted.
     """
     if pairs.theta.size < FEWEST:
-        raise InvalidInput(f"{pairs.theta.size} pairs are too few for a cycle map; give at least {FEWEST}")
+        raise InvalidInput(
+            f"{pairs.theta.size} pairs are too few for a cycle map; give at least {FEWEST}"
+        )
     report = progress or (lambda fraction: None)
     fitted = _fitted(pairs, harmonics, wear, seed)
     report(0.5)
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
     report(1.0)
-    # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees of each place.
+    # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees
+    # of each place.
     worn, seen = fitted.wear, is_covered(pairs.theta, _AROUND)
     off = pairs.turn - fitted.law(pairs.theta)
     if worn is not None and pairs.cycle is not None:
@@ -216,11 +250,14 @@ def measured_cycle_map(
     near = np.abs(shorter_way(_AROUND[:, np.newaxis] - pairs.theta)) <= _MISFIT_REACH
     crowd = near.sum(axis=1)
     bias = near @ off / np.maximum(crowd, 1)
-    # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest crowds count.
+    # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
+    # crowds count.
     told = np.flatnonzero(seen & (crowd > 0))
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
     size = np.sqrt(near[told] @ off**2 / crowd[told])
-    quietest, loudest = ((float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size)))
+    quietest, loudest = (
+        (float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size))
+    )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
@@ -228,45 +265,70 @@ def measured_cycle_map(
 def _map_state(
     fitted: FittedMap, share: float, seen: NDArray[np.bool_], bias: Array, crowd: NDArray[np.int64]
 ) -> MapState:
-    """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about each place."""
+    """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
+    each place.
+    """
     worn, theta = fitted.wear, _AROUND
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked for, and a law of p
-    # coefficients is free in p places), more where residuals are alike, and its misfit: a law of too low an order is
-    # off by what its residuals have in common thereabouts, which no covariance knows.
+    # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked
+    # for, and a law of p coefficients is free in p places), more where residuals are alike, and its
+    # misfit: a law of too low an order is off by what its residuals have in common thereabouts,
+    # which no covariance knows.
     alike = min(max(law.lag_correlation, 0.0), 0.99)
-    quantile = student_quantile(1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size)
+    quantile = student_quantile(
+        1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size
+    )
     stated = quantile * law.standard_error(theta) * np.sqrt((1.0 + alike) / (1.0 - alike))
     misfit, chance = np.abs(bias), law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
-    turn, error = law(theta), stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0)
+    turn, error = (
+        law(theta),
+        stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0),
+    )
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
-        return TurnPlace(float(theta[k]), float(turn[k]), float(turn[k] - error[k]), float(turn[k] + error[k]), cycles)
+        return TurnPlace(
+            float(theta[k]),
+            float(turn[k]),
+            float(turn[k] - error[k]),
+            float(turn[k] + error[k]),
+            cycles,
+        )
 
     frozen = map_of_turn(law)
-    orbits = {round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)}
+    orbits = {
+        round(orbit.points[0] / TWO_PI * _GRID) % _GRID: orbit for orbit in fixed_points(frozen)
+    }
     sure: list[Orbit] = []
     undecided: list[TurnPlace] = []
-    # The longest runs of neighbours that are open, the last place beside the first; all in one where all are.
+    # The longest runs of neighbours that are open, the last place beside the first; all in one
+    # where all are.
     held = seen & (sign == 0.0)
     first = int(np.argmin(held))
-    edges = np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
+    edges = (
+        np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
+    )
     for low, high in edges.reshape(-1, 2).tolist():
         run = [k % _GRID for k in range(low, high)]
         if sign[run[0] - 1] * sign[(run[-1] + 1) % _GRID] < 0.0:
             sure += [orbits[k] for k in run if k in orbits]
         else:
             undecided.append(place(_least(np.abs(turn), np.array(run))))
-    passages = ((round(one.theta / TWO_PI * _GRID) % _GRID, one.passage_cycles) for one in slow_passages(frozen))
+    passages = (
+        (round(one.theta / TWO_PI * _GRID) % _GRID, one.passage_cycles)
+        for one in slow_passages(frozen)
+    )
     slow = tuple(place(k, cycles) for k, cycles in passages if sign[k] != 0.0)
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
-    return MapState(cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest)
+    return MapState(
+        cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest
+    )
 
 
 def _least(values: Array, places: NDArray[np.int64]) -> int:
-    """The one of these places where the values are least: in the middle, where they are all alike."""
+    """The one of these places where the values are least: in the middle,
+    where they are all alike."""
     least = places[values[places] <= np.min(values[places]) + 1e-12]
     return int(least[least.size // 2])
 
@@ -282,8 +344,9 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
-    # Whether it wears the cautious rule of `fit_worn_law` says; how, the least error in cycles left out: the cautious
-    # degree depends on how the folds are dealt, and the turns foretold depend on the degree.
+    # Whether it wears the cautious rule of `fit_worn_law` says; how, the least error in cycles left
+    # out: the cautious degree depends on how the folds are dealt, and the turns foretold depend on
+    # the degree.
     best = int(np.argmin(np.min(worn.rmse_by_order, axis=1)))
     same = best in (0, worn.degree)
     return fitted if same else fit_map(pairs.theta, pairs.theta_next, wear_degree=best, **options)
@@ -292,11 +355,19 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
     pairs = pairs.unbroken
     path, cycle = pairs.path, pairs.path_cycle
-    if pairs.cycle is None or path is None or cycle is None or fitted.wear is None or np.any(np.diff(cycle) <= 0.0):
+    if (
+        pairs.cycle is None
+        or path is None
+        or cycle is None
+        or fitted.wear is None
+        or np.any(np.diff(cycle) <= 0.0)
+    ):
         return None
     last = int(cycle[-1] - cycle[0])
     begin = int(np.searchsorted(cycle, cycle[0] + _WORN_IN * last))
-    counted = fitted.paths(np.full(runs, path[begin]), int(cycle[-1] - cycle[begin]), float(cycle[begin]), seed)
+    counted = fitted.paths(
+        np.full(runs, path[begin]), int(cycle[-1] - cycle[begin]), float(cycle[begin]), seed
+    )
     whole = fitted.paths(np.full(runs, path[0]), last, float(cycle[0]), seed + 1)
     if np.mean(is_covered(pairs.theta, whole)) < _INSIDE:
         return None
@@ -320,6 +391,8 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
         histogram=angle_histogram(whole.ravel()),
         total_variation=float(total_variation(path, whole.ravel())),
         wasserstein=float(circular_wasserstein(path, pooled)),
-        run_distances=np.array([float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]),
+        run_distances=np.array(
+            [float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]
+        ),
         pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )

@@ -1,4 +1,6 @@
-"""A collection's pushes, parted into the sets that were pushed alike, and how much equal pushes differ."""
+"""A collection's pushes, parted into the sets that were pushed alike, and how much equal pushes
+differ.
+"""
 
 from __future__ import annotations
 
@@ -29,14 +31,17 @@ _FEWEST_FOR_SPREAD = 5
 
 @dataclass(frozen=True, eq=False)
 class PushSet:
-    """The pushes of one surface, object and protocol, from one folder or CSV table, in order of recording.
+    """The pushes of one surface, object and protocol, from one folder or CSV table, in order of
+    recording.
 
     name : short, unlike that of any other set of the collection. source : the folder or the table.
-    facts : what all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and ``CONTACT`` that are
-        known. contacts : how many places and directions of pushing it pools; 1 for repeated pushes.
-    theta : (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and displacement of the push
-        in the object's initial frame; NaN where unknown.
-    pairs : the steps of the cycle map, where orientations before successive pushes are known, else None.
+    facts : what all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and
+        ``CONTACT`` that are known. contacts : how many places and directions of pushing it pools; 1
+        for repeated pushes.
+    theta : (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and
+        displacement of the push in the object's initial frame; NaN where unknown.
+    pairs : the steps of the cycle map, where orientations before successive pushes are known, else
+        None.
     """
 
     name: str
@@ -60,17 +65,24 @@ class PushSet:
         return bool(np.isfinite(self.dtheta).any())
 
 
-def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None) -> tuple[PushSet, ...]:
-    """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed and contact.
+def push_sets(
+    pushes: PushTable, select: Mapping[str, str | float] | None = None
+) -> tuple[PushSet, ...]:
+    """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed
+    and contact.
 
-    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets are then pooled
-    over the contacts, and say so in ``contacts``.
-    select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and radians.
+    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets are
+    then pooled over the contacts, and say so in ``contacts``.
+    select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and
+        radians.
 
     Raises InvalidInput for a column of another name, and where nothing is selected.
     """
     table = selected_pushes(pushes.table, select or {})
-    homes = [path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent) for path in table["path"]]
+    homes = [
+        path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent)
+        for path in table["path"]
+    ]
     gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
     for home in dict.fromkeys(homes):
         rows, parts = table[[other == home for other in homes]], list[Any]()
@@ -79,37 +91,61 @@ def push_sets(pushes: PushTable, select: Mapping[str, str | float] | None = None
             if any(len(part) >= FEWEST for part in parts):
                 break
         for part in parts:
-            shared = {name: part[name].iloc[0] for name in SET_FACTS if part[name].nunique(dropna=False) == 1}
-            known = {name: one for name, one in shared.items() if isinstance(one, str) or not math.isnan(one)}
+            shared = {
+                name: part[name].iloc[0]
+                for name in SET_FACTS
+                if part[name].nunique(dropna=False) == 1
+            }
+            known = {
+                name: one
+                for name, one in shared.items()
+                if isinstance(one, str) or not math.isnan(one)
+            }
             gathered.append((Path(home), known, part))
     names = _names([(home, facts) for home, facts, _ in gathered])
     return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
 
 
 def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
-    """Return the rows whose columns of ``SURROUNDINGS`` and ``CONTACT`` have these values, SI units and radians.
+    """Return the rows whose columns of ``SURROUNDINGS`` and ``CONTACT`` have these values, SI units
+    and radians.
 
-    Raises InvalidInput, telling what there is, for a column of another name and where no push has a value.
+    Raises InvalidInput, telling what there is, for a column of another name and where no push has a
+    value.
     """
     kept = np.ones(len(table), dtype=bool)
     for column, value in select.items():
         if column not in SET_FACTS:
             raise unknown_name("column", column, SET_FACTS)
         cells = table[column]
-        same = cells == value if column in _TEXT else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
+        same = (
+            cells == value
+            if column in _TEXT
+            else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
+        )
         if not np.any(same):
-            there = ", ".join(sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells}))
-            raise InvalidInput(f"no such {column}: {value}; the data have {there or 'no push at all'}")
+            there = ", ".join(
+                sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells})
+            )
+            raise InvalidInput(
+                f"no such {column}: {value}; the data have {there or 'no push at all'}"
+            )
         kept &= np.asarray(same, dtype=bool)
     if select and not kept.any():
-        raise InvalidInput(f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once")
+        raise InvalidInput(
+            f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once"
+        )
     return table[kept]
 
 
 def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFrame) -> PushSet:
     contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     repetition = rows["repetition"].to_numpy()
-    ordered = contacts == 1 and np.isfinite(repetition).all() and np.unique(repetition).size == repetition.size
+    ordered = (
+        contacts == 1
+        and np.isfinite(repetition).all()
+        and np.unique(repetition).size == repetition.size
+    )
     if ordered:
         rows = rows.iloc[np.argsort(repetition, kind="stable")]
     motion = {column: rows[column].to_numpy() for column in ("dtheta", "dx", "dy")}
@@ -126,30 +162,56 @@ def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFra
         follows = known[:-1] & (np.diff(number) == 1.0)
         turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
         path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
-        pairs = Theta0Pairs(path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number)
+        pairs = Theta0Pairs(
+            path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number
+        )
     return PushSet(name, home, facts, contacts, theta, **motion, pairs=pairs)
 
 
 def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
-    """The shortest names that tell the sets apart: surface and object, then all facts, then the source too.
+    """The shortest names that tell the sets apart: surface and object, then all facts, then the
+    source too.
 
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
-    units = {"acceleration": ("a", 1e3), "speed": ("v", 1e3), "side": ("i", 1), "fraction": ("s", 1), "angle": ("t", 1)}
+    units = {
+        "acceleration": ("a", 1e3),
+        "speed": ("v", 1e3),
+        "side": ("i", 1),
+        "fraction": ("s", 1),
+        "angle": ("t", 1),
+    }
     longer = []
     for _, facts in sets:
         told = {letter: facts[key] * unit for key, (letter, unit) in units.items() if key in facts}
-        longer.append(" ".join(f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value))
-    candidates = [[" ".join(str(facts[key]) for key in _TEXT if key in facts) or home.stem for home, facts in sets]]
-    candidates.append([" ".join(filter(None, pair)) for pair in zip(candidates[0], longer, strict=True)])
-    candidates.append([f"{home.stem} {name}" for (home, _), name in zip(sets, candidates[1], strict=True)])
+        longer.append(
+            " ".join(
+                f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value
+            )
+        )
+    candidates = [
+        [
+            " ".join(str(facts[key]) for key in _TEXT if key in facts) or home.stem
+            for home, facts in sets
+        ]
+    ]
+    candidates.append(
+        [" ".join(filter(None, pair)) for pair in zip(candidates[0], longer, strict=True)]
+    )
+    candidates.append(
+        [f"{home.stem} {name}" for (home, _), name in zip(sets, candidates[1], strict=True)]
+    )
     candidates.append([f"{name} {number}" for number, name in enumerate(candidates[2], 1)])
-    return [next(level[k] for level in candidates if level.count(level[k]) == 1) for k in range(len(sets))]
+    return [
+        next(level[k] for level in candidates if level.count(level[k]) == 1)
+        for k in range(len(sets))
+    ]
 
 
 @dataclass(frozen=True)
 class MotionStatistics:
-    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad, Δx or Δy in m."""
+    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad,
+    Δx or Δy in m."""
 
     count: int
     mean: float
@@ -163,7 +225,9 @@ class MotionStatistics:
 
 @dataclass(frozen=True)
 class PushStatistics:
-    """A row of the table: a set's name, its count, its statistics, and what is wrong with it, else None."""
+    """A row of the table: a set's name, its count, its statistics, and what is wrong with it, else
+    None.
+    """
 
     name: str
     count: int
@@ -174,7 +238,9 @@ class PushStatistics:
 
 
 def push_statistics(pushes: PushSet) -> PushStatistics:
-    """The set's row of the table; with fewer than five pushes of known motion it has a problem and no numbers."""
+    """The set's row of the table; with fewer than five pushes of known motion it has a problem and
+    no numbers.
+    """
     known = np.isfinite(pushes.dtheta)
     count = int(np.sum(known))
     if count < _FEWEST_FOR_SPREAD:

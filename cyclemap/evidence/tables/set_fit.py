@@ -12,14 +12,31 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence.laws.linear_fit import cycle_folds, fourier_columns, nested_errors, weighted_least_squares
-from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law, paired_arrays, scatter_weights
+from cyclemap.evidence.laws.linear_fit import (
+    cycle_folds,
+    fourier_columns,
+    nested_errors,
+    weighted_least_squares,
+)
+from cyclemap.evidence.laws.periodic_law import (
+    PeriodicLaw,
+    fit_periodic_law,
+    paired_arrays,
+    scatter_weights,
+)
 from cyclemap.evidence.orientations.circular_distance import PValue, monte_carlo_p_value
 from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-from cyclemap.evidence.tables.push_sets import FEWEST, QUANTITIES, PushSet, PushStatistics, push_statistics
+from cyclemap.evidence.tables.push_sets import (
+    FEWEST,
+    QUANTITIES,
+    PushSet,
+    PushStatistics,
+    push_statistics,
+)
 from cyclemap.maps import RestMultiplier, rest_multiplier
 
-# Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told from chance.
+# Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told
+# from chance.
 _FEWEST_FOR_SCATTER = 100
 # Points of the distribution functions in a bin, for their distance.
 _FINER = 4
@@ -30,10 +47,12 @@ _MARGIN = 3.0
 class MotionLaw:
     """The law of one quantity (Δθ in rad, Δx or Δy in m) over θ0, or why there is none.
 
-    quantity : "dtheta", "dx" or "dy". theta, value : (n,), the pushes it was fitted to, in order of recording.
-    law : with its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem`` says why.
-    cross_validated_rmse : root mean square error at pushes that such laws were fitted without: NaN where too few, inf
-        where the others do not fix the law.
+    quantity : "dtheta", "dx" or "dy". theta, value : (n,), the pushes it was fitted to, in order of
+        recording.
+    law : with its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
+        says why.
+    cross_validated_rmse : root mean square error at pushes that such laws were fitted without: NaN
+        where too few, inf where the others do not fix the law.
     """
 
     quantity: str
@@ -45,7 +64,9 @@ class MotionLaw:
 
     @property
     def explained(self) -> float:
-        """The share of the variance that the law predicts in pushes left out; below 0 for one worse than the mean."""
+        """The share of the variance that the law predicts in pushes left out; below 0 for one worse
+        than the mean.
+        """
         if self.law is None or self.law.total_std == 0.0:
             return float("nan")
         return 1.0 - (self.cross_validated_rmse / self.law.total_std) ** 2
@@ -73,27 +94,41 @@ class SetLaws:
 
 
 def set_laws(
-    pushes: PushSet, *, harmonics: int | None = None, seed: int = 0, progress: Callable[[float], None] | None = None
+    pushes: PushSet,
+    *,
+    harmonics: int | None = None,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
 ) -> SetLaws:
     """Fit the three laws of a set; a law that cannot be fitted has its ``problem`` instead.
 
-    harmonics : the order of all three; None chooses each by cross-validation. progress : called with the share done.
+    harmonics : the order of all three; None chooses each by cross-validation. progress : called
+        with the share done.
     """
     found = []
     for done, quantity in enumerate(QUANTITIES, 1):
-        found.append(motion_law(quantity, pushes.theta, getattr(pushes, quantity), harmonics=harmonics, seed=seed))
+        found.append(
+            motion_law(
+                quantity, pushes.theta, getattr(pushes, quantity), harmonics=harmonics, seed=seed
+            )
+        )
         if progress is not None:
             progress(done / len(QUANTITIES))
     return SetLaws(pushes.name, pushes.count, *found)
 
 
 def motion_law(
-    quantity: str, theta: ArrayLike, value: ArrayLike, *, harmonics: int | None = None, seed: int = 0
+    quantity: str,
+    theta: ArrayLike,
+    value: ArrayLike,
+    *,
+    harmonics: int | None = None,
+    seed: int = 0,
 ) -> MotionLaw:
     """Fit value (n,) over theta (n,), rad, in order of recording; NaN values are passed over.
 
-    From 100 pushes on the scatter may depend on θ. With fewer than 20, or where the pushes do not fix the law, it says
-    so in ``problem``.
+    From 100 pushes on the scatter may depend on θ. With fewer than 20, or where the pushes do not
+    fix the law, it says so in ``problem``.
     """
     angles = np.asarray(theta, dtype=float)
     values = np.asarray(value, dtype=float)
@@ -104,12 +139,17 @@ def motion_law(
         return MotionLaw(quantity, angles, values, None, float("nan"), reason)
     noise = None if values.size >= _FEWEST_FOR_SCATTER else 0
     try:
-        law = fit_periodic_law(angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed)
+        law = fit_periodic_law(
+            angles, values, harmonics=harmonics, noise_harmonics=noise, seed=seed
+        )
     except (InvalidInput, ConvergenceError) as error:
         return MotionLaw(quantity, angles, values, None, float("nan"), str(error))
-    # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter were chosen with
-    # all values: for a law of few coefficients that flatters it little.
-    columns, weight = fourier_columns(angles, law.harmonics), scatter_weights(angles, law.log_variance)
+    # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter
+    # were chosen with all values: for a law of few coefficients that flatters it little.
+    columns, weight = (
+        fourier_columns(angles, law.harmonics),
+        scatter_weights(angles, law.log_variance),
+    )
     size, fold = np.array([law.coefficients.size]), cycle_folds(values.size, seed)
     errors = nested_errors(columns, values, size, fold, weight)[:, 0]
     return MotionLaw(quantity, angles, values, law, float(np.sqrt(np.mean(errors / weight))))
@@ -117,15 +157,19 @@ def motion_law(
 
 @dataclass(frozen=True, eq=False)
 class TurnHistogram:
-    """Measured and predicted counts of the same number of pushes, in equal bins, in the unit of the values.
+    """Measured and predicted counts of the same number of pushes, in equal bins, in the unit of the
+    values.
 
-    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is one of the measured ones and
-        projected by the law with its scatter; what falls outside the edges counts in the outer bins.
+    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is one of
+        the measured ones and projected by the law with its scatter; what falls outside the edges
+        counts in the outer bins.
     law_alone : (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
     total_variation, law_alone_total_variation : ½ Σ |measured - predicted|/n in [0, 1].
-    distance, law_alone_distance : Wasserstein distance of order 1 of the values, ∫ |F - G|, in their unit.
-    chance : of the total variation of as many pushes simulated from the law and refitted. Residuals are taken
-        independent and normal: where they are correlated in time, as wear makes them, p is too small.
+    distance, law_alone_distance : Wasserstein distance of order 1 of the values, ∫ |F - G|, in
+        their unit.
+    chance : of the total variation of as many pushes simulated from the law and refitted. Residuals
+        are taken independent and normal: where they are correlated in time, as wear makes them, p
+        is too small.
     """
 
     edges: Array
@@ -145,7 +189,8 @@ class TurnHistogram:
 
     @property
     def chance_total_variation(self) -> float:
-        """The total variation that 19 in 20 sets of as many pushes from the law itself stay below."""
+        """The total variation that 19 in 20 sets of as many pushes from the law
+        itself stay below."""
         return float(self.chance.null_quantiles[PValue.LEVELS.index(0.95)])
 
 
@@ -158,12 +203,15 @@ def turn_histogram(
     runs: int = 200,
     seed: int = 0,
 ) -> TurnHistogram:
-    """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these orientations.
+    """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these
+    orientations.
 
-    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations. A law fitted to the same values
-    knows them: ``chance`` refits each simulated set, and so allows for that. Time: about 2 ms a run for 2000 pushes.
+    Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations. A law
+    fitted to the same values knows them: ``chance`` refits each simulated set, and so allows for
+    that. Time: about 2 ms a run for 2000 pushes.
 
-    Raises InvalidInput for lists of different lengths, fewer values than coefficients, and values all alike.
+    Raises InvalidInput for lists of different lengths, fewer values than coefficients, and values
+    all alike.
 
     >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
     >>> rng = np.random.default_rng(0)
@@ -176,29 +224,56 @@ def turn_histogram(
     angles, values = paired_arrays("value", theta, value)
     centre, noise = law(angles), law.noise(angles)
     reach = _MARGIN * noise
-    low, high = min(np.min(values), np.min(centre - reach)), max(np.max(values), np.max(centre + reach))
+    low, high = (
+        min(np.min(values), np.min(centre - reach)),
+        max(np.max(values), np.max(centre + reach)),
+    )
     if not high - low > 1e-12 * max(abs(low), abs(high)):
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
     measured = np.histogram(values, edges)[0]
     grid = np.linspace(edges[0], edges[-1], _FINER * bins + 1)
-    spread, alone, seen = _mixture(grid, centre, noise), _empirical(grid, centre), _empirical(grid, values)
+    spread, alone, seen = (
+        _mixture(grid, centre, noise),
+        _empirical(grid, centre),
+        _empirical(grid, values),
+    )
     in_bins = [cumulative[::_FINER] for cumulative in (seen, spread, alone)]
     observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
-    # Total variations of sets simulated from the law, each against its own refitted law of the same order.
+    # Total variations of sets simulated from the law, each against its own refitted law of the same
+    # order.
     null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::_FINER]
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
     columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
-    solve = weighted_least_squares(columns, centre, noise**-2)[1] @ (columns / noise[:, np.newaxis] ** 2).T
+    solve = (
+        weighted_least_squares(columns, centre, noise**-2)[1]
+        @ (columns / noise[:, np.newaxis] ** 2).T
+    )
     for run in range(null.size):
         made = centre + noise * rng.standard_normal(angles.size)
         refitted = columns @ (solve @ made)
         size = np.sqrt(np.sum(((made - refitted) / noise) ** 2) / free)
-        null[run] = _bin_distance(_empirical(bounds, made), _mixture(bounds, refitted, size * noise))
-    predicted, bare_counts = (read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:])
-    apart, bare_apart = (float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone))
+        null[run] = _bin_distance(
+            _empirical(bounds, made), _mixture(bounds, refitted, size * noise)
+        )
+    predicted, bare_counts = (
+        read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:]
+    )
+    apart, bare_apart = (
+        float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone)
+    )
     chance = monte_carlo_p_value(observed, null)
-    return TurnHistogram(read_only(edges), measured, predicted, bare_counts, observed, bare, apart, bare_apart, chance)
+    return TurnHistogram(
+        read_only(edges),
+        measured,
+        predicted,
+        bare_counts,
+        observed,
+        bare,
+        apart,
+        bare_apart,
+        chance,
+    )
 
 
 def _empirical(grid: Array, values: Array) -> Array:
@@ -208,7 +283,9 @@ def _empirical(grid: Array, values: Array) -> Array:
 
 
 def _mixture(grid: Array, centre: Array, noise: Array) -> Array:
-    """The distribution function of the mixture of normal laws on the grid, the tails put into the outer cells."""
+    """The distribution function of the mixture of normal laws on the grid, the tails put into the
+    outer cells.
+    """
     from scipy.special import ndtr
 
     inner = np.mean(ndtr((grid[1:-1, np.newaxis] - centre) / noise), axis=1)
@@ -222,7 +299,8 @@ def _bin_distance(first: Array, second: Array) -> float:
 
 @dataclass(frozen=True, eq=False)
 class SetFit:
-    """A set with what was fitted to it; what could not be is None, and its row or ``map_problem`` says why.
+    """A set with what was fitted to it; what could not be is None, and its row or ``map_problem``
+    says why.
 
     histogram : of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
     rest : the multiplier of its last cycles, of one path without gaps that rests; else None.
@@ -252,11 +330,14 @@ def fit_set(
 ) -> SetFit:
     """Fit the laws, the histogram and the cycle map of a set; never fails for want of pushes.
 
-    harmonics : the order of all laws; None chooses each by cross-validation. wear : whether the cycle map may change
+    harmonics : the order of all laws; None chooses each by cross-validation. wear : whether the
+        cycle map may change
     with the cycle. progress : called with the share done.
     """
     report = progress or (lambda fraction: None)
-    laws = set_laws(pushes, harmonics=harmonics, seed=seed, progress=lambda share: report(0.3 * share))
+    laws = set_laws(
+        pushes, harmonics=harmonics, seed=seed, progress=lambda share: report(0.3 * share)
+    )
     histogram, turns = None, laws.dtheta
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
@@ -265,10 +346,14 @@ def fit_set(
     if pushes.pairs is not None:
         options: dict[str, Any] = {"harmonics": harmonics, "wear": wear, "seed": seed}
         try:
-            cycle_map = measured_cycle_map(pushes.pairs, **options, progress=lambda share: report(0.4 + 0.6 * share))
+            cycle_map = measured_cycle_map(
+                pushes.pairs, **options, progress=lambda share: report(0.4 + 0.6 * share)
+            )
         except (InvalidInput, ConvergenceError) as error:
             problem = str(error)
     report(1.0)
     pairs = pushes.pairs
-    rest = None if pairs is None or pairs.path is None or pairs.moved else rest_multiplier(pairs.path)
+    rest = (
+        None if pairs is None or pairs.path is None or pairs.moved else rest_multiplier(pairs.path)
+    )
     return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem, rest)

@@ -1,1 +1,3 @@
-"""Families of maps: rotation numbers and long orbits, orbits followed, bifurcations, tongue boundaries."""
+"""Families of maps: rotation numbers and long orbits, orbits followed, bifurcations, tongue
+boundaries.
+"""

@@ -1,4 +1,6 @@
-"""Curves of saddle-nodes, period doublings and border collisions in a plane of two parameters, and their points."""
+"""Curves of saddle-nodes, period doublings and border collisions in a plane of two parameters, and
+their points.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,13 @@ from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.continuation import bifurcations
 from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
-from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
+from cyclemap.maps.families.family import (
+    Family,
+    Range,
+    break_motion,
+    family_member,
+    parameter_range,
+)
 from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
 
 _FIRST, _LARGEST, _SMALLEST = 0.01, 0.06, 1e-7  # scaled arclength
@@ -24,12 +32,15 @@ _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever 
 class BifurcationCurve:
     """A curve of one kind of bifurcation in the plane, in order along it.
 
-    kind : as of ``Bifurcation``. first, second : shape (m,). points : shape (m, period), radians, continuous along it.
-    coefficient : shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient
-        (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at border collisions.
+    kind : as of ``Bifurcation``. first, second : shape (m,). points : shape (m, period), radians,
+        continuous along it.
+    coefficient : shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov
+        coefficient (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable;
+        nan at border collisions.
     special : its points of codimension two, in order. period, winding : of the orbits.
-    ends : why it ends at its two ends: "end of the plane", "closed" (it is a loop), "tip", "half the period" (the orbit
-        becomes one of half its period), "border collision" (a point of the orbit meets a break), "lost" or "steps".
+    ends : why it ends at its two ends: "end of the plane", "closed" (it is a loop), "tip", "half
+        the period" (the orbit becomes one of half its period), "border collision" (a point of the
+        orbit meets a break), "lost" or "steps".
     residual : the largest of the equations' residuals.
     """
 
@@ -47,7 +58,9 @@ class BifurcationCurve:
 
 @dataclass(eq=False)
 class _CurveWalk:
-    """A walk along the curve from one solution in the direction ``initial``: what it has passed, why it ended."""
+    """A walk along the curve from one solution in the direction ``initial``: what it has passed,
+    why it ended.
+    """
 
     equations: CurveEquations
     begin: CurveSpot
@@ -57,7 +70,9 @@ class _CurveWalk:
     blocked: str = "lost"  # what the last step that was refused ran into
     spots: list[CurveSpot] = field(default_factory=list)
     special: list[CodimensionTwo] = field(default_factory=list)
-    ending: tuple[Array, Array] | None = None  # where the curve is about to end, scaled, and what that may be off
+    ending: tuple[Array, Array] | None = (
+        None  # where the curve is about to end, scaled, and what that may be off
+    )
     extrapolated: Array | None = None  # where it was about to end by the last three solutions
 
     def walked(self) -> _CurveWalk:
@@ -73,7 +88,9 @@ class _CurveWalk:
         return self
 
     def _stop(self) -> None:
-        """End where steps have become too small, with the point of codimension two that made them so."""
+        """End where steps have become too small, with the point of codimension two that made them
+        so.
+        """
         self.reason, spot = self.blocked, self.spots[-1]
         flips = self.equations.kind == "period-doubling"
         names = {"half the period": "generalised flip", "tip": "tip"}
@@ -116,7 +133,11 @@ class _CurveWalk:
         if crossed_break(old, new.theta, motion) is not None:
             self.blocked = "border collision"
             return False
-        if here.gap.size and float(here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0])) <= 0.0:
+        if (
+            here.gap.size
+            and float(here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0]))
+            <= 0.0
+        ):
             self.blocked = "half the period"
             return False
         self._tested(here, solved, direction)
@@ -147,7 +168,9 @@ class _CurveWalk:
             spot = zero_along(
                 (here, solved),
                 length,
-                lambda distance: self.equations.solved(here.at + distance * self.direction, self.direction),
+                lambda distance: self.equations.solved(
+                    here.at + distance * self.direction, self.direction
+                ),
                 test,
                 "a point of codimension two could not be reached along its curve",
             )
@@ -158,7 +181,9 @@ class _CurveWalk:
             self.special.append(self.equations.recorded(kind, spot, 4.0 * shift, tangent, curved))
 
     def _closes(self, here: CurveSpot, moved: Array, direction: Array) -> bool:
-        """Whether the step passes the first solution, but for whole turns and the choice of the first point."""
+        """Whether the step passes the first solution, but for whole turns and the choice of the
+        first point.
+        """
         if len(self.spots) < 8:
             return False
         turns = self.equations.scales[:-2]
@@ -173,16 +198,22 @@ class _CurveWalk:
         return False
 
     def _nears_end(self) -> None:
-        """Go no further than half way to where the curve ends in a tip or an orbit of half the period; stop close by.
+        """Go no further than half way to where the curve ends in a tip or an orbit of half the
+        period; stop close by.
 
-        The parameters are extrapolated from the last three solutions to where a measure is 0 in which they are smooth.
-        At a tip the spread of F^n - id falls as a whole power of the distance: its straightest root. Where the halves
-        of the orbit meet, they come as far apart on the other side: the square of their distance.
+        The parameters are extrapolated from the last three solutions to where a measure is 0 in
+        which they are smooth. At a tip the spread of F^n - id falls as a whole power of the
+        distance: its straightest root. Where the halves of the orbit meet, they come as far apart
+        on the other side: the square of their distance.
         """
         recent, orbit = self.spots[-3:], self.equations.hops.size
         length = np.array([float(self.direction @ (spot.at - recent[-1].at)) for spot in recent])
         spread = np.array([spot.spread for spot in recent])
-        apart = np.array([np.linalg.norm(spot.gap) for spot in recent]) if orbit % 2 == 0 else np.full(3, np.inf)
+        apart = (
+            np.array([np.linalg.norm(spot.gap) for spot in recent])
+            if orbit % 2 == 0
+            else np.full(3, np.inf)
+        )
         candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
         candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
         best, ending = 0.1, None
@@ -196,23 +227,32 @@ class _CurveWalk:
             return
         reason, measure, distance = ending
         shares = [float(np.prod([b / (b - a) for b in measure if b != a])) for a in measure]
-        at = np.sum([share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0)
-        change = np.abs(at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated))
+        at = np.sum(
+            [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
+        )
+        change = np.abs(
+            at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated)
+        )
         self.blocked, self.step = reason, min(self.step, 0.5 * distance)
-        if self.ending is None or np.max(change) < np.max(self.ending[1]):  # the one that changed least
+        if self.ending is None or np.max(change) < np.max(
+            self.ending[1]
+        ):  # the one that changed least
             self.ending = at, change + 1e-12
         self.extrapolated = at
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
             self._stop()
 
 
-def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Range, second: Range) -> BifurcationCurve:
+def follow_bifurcation(
+    family: Family, start: Bifurcation, at: float, first: Range, second: Range
+) -> BifurcationCurve:
     """The curve of bifurcations through ``start``, followed both ways in the plane first × second.
 
     Parameters
     ----------
     family : (p, q) → CircleMap, called only inside the plane.
-    start : a saddle-node, period doubling or border collision of p → family(p, at), as ``bifurcations`` gives them.
+    start : a saddle-node, period doubling or border collision of p → family(p, at), as
+        ``bifurcations`` gives them.
     at : the second parameter there.
     first, second : (low, high) of the two parameters.
 
@@ -222,18 +262,19 @@ def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Ran
 
     Raises
     ------
-    InvalidInput for another kind of bifurcation, or where there is none; ConvergenceError where a point of codimension
-    two cannot be located.
+    InvalidInput for another kind of bifurcation, or where there is none; ConvergenceError where a
+    point of codimension two cannot be located.
 
     Notes
     -----
-    The orbit's equations and the condition, a multiplier of ±1 or a point on a break, are solved for θ and both
-    parameters and followed in their arclength (Keller 1977; Kuznetsov 2004, ch. 10), so that folds of the curve and
-    cusps are passed and every point is correct to rounding, or to what the map's ``max_error`` leaves. Points of
-    codimension two are where the normal form's coefficient, told from five-point differences of (Fⁿ)' over 4 and 8
-    mrad, changes its sign by more than its error: on maps that are sampled coarser than that none may be told. What
-    happens twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points at which a
-    curve ends, are measured; the others are of first order.
+    The orbit's equations and the condition, a multiplier of ±1 or a point on a break, are solved
+    for θ and both parameters and followed in their arclength (Keller 1977; Kuznetsov 2004, ch. 10),
+    so that folds of the curve and cusps are passed and every point is correct to rounding, or to
+    what the map's ``max_error`` leaves. Points of codimension two are where the normal form's
+    coefficient, told from five-point differences of (Fⁿ)' over 4 and 8 mrad, changes its sign by
+    more than its error: on maps that are sampled coarser than that none may be told. What happens
+    twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points
+    at which a curve ends, are measured; the others are of first order.
 
     Examples
     --------
@@ -249,7 +290,9 @@ def follow_bifurcation(family: Family, start: Bifurcation, at: float, first: Ran
     """
     ranges = parameter_range("first", first), parameter_range("second", second)
     if not isinstance(start, Bifurcation) or start.kind not in KINDS:
-        raise InvalidInput(f"start is {start!r}: give a saddle-node, a period doubling or a border collision")
+        raise InvalidInput(
+            f"start is {start!r}: give a saddle-node, a period doubling or a border collision"
+        )
     height = finite_number("at", at)
     return _followed(family, start, (float(start.parameter), height), ranges)
 
@@ -275,7 +318,8 @@ def _followed(
             break
     else:
         raise InvalidInput(
-            f"there is no {start.kind} of period {start.period} at ({at[0]:.9g}, {at[1]:.9g}) near θ = {points[0]:.6g}"
+            f"there is no {start.kind} of period {start.period} at ({at[0]:.9g}, {at[1]:.9g}) "
+            f"near θ = {points[0]:.6g}"
         )
     ahead = equations.direction(begin)
     forward = _CurveWalk(equations, begin, ahead).walked()
@@ -305,13 +349,20 @@ _SAME = 0.02  # scaled distance
 
 
 def bifurcation_curves(
-    family: Family, first: Range, second: Range, period: int = 1, winding: int = 0, *, lines: int = LINES
+    family: Family,
+    first: Range,
+    second: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    lines: int = LINES,
 ) -> list[BifurcationCurve]:
-    """All curves of saddle-nodes, period doublings and border collisions of these orbits in a plane.
+    """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
+    plane.
 
-    ``bifurcations`` are sought on ``lines`` evenly spaced lines across the plane each way; one that lies on no curve
-    found so far, to a fiftieth of the plane, starts a new one (``follow_bifurcation``). A curve that no line
-    crosses is lost.
+    ``bifurcations`` are sought on ``lines`` evenly spaced lines across the plane each way; one that
+    lies on no curve found so far, to a fiftieth of the plane, starts a new one
+    (``follow_bifurcation``). A curve that no line crosses is lost.
 
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> wavy = lambda p, K: CircleMap(lambda x: x + p - K * np.sin(x) - 0.1 * np.sin(2 * x))
@@ -326,11 +377,17 @@ def bifurcation_curves(
     shares = (np.arange(count) + 0.5) / count
     for axis in (1, 0):
         for height in (ranges[axis][0] + shares * spans[axis]).tolist():
-            line = (lambda v, h=height: family(v, h)) if axis else (lambda v, h=height: family(h, v))
-            for start in bifurcations(line, ranges[1 - axis], period, winding, resolution=_RESOLUTION):
+            line = (
+                (lambda v, h=height: family(v, h)) if axis else (lambda v, h=height: family(h, v))
+            )
+            for start in bifurcations(
+                line, ranges[1 - axis], period, winding, resolution=_RESOLUTION
+            ):
                 value = float(start.parameter)
                 at = (value, height) if axis else (height, value)
-                if start.kind in KINDS and not any(_on(curve, start, np.array(at), spans) for curve in curves):
+                if start.kind in KINDS and not any(
+                    _on(curve, start, np.array(at), spans) for curve in curves
+                ):
                     curves.append(_followed(family, start, at, ranges))
     return curves
 
@@ -344,7 +401,14 @@ def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) ->
         angles = shorter_way(curve.points - np.roll(start.points, k)) / np.sqrt(start.period)
         offset = np.column_stack([angles, plane - at / spans])
         step = np.diff(offset, axis=0)
-        share = np.clip(-np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0)
-        if float(np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)) < _SAME:
+        share = np.clip(
+            -np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0
+        )
+        if (
+            float(
+                np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
+            )
+            < _SAME
+        ):
             return True
     return False

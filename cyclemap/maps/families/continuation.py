@@ -1,4 +1,6 @@
-"""Branches of periodic orbits followed through a family, round folds, and the bifurcations met on them."""
+"""Branches of periodic orbits followed through a family, round folds, and the bifurcations met on
+them.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,13 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.families.family import Family, Range, break_motion, family_member, parameter_range
+from cyclemap.maps.families.family import (
+    Family,
+    Range,
+    break_motion,
+    family_member,
+    parameter_range,
+)
 from cyclemap.maps.families.orbit_equations import (
     Bifurcation,
     OrbitEquations,
@@ -30,7 +38,9 @@ _MOST_STEPS = 4_000
 
 @dataclass(eq=False)
 class BranchWalk:
-    """A walk along the branch from one state in the direction ``initial``: what it has passed, why it ended."""
+    """A walk along the branch from one state in the direction ``initial``: what it has passed, why
+    it ended.
+    """
 
     equations: OrbitEquations
     first: OrbitState
@@ -57,7 +67,10 @@ class BranchWalk:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
         here = self.equations.point(self.states[-1])
         end = self.equations.within[1 if self.direction[-1] > 0.0 else 0]
-        climb, room = self.direction[-1], np.inf  # the length of the step that reaches that end of the range
+        climb, room = (
+            self.direction[-1],
+            np.inf,
+        )  # the length of the step that reaches that end of the range
         if climb != 0.0:
             room = max((end / self.equations.scales[-1] - here[-1]) / climb, 0.0)
         if room <= 1e-12:
@@ -86,9 +99,15 @@ class BranchWalk:
         return np.asarray(point[:-1] * self.equations.scales[:-1])
 
     def _accepted(self, solved: OrbitState) -> bool:
-        """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was not located."""
+        """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was
+        not located.
+        """
         here, there = self.equations.point(self.states[-1]), self.equations.point(solved)
-        push = self.equations.push(solved.parameter)(solved.theta) if solved.push is None else solved.push
+        push = (
+            self.equations.push(solved.parameter)(solved.theta)
+            if solved.push is None
+            else solved.push
+        )
         direction = self.equations.direction(solved.slopes, push, self.direction)
         change = abs(solved.multiplier - self.states[-1].multiplier)
         if (
@@ -103,12 +122,16 @@ class BranchWalk:
         old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
         gap = shorter_way(old)
         ahead = gap + new - old
-        if self.equations.hops.size == 2 * half and (float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9):
+        if self.equations.hops.size == 2 * half and (
+            float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9
+        ):
             self.reason = "half the period"
             return True
         for target in (1.0, -1.0):
             if (before.multiplier - target) * (solved.multiplier - target) < 0.0:
-                state, found = smooth_bifurcation(self.equations, before, solved, self.direction, target)
+                state, found = smooth_bifurcation(
+                    self.equations, before, solved, self.direction, target
+                )
                 self.states.append(state)
                 self.special.append(found)
         again = self._closing(before, solved, direction)
@@ -117,20 +140,33 @@ class BranchWalk:
         self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
         return True
 
-    def _closing(self, before: OrbitState, solved: OrbitState, direction: Array) -> OrbitState | None:
-        """The first state, on this step's whole turns and choice of the first point, if it lies on the step."""
-        reach = 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(self.equations.scales[-1])
+    def _closing(
+        self, before: OrbitState, solved: OrbitState, direction: Array
+    ) -> OrbitState | None:
+        """The first state, on this step's whole turns and choice of the first point, if it lies on
+        the step.
+        """
+        reach = 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(
+            self.equations.scales[-1]
+        )
         if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > reach:
             return None
         step = self.equations.point(solved) - self.equations.point(before)
         for k in range(self.equations.hops.size):
             back = shorter_way(np.roll(self.first.theta, -k) - before.theta)
-            offset = np.append(back, self.first.parameter - before.parameter) / self.equations.scales
+            offset = (
+                np.append(back, self.first.parameter - before.parameter) / self.equations.scales
+            )
             share = float(offset @ step) / float(step @ step)
             heading = np.append(np.roll(self.initial[:-1], -k), self.initial[-1])
-            if 0.0 < share <= 1.0 and np.linalg.norm(offset - share * step) < 0.3 * np.linalg.norm(step):
+            if 0.0 < share <= 1.0 and np.linalg.norm(offset - share * step) < 0.3 * np.linalg.norm(
+                step
+            ):
                 rolled = replace(
-                    self.first, theta=before.theta + back, slopes=np.roll(self.first.slopes, -k), push=None
+                    self.first,
+                    theta=before.theta + back,
+                    slopes=np.roll(self.first.slopes, -k),
+                    push=None,
                 )
                 return rolled if heading @ direction > 0.5 else None
         return None
@@ -139,21 +175,29 @@ class BranchWalk:
         if self.states[-1].member.breaks.size == 0:
             return None
         member = state.member if state is not None else self.states[-1].member
-        return crossed_break(self.states[-1], theta, break_motion(self.states[-1].member.breaks, member.breaks))
+        return crossed_break(
+            self.states[-1], theta, break_motion(self.states[-1].member.breaks, member.breaks)
+        )
 
     def _collision(
         self, guess: Array, solved: OrbitState | None
     ) -> tuple[Bifurcation, OrbitState, Array | None] | None:
-        """The collision with a break on this step, whether the step or only its prediction crosses it."""
+        """The collision with a break on this step, whether the step or only its prediction crosses
+        it.
+        """
         reached = guess if solved is None else self.equations.point(solved)
-        crossed = self._crossed(self._angles(reached), solved) or self._crossed(self._angles(guess), None)
+        crossed = self._crossed(self._angles(reached), solved) or self._crossed(
+            self._angles(guess), None
+        )
         if crossed is None:
             return None
         point, which, share = crossed
         here = self.equations.point(self.states[-1])
         near = here + share * (reached - here)
         p = float(np.clip(near[-1] * self.equations.scales[-1], *self.equations.within))
-        found = border_collision(self.equations, self.states[-1], (self._angles(near), p), point, which)
+        found = border_collision(
+            self.equations, self.states[-1], (self._angles(near), p), point, which
+        )
         if found is None:
             return None
         offset = self.equations.point(found[1]) - here
@@ -169,12 +213,13 @@ _ASIDE = 1e-3  # scaled arclength
 class OrbitBranch:
     """A branch of periodic orbits, in order along it.
 
-    parameter : shape (m,). points : shape (m, period), radians, continuous along the branch (any turn), in order of
+    parameter : shape (m,). points : shape (m, period), radians, continuous along the branch (any
+        turn), in order of
     visit. multiplier : shape (m,). stable : shape (m,), whether |multiplier| < 1.
     special : the bifurcations met, in order. period, winding : of the orbits.
-    ends : why the branch ends at its two ends: "end of the range", "jump" (a point meets a jump of the map),
-        "half the period" (it merges with an orbit of half its period), "closed" (it is a loop), "lost" (no step
-        converged) or "steps" (4,000 were made).
+    ends : why the branch ends at its two ends: "end of the range", "jump" (a point meets a jump of
+        the map), "half the period" (it merges with an orbit of half its period), "closed" (it is a
+        loop), "lost" (no step converged) or "steps" (4,000 were made).
     residual : the largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
     """
 
@@ -198,19 +243,22 @@ def follow_orbit(
     period: int = 1,
     winding: int = 0,
 ) -> OrbitBranch:
-    """The branch of periodic orbits through ``start``, followed both ways within the parameters (low, high).
+    """The branch of periodic orbits through ``start``, followed both ways within the parameters
+    (low, high).
 
-    start : an orbit of the family's map at the parameter ``at`` (default: low), or an angle near a point of one, then
-        with its ``period`` and ``winding``.
+    start : an orbit of the family's map at the parameter ``at`` (default: low), or an angle near a
+        point of one, then with its ``period`` and ``winding``.
 
-    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points at once and followed in its arclength (Keller 1977), so that
-    folds in p are passed and every point is correct to rounding. Steps are halved where Newton's method fails, the
-    direction turns by more than 18° or the multiplier changes fast, and grow up to 0.08 in units of (θ, p/(high -
-    low)). Saddle-nodes, period doublings and branch points are where the multiplier passes ±1; border collisions where
-    a point passes a break: beyond a kink the branch goes on, at a jump it ends. What happens twice within one step is
-    missed.
+    F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points at once and followed in its arclength
+    (Keller 1977), so that folds in p are passed and every point is correct to rounding. Steps are
+    halved where Newton's method fails, the direction turns by more than 18° or the multiplier
+    changes fast, and grow up to 0.08 in units of (θ, p/(high - low)). Saddle-nodes, period
+    doublings and branch points are where the multiplier passes ±1; border collisions where a point
+    passes a break: beyond a kink the branch goes on, at a jump it ends. What happens twice within
+    one step is missed.
 
-    Raises InvalidInput when there is no such orbit at ``at``, ConvergenceError when a bifurcation cannot be located.
+    Raises InvalidInput when there is no such orbit at ``at``, ConvergenceError when a bifurcation
+    cannot be located.
 
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
@@ -220,7 +268,9 @@ def follow_orbit(
     within = parameter_range("parameters", parameters)
     p = within[0] if at is None else finite_number("at", at)
     if not within[0] <= p <= within[1]:
-        raise InvalidInput(f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside")
+        raise InvalidInput(
+            f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside"
+        )
     if isinstance(start, Orbit):
         points, turns = np.array(start.points), start.winding
     else:
@@ -235,10 +285,16 @@ def follow_orbit(
         given = equations.state(p, points)
         if float(np.max(np.abs(equations.residual(given.member(points), points)))) <= _ON_ORBIT:
             along = equations.direction(given.slopes, equations.push(p)(points))
-            ahead = (equations.solved_along(equations.point(given) + k * _ASIDE * along, along) for k in (1, -1))
+            ahead = (
+                equations.solved_along(equations.point(given) + k * _ASIDE * along, along)
+                for k in (1, -1)
+            )
             first = next((state for state in ahead if state is not None), None)
     if first is None or float(np.max(np.abs(first.theta - points))) > 0.5:
-        raise InvalidInput(f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = {points[0]:.6g}")
+        raise InvalidInput(
+            f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = "
+            f"{points[0]:.6g}"
+        )
     direction = equations.direction(first.slopes, equations.push(first.parameter)(first.theta))
     forward = BranchWalk(equations, first, direction).walked()
     if forward.reason == "closed":
@@ -253,7 +309,10 @@ def follow_orbit(
 
 
 def _branch(
-    equations: OrbitEquations, states: list[OrbitState], special: list[Bifurcation], ends: tuple[str, str]
+    equations: OrbitEquations,
+    states: list[OrbitState],
+    special: list[Bifurcation],
+    ends: tuple[str, str],
 ) -> OrbitBranch:
     multiplier = read_only([state.multiplier for state in states])
     gaps = [shorter_way(state.theta[:, None] - state.member.breaks) for state in states]
@@ -277,18 +336,26 @@ def _branch(
 
 RESOLUTION = 24
 _SAME_ORBIT = 1e-7  # radians
-_SAME_POINT = 1e-4  # radians: at a fold two findings of one orbit may differ by the root of rounding
+_SAME_POINT = (
+    1e-4  # radians: at a fold two findings of one orbit may differ by the root of rounding
+)
 _SAME_PARAMETER = 1e-9  # of the range
 
 
 def orbit_branches(
-    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+    family: Family,
+    parameters: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    resolution: int = RESOLUTION,
 ) -> list[OrbitBranch]:
     """All branches of periodic orbits of this period and winding within the parameters (low, high).
 
-    All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one that lies on no
-    branch found so far starts a new one (``follow_orbit``): a branch that lives and dies between two of these
-    parameters is lost. An orbit that is neutral or on a kink just at one of them is left to the next.
+    All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one
+    that lies on no branch found so far starts a new one (``follow_orbit``): a branch that lives and
+    dies between two of these parameters is lost. An orbit that is neutral or on a kink just at one
+    of them is left to the next.
 
     Raises InvalidInput as these two do, for instance where the map's iterate is the identity.
 
@@ -300,13 +367,17 @@ def orbit_branches(
     branches: list[OrbitBranch] = []
 
     def known(branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
-        """Whether the branch passes through the orbit, solved where the branch crosses the parameter."""
+        """Whether the branch passes through the orbit, solved where the branch crosses the
+        parameter.
+        """
         before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
         for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
             share = before[i] / (before[i] - after[i])
             near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
             hops = np.round((member(near) - np.roll(near, -1)) / TWO_PI)
-            solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(p, near, member)
+            solved = OrbitEquations(family, hops, branch.winding, (p - 1.0, p + 1.0)).solved_at(
+                p, near, member
+            )
             if solved is not None and _same_orbit(solved.theta, orbit.points, _SAME_ORBIT):
                 return True
         return False
@@ -314,7 +385,9 @@ def orbit_branches(
     for p in np.linspace(*within, whole_number("resolution", resolution, least=1) + 1):
         member = family_member(family, float(p))
         for orbit in periodic_orbits(member, n, w):
-            regular = orbit.kind in ("stable", "unstable") and orbit.multiplier == orbit.left_multiplier
+            regular = (
+                orbit.kind in ("stable", "unstable") and orbit.multiplier == orbit.left_multiplier
+            )
             if regular and not any(known(branch, float(p), member, orbit) for branch in branches):
                 branches.append(follow_orbit(family, orbit, within, at=float(p)))
     return branches
@@ -326,12 +399,19 @@ def _same_orbit(one: Array, other: Array, tolerance: float) -> bool:
 
 
 def bifurcations(
-    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+    family: Family,
+    parameters: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
-    """All bifurcations of the orbits of this period and winding within (low, high), sorted by parameter.
+    """All bifurcations of the orbits of this period and winding within (low, high), sorted by
+    parameter.
 
-    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is refined by solving
-    its extended system, to a residual near rounding, and carries an error bound of first order.
+    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is
+    refined by solving its extended system, to a residual near rounding, and carries an error bound
+    of first order.
 
     >>> import numpy as np
     >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
@@ -356,7 +436,12 @@ def bifurcations(
 
 
 def saddle_nodes(
-    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+    family: Family,
+    parameters: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
     """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
 
@@ -370,7 +455,12 @@ def saddle_nodes(
 
 
 def period_doublings(
-    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+    family: Family,
+    parameters: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
     """The period doublings among ``bifurcations``: multiplier -1.
 
@@ -384,9 +474,15 @@ def period_doublings(
 
 
 def border_collisions(
-    family: Family, parameters: Range, period: int = 1, winding: int = 0, *, resolution: int = RESOLUTION
+    family: Family,
+    parameters: Range,
+    period: int = 1,
+    winding: int = 0,
+    *,
+    resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
-    """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of the map.
+    """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of
+    the map.
 
     >>> import numpy as np
     >>> def tent(p):

@@ -1,4 +1,6 @@
-"""Saddle-nodes, period doublings and border collisions in a plane of two parameters as solutions of equations."""
+"""Saddle-nodes, period doublings and border collisions in a plane of two parameters as solutions of
+equations.
+"""
 
 from __future__ import annotations
 
@@ -32,11 +34,13 @@ _STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.
 class CodimensionTwo:
     """A point of a plane at which the bifurcation along a curve changes its kind.
 
-    kind : "cusp" (of a saddle-node's curve: (F^n)'' = 0), "generalised flip" (of a period doubling's: the first
-        Lyapunov coefficient is 0, and a curve of saddle-nodes of twice the period ends), "tip" (F^n is a rotation,
-        as where the two edges of a tongue meet), "border saddle-node" and "border flip" (a multiplier of 1 or -1 while
-        a point of the orbit is on a break of the map).
-    first, second : the parameters. points : of the orbit, radians in [0, 2π). period, winding : of the orbit.
+    kind : "cusp" (of a saddle-node's curve: (F^n)'' = 0), "generalised flip" (of a period
+        doubling's: the first Lyapunov coefficient is 0, and a curve of saddle-nodes of twice the
+        period ends), "tip" (F^n is a rotation, as where the two edges of a tongue meet), "border
+        saddle-node" and "border flip" (a multiplier of 1 or -1 while a point of the orbit is on a
+        break of the map).
+    first, second : the parameters. points : of the orbit, radians in [0, 2π). period, winding : of
+        the orbit.
     """
 
     kind: str
@@ -49,7 +53,9 @@ class CodimensionTwo:
 
 @dataclass(frozen=True, eq=False)
 class CurveSpot:
-    """A solution: scaled coordinates (θ/√n, p/range, q/range), the orbit, the equations' residual and derivative."""
+    """A solution: scaled coordinates (θ/√n, p/range, q/range), the orbit, the equations' residual
+    and derivative.
+    """
 
     at: Array
     state: OrbitState
@@ -60,7 +66,9 @@ class CurveSpot:
 
     @cached_property
     def bend(self) -> tuple[Array, Array]:
-        """(F^n)'' and (F^n)''' at the orbit's first point, and bounds: four times what half as wide stencils change."""
+        """(F^n)'' and (F^n)''' at the orbit's first point, and bounds: four times what half as wide
+        stencils change.
+        """
         found = []
         for width in (_WIDE, 2.0 * _WIDE):
             theta = self.state.theta[0] + width * np.arange(-2.0, 3.0)
@@ -74,7 +82,9 @@ class CurveSpot:
 
     @property
     def halves(self) -> Array:
-        """How far, radians, the point half a period later is from each; empty where the period is odd."""
+        """How far, radians, the point half a period later is from each; empty where the period is
+        odd.
+        """
         theta, half = self.state.theta, self.hops.size // 2
         return np.roll(theta, -half) - theta if theta.size == 2 * half else np.zeros(0)
 
@@ -85,7 +95,9 @@ class CurveSpot:
 
     @cached_property
     def spread(self) -> float:
-        """How far F^n is from a rotation: the largest less the least of F^n - id at 64 angles, radians."""
+        """How far F^n is from a rotation: the largest less the least of F^n - id at 64 angles,
+        radians.
+        """
         theta = _ANGLES
         for _ in self.hops:
             theta = self.state.member(theta)
@@ -113,7 +125,9 @@ class CurveEquations:
         return np.append(np.full(self.hops.size, np.sqrt(self.hops.size)), spans)
 
     def spot(self, at: Array) -> CurveSpot:
-        """The equations at these scaled coordinates, their derivative by differences in the parameters."""
+        """The equations at these scaled coordinates, their derivative by differences in the
+        parameters.
+        """
         theta = at[:-2] * self.scales[:-2]
         p, q = (float(np.clip(at[k] * self.scales[k], *self.ranges[k])) for k in (-2, -1))
         slices = (
@@ -134,22 +148,34 @@ class CurveEquations:
             missed, condition = float(gap[np.argmin(np.abs(gap))]), np.append(along, across[-1])
             multipliers = (state.multiplier, other) if self.side > 0 else (other, state.multiplier)
         else:
-            state, pushes = equations.state(p, theta, member), [tangent(theta) for tangent in tangents]
+            state, pushes = (
+                equations.state(p, theta, member),
+                [tangent(theta) for tangent in tangents],
+            )
             residual, (first, second) = equations.residual(member(theta), theta), pushes
             others = np.array([np.prod(np.delete(state.slopes, i)) for i in range(theta.size)])
             gaps = shorter_way(theta[:, None] - np.append(member.breaks, theta[0] + np.pi))
             gap = gaps[np.arange(theta.size), np.argmin(np.abs(gaps), axis=1)]
             below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)  # not across a break
             above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
-            bend = (member.derivative(theta + above) - member.derivative(theta - below)) / (below + above)
+            bend = (member.derivative(theta + above) - member.derivative(theta - below)) / (
+                below + above
+            )
             changes = []
             for tangent in tangents:
                 values = [float(np.prod(near.derivative(theta))) for near in tangent.members]
                 changes.append(float(np.dot(tangent.weights, values)) / tangent.step)
-            missed, condition = state.multiplier - KINDS[self.kind], np.append(bend * others, changes)
+            missed, condition = (
+                state.multiplier - KINDS[self.kind],
+                np.append(bend * others, changes),
+            )
             multipliers = (state.multiplier, state.multiplier)
-        matrix = np.vstack([np.column_stack([equations.jacobian(state.slopes), first, second]), condition])
-        return CurveSpot(at, state, np.append(residual, missed), matrix * self.scales, multipliers, self.hops)
+        matrix = np.vstack(
+            [np.column_stack([equations.jacobian(state.slopes), first, second]), condition]
+        )
+        return CurveSpot(
+            at, state, np.append(residual, missed), matrix * self.scales, multipliers, self.hops
+        )
 
     def solved(self, guess: Array, row: Array) -> CurveSpot | None:
         """The solution nearest to ``guess`` across ``row``, or None."""
@@ -157,16 +183,24 @@ class CurveEquations:
         for _ in range(_ITERATIONS):
             for k in (-2, -1):
                 low, high = self.ranges[k]
-                if not low - 1e-9 * (high - low) <= at[k] * self.scales[k] <= high + 1e-9 * (high - low):
+                if (
+                    not low - 1e-9 * (high - low)
+                    <= at[k] * self.scales[k]
+                    <= high + 1e-9 * (high - low)
+                ):
                     return None
             spot = self.spot(at)
-            moved = least_step(np.vstack([spot.matrix, row]), -np.append(spot.residual, row @ (at - guess)))
+            moved = least_step(
+                np.vstack([spot.matrix, row]), -np.append(spot.residual, row @ (at - guess))
+            )
             size = float(np.max(np.abs(moved)))
             if not size < 0.5:
                 return None
             at = at + moved
             # A lift that is itself known to a tolerance only lets steps shrink to what that allows.
-            if size <= _CLOSE or (size < 1e-9 + 1e3 * spot.state.member.max_error and size > 0.25 * last):
+            if size <= _CLOSE or (
+                size < 1e-9 + 1e3 * spot.state.member.max_error and size > 0.25 * last
+            ):
                 return self.spot(at)
             last = size
         return None
@@ -177,7 +211,9 @@ class CurveEquations:
         return np.asarray(-unit if along is not None and unit @ along < 0.0 else unit)
 
     def tests(self, spot: CurveSpot) -> Iterator[tuple[str, float, float]]:
-        """What changes its sign at points of codimension two: their kind, the value and a bound on its error."""
+        """What changes its sign at points of codimension two: their kind, the value and a bound on
+        its error.
+        """
         if self.side:
             for multiplier in spot.multipliers:
                 yield "border saddle-node", multiplier - 1.0, 1e-9
@@ -195,17 +231,35 @@ class CurveEquations:
             return second, off
         return 0.25 * second**2 + third / 6.0, 0.5 * abs(second) * off + 0.25 * off**2 + far / 6.0
 
-    def recorded(self, kind: str, spot: CurveSpot, shift: float, tangent: Array, curved: float) -> CodimensionTwo:
-        """The point with bounds of first order: residual and rounding, and ``shift`` along the curve."""
-        rounding = np.append(2.0 * LIFT * (2.0 * TWO_PI + np.abs(spot.state.theta)), 1e-15 * self.hops.size)
+    def recorded(
+        self, kind: str, spot: CurveSpot, shift: float, tangent: Array, curved: float
+    ) -> CodimensionTwo:
+        """The point with bounds of first order: residual and rounding, and ``shift`` along the
+        curve.
+        """
+        rounding = np.append(
+            2.0 * LIFT * (2.0 * TWO_PI + np.abs(spot.state.theta)), 1e-15 * self.hops.size
+        )
         rounding += spot.state.member.max_error
         rows = np.abs(np.linalg.pinv(np.vstack([spot.matrix, tangent]))[-2:, :-1])
-        error = rows @ (np.abs(spot.residual) + rounding) + np.abs(tangent[-2:]) * shift + curved * shift**2
+        error = (
+            rows @ (np.abs(spot.residual) + rounding)
+            + np.abs(tangent[-2:]) * shift
+            + curved * shift**2
+        )
         return self.placed(kind, spot, spot.at[-2:], error + 4.0 * EPS)
 
     def placed(self, kind: str, spot: CurveSpot, at: Array, error: Array) -> CodimensionTwo:
         """The point at scaled parameters with scaled errors."""
-        first, second = (Estimate(*pair) for pair in zip(at * self.scales[-2:], error * self.scales[-2:], strict=True))
+        first, second = (
+            Estimate(*pair)
+            for pair in zip(at * self.scales[-2:], error * self.scales[-2:], strict=True)
+        )
         return CodimensionTwo(
-            kind, first, second, read_only(np.mod(spot.state.theta, TWO_PI)), self.hops.size, self.winding
+            kind,
+            first,
+            second,
+            read_only(np.mod(spot.state.theta, TWO_PI)),
+            self.hops.size,
+            self.winding,
         )

@@ -1,4 +1,6 @@
-"""Families of circle maps: one formula for many parameters at once, and how lifts move with a parameter."""
+"""Families of circle maps: one formula for many parameters at once, and how lifts move with a
+parameter.
+"""
 
 from __future__ import annotations
 
@@ -22,15 +24,18 @@ _FALL = 1e-12  # radians: a smaller descent is rounding
 
 @dataclass(frozen=True, eq=False)
 class ParametricLift:
-    """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the CircleMap.
+    """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the
+    CircleMap.
 
-    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta, shape (..., n), and
-        parameters, each a number or of shape (n,). Several threads may call it at once.
+    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta,
+        shape (..., n), and parameters, each a number or of shape (n,). Several threads may call it
+        at once.
     derivative : the same for F', or None: then differences.
     breaks : radians, the same for the whole family, where F jumps or F' does.
-    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls; None compares
-        F at 65 angles instead, which sees only folds wider than that.
-    circle_map : makes the member at given numbers where a faster form than the formula exists; else None.
+    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never
+        falls; None compares F at 65 angles instead, which sees only folds wider than that.
+    circle_map : makes the member at given numbers where a faster form than the formula exists; else
+        None.
     max_error : a bound on |lift - truth| in radians, as of ``CircleMap``.
 
     Raises InvalidInput for what is not callable; each member is checked like any CircleMap.
@@ -49,7 +54,9 @@ class ParametricLift:
 
     def __post_init__(self) -> None:
         if not callable(self.lift):
-            raise InvalidInput(f"lift is {self.lift!r}: give a callable of an array of angles and the parameters")
+            raise InvalidInput(
+                f"lift is {self.lift!r}: give a callable of an array of angles and the parameters"
+            )
         for name in ("derivative", "nondecreasing", "circle_map"):
             given = getattr(self, name)
             if given is not None and not callable(given):
@@ -63,13 +70,19 @@ class ParametricLift:
         if self.circle_map is not None:
             return self.circle_map(*values)
         slope = None if self.derivative is None else partial(_at, self.derivative, values)
-        return CircleMap(partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error)
+        return CircleMap(
+            partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error
+        )
 
     def rises(self, *parameters: Any) -> Mask:
-        """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each, result (n,)."""
+        """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each,
+        result (n,).
+        """
         if self.nondecreasing is not None:
             size = np.broadcast_shapes(*(np.shape(p) for p in parameters))
-            return np.array(np.broadcast_to(np.asarray(self.nondecreasing(*parameters), dtype=bool), size))
+            return np.array(
+                np.broadcast_to(np.asarray(self.nondecreasing(*parameters), dtype=bool), size)
+            )
         lower = self.lift(_ANGLES[:1], *parameters)
         rising = np.ones(np.shape(lower), dtype=bool)
         for theta in _ANGLES[1:]:
@@ -98,7 +111,9 @@ ARNOLD_FAMILY = ParametricLift(
 """The sine family θ → θ + 2πΩ - K sin θ, parameters (Ω, K) as of ``CircleMap.arnold``."""
 
 MOEBIUS_FAMILY = ParametricLift(
-    lambda theta, a, omega: theta + TWO_PI * omega + 2.0 * np.arctan2(a * np.sin(theta), 1.0 - a * np.cos(theta)),
+    lambda theta, a, omega: (
+        theta + TWO_PI * omega + 2.0 * np.arctan2(a * np.sin(theta), 1.0 - a * np.cos(theta))
+    ),
     lambda theta, a, omega: (1.0 - a * a) / (1.0 - 2.0 * a * np.cos(theta) + a * a) + 0.0 * omega,
     nondecreasing=lambda a, omega: (a >= 0.0) & (a < 1.0 + 0.0 * omega),
     circle_map=CircleMap.moebius,
@@ -120,7 +135,9 @@ Range = tuple[float, float]
 def family_member(family: Family, *parameters: float) -> CircleMap:
     """The map of the family at these parameters; InvalidInput when it is not a CircleMap."""
     if not callable(family):
-        raise InvalidInput(f"family is {family!r}: give a callable from the parameter to a CircleMap")
+        raise InvalidInput(
+            f"family is {family!r}: give a callable from the parameter to a CircleMap"
+        )
     member = family(*parameters)
     if not isinstance(member, CircleMap):
         given = ", ".join(f"{value:.9g}" for value in parameters)
@@ -136,14 +153,17 @@ def parameter_range(name: str, ends: Any) -> Range:
         raise InvalidInput(f"{name} is {ends!r}: give a pair (low, high)") from cause
     first, last = finite_number(f"{name}[0]", low), finite_number(f"{name}[1]", high)
     if not first < last:
-        raise InvalidInput(f"{name} is ({first:g}, {last:g}): its low end must lie below its high end")
+        raise InvalidInput(
+            f"{name} is ({first:g}, {last:g}): its low end must lie below its high end"
+        )
     return first, last
 
 
 def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
     """The limit of F at breaks ``theta`` from below (side -1) or above (1), to rounding.
 
-    The map reads its one-sided limits a few roundings beside the break; to first order that is taken back here.
+    The map reads its one-sided limits a few roundings beside the break; to first order that is
+    taken back here.
     """
     limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
     return np.asarray(limit - side * SIDE_STEP * circle_map.derivative(theta, side))
@@ -151,10 +171,13 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class ParameterTangent:
-    """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at breaks.
+    """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at
+    breaks.
 
-    member : the family's map at the parameter. members, weights, step : those of the difference, and its spacing.
-    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,), dθ_b/dp.
+    member : the family's map at the parameter. members, weights, step : those of the difference,
+        and its spacing.
+    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,),
+        dθ_b/dp.
     """
 
     member: CircleMap
@@ -185,16 +208,20 @@ class ParameterTangent:
         if breaks.size == 0 or not np.any(motion):
             return np.zeros_like(theta)
         around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-        return np.asarray(np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]])))
+        return np.asarray(
+            np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]]))
+        )
 
 
 def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:
-    """∂F/∂p of a family p → CircleMap, by differences of second order of its lifts in p, inside ``within``.
+    """∂F/∂p of a family p → CircleMap, by differences of second order of its lifts in p, inside
+    ``within``.
 
     share : of the range ``within``, the differences' spacing.
 
-    Breaks may move with p: angles are carried along with the breaks on both sides, so that no difference reaches
-    across one. Raises InvalidInput when neighbouring maps have different numbers of breaks.
+    Breaks may move with p: angles are carried along with the breaks on both sides, so that no
+    difference reaches across one. Raises InvalidInput when neighbouring maps have different numbers
+    of breaks.
     """
     below, above = p - within[0], within[1] - p
     step = share * (within[1] - within[0])
@@ -214,12 +241,13 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
 def break_motion(breaks: Array, moved: Array) -> Array:
     """How far each break has moved (radians, the short way round) to its partner among ``moved``.
 
-    Both sorted in [0, 2π); partners keep their order round the circle. InvalidInput when the counts differ.
+    Both sorted in [0, 2π); partners keep their order round the circle. InvalidInput when the counts
+    differ.
     """
     if breaks.size != moved.size:
         raise InvalidInput(
-            f"the family's maps have {breaks.size} and {moved.size} breaks at neighbouring parameters: "
-            "their difference is not defined; take a smaller step or another parameter"
+            f"the family's maps have {breaks.size} and {moved.size} breaks at neighbouring "
+            "parameters: their difference is not defined; take a smaller step or another parameter"
         )
     if breaks.size == 0:
         return np.zeros(0)

@@ -25,7 +25,9 @@ _DEVIATIONS = 4.0  # standard errors of the batches' mean
 
 @dataclass(frozen=True, eq=False)
 class OrbitDiagram:
-    """Made by ``orbit_diagram``. parameter : shape (m,). theta : shape (m, cycles), radians in [0, 2π)."""
+    """Made by ``orbit_diagram``. parameter : shape (m,). theta : shape (m, cycles), radians in [0,
+    2π).
+    """
 
     parameter: Array
     theta: Array
@@ -35,8 +37,9 @@ class OrbitDiagram:
 class LyapunovExponents:
     """Made by ``lyapunov_exponents``: arrays of the parameters' broadcast shape.
 
-    value : mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0. error : four standard errors of the
-    means over 20 parts of the orbit: statistical where it is chaotic, and no bound.
+    value : mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0. error : four
+        standard errors of the means over 20 parts of the orbit: statistical where it is chaotic,
+        and no bound.
     """
 
     parameters: tuple[Array, ...]
@@ -47,13 +50,16 @@ class LyapunovExponents:
 def orbit_diagram(
     family: Family, values: Any, *, cycles: int = 200, transient: int = 500, start: float = _START
 ) -> OrbitDiagram:
-    """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient`` cycles that are left out.
+    """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient``
+    cycles that are left out.
 
-    family : parameter → CircleMap. values : shape (m,), in the order in which they are gone through: each orbit starts
-    where the one before has ended (the first at ``start``, radians), so that an attractor is followed for as long
-    as it lasts; through the values in reverse order the other branch of a hysteresis loop shows.
+    family : parameter → CircleMap. values : shape (m,), in the order in which they are gone
+        through: each orbit starts where the one before has ended (the first at ``start``, radians),
+        so that an attractor is followed for as long as it lasts; through the values in reverse
+        order the other branch of a hysteresis loop shows.
 
-    Raises InvalidInput for values that are not finite, none at all, or a family that gives no CircleMap.
+    Raises InvalidInput for values that are not finite, none at all, or a family that gives no
+    CircleMap.
 
     >>> flips = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [1.8, 2.2], transient=2000)
     >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
@@ -71,16 +77,23 @@ def orbit_diagram(
 
 
 def lyapunov_exponents(
-    family: Callable[..., CircleMap], *parameters: Any, cycles: int = 2_000, transient: int = 500, start: float = _START
+    family: Callable[..., CircleMap],
+    *parameters: Any,
+    cycles: int = 2_000,
+    transient: int = 500,
+    start: float = _START,
 ) -> LyapunovExponents:
-    """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that broadcast together.
+    """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that
+    broadcast together.
 
-    family : parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold`` and
-        ``CircleMap.moebius`` are followed all together, others one by one, a hundred times slower. The mean of ln|F'|
-        over ``cycles`` cycles after ``transient`` ones: good to about 1/cycles on periodic orbits;
-        ``lyapunov_exponent`` solves one map's far better.
+    family : parameters → CircleMap. A ``ParametricLift`` that has a derivative,
+        ``CircleMap.arnold`` and ``CircleMap.moebius`` are followed all together, others one by one,
+        a hundred times slower. The mean of ln|F'| over ``cycles`` cycles after ``transient`` ones:
+        good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far
+        better.
 
-    Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no CircleMap.
+    Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no
+    CircleMap.
 
     >>> found = lyapunov_exponents(CircleMap.arnold, 0.1, [0.9, 5.0])
     >>> bool(found.value[0] < -1.0 < 1.0 < found.value[1])
@@ -89,7 +102,10 @@ def lyapunov_exponents(
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
-    count, skipped = whole_number("cycles", cycles, least=_PARTS), whole_number("transient", transient, least=0)
+    count, skipped = (
+        whole_number("cycles", cycles, least=_PARTS),
+        whole_number("transient", transient, least=0),
+    )
     theta = finite_number("start", start)
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
@@ -116,7 +132,9 @@ def lyapunov_exponents(
     value = parts.sum(axis=0) / count
     error = np.where(np.isneginf(value), 0.0, error)
     return LyapunovExponents(
-        tuple(read_only(array) for array in arrays), read_only(value.reshape(shape)), read_only(error.reshape(shape))
+        tuple(read_only(array) for array in arrays),
+        read_only(value.reshape(shape)),
+        read_only(error.reshape(shape)),
     )
 
 
@@ -141,23 +159,29 @@ _BLUR = 50.0  # how far off ln|F'| is where F' is lost in rounding
 
 
 def lyapunov_exponent(
-    circle_map: CircleMap, noise: Noise | None = None, *, start: float | None = None, transient: int = TRANSIENT
+    circle_map: CircleMap,
+    noise: Noise | None = None,
+    *,
+    start: float | None = None,
+    transient: int = TRANSIENT,
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
-    With noise: the integral over the stationary law, on panels graded towards the folds; the bound is that of
-    ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the error of F'.
-    Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
-    - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit itself, solved by
-      Newton's method; the bound is a measured one of rounding;
-    - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of ``birkhoff_average``;
-    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means of 40 batches: a
-      statistical bound, and it is about 1e-2. To each the error of F' adds (``derivative_and_error``); inf where F' is
-      lost in it. -inf where F' = 0 on a set that the law or the orbit visits. Without a start: the orbits from five
-      angles that no symmetry favours, so that none lies on a repelling orbit; a small basin may be missed.
+    With noise: the integral over the stationary law, on panels graded towards the folds; the bound
+    is that of ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the
+    error of F'. Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
+    - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit
+      itself, solved by Newton's method; the bound is a measured one of rounding;
+    - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of
+      ``birkhoff_average``;
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
+      of 40 batches: a statistical bound, and it is about 1e-2. To each the error of F' adds
+      (``derivative_and_error``); inf where F' is lost in it. -inf where F' = 0 on a set that the
+      law or the orbit visits. Without a start: the orbits from five angles that no symmetry
+      favours, so that none lies on a repelling orbit; a small basin may be missed.
 
-    Raises InvalidInput where orbits from those angles have different exponents: the map has several attractors;
-    ConvergenceError where F has no derivative that differences can follow.
+    Raises InvalidInput where orbits from those angles have different exponents: the map has several
+    attractors; ConvergenceError where F has no derivative that differences can follow.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
@@ -171,13 +195,15 @@ def lyapunov_exponent(
     lost = error > _LOST * (1.0 + np.abs(slope))
     if 2 * np.count_nonzero(lost) > lost.size:
         raise ConvergenceError(
-            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} angles, such as "
-            f"{_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the lift has none and no exponent"
+            f"F' cannot be told from differences at {np.count_nonzero(lost)} of {lost.size} "
+            f"angles, such as {_EVERYWHERE[int(np.argmax(lost))]:.6g}: give the derivative, or the "
+            "lift has none and no exponent"
         )
     if noise is not None:
         if start is not None:
             raise InvalidInput(
-                f"start is {start!r}, but under noise the exponent is of the stationary law: leave it out"
+                f"start is {start!r}, but under noise the exponent is of the stationary law: "
+                "leave it out"
             )
         return _under_noise(circle_map, noise)
     begin = _STARTS if start is None else np.array([finite_number("start", start)])
@@ -189,8 +215,9 @@ def lyapunov_exponent(
     allowed = _SAME + 4.0 * (found[low].error_bound + found[high].error_bound)
     if found[low] != found[high] and found[high] - found[low] > allowed:
         raise InvalidInput(
-            f"the map has several attractors: the exponent is {found[low]:.6g} from θ = {_STARTS[low]:.4f}, "
-            f"{found[high]:.6g} from {_STARTS[high]:.4f}; give the start that is meant"
+            f"the map has several attractors: the exponent is {found[low]:.6g} from θ = "
+            f"{_STARTS[low]:.4f}, {found[high]:.6g} from {_STARTS[high]:.4f}; give the start that "
+            "is meant"
         )
     return min(found, key=lambda one: one.error_bound)
 
@@ -208,7 +235,9 @@ def _under_noise(circle_map: CircleMap, noise: Noise) -> Estimate:
         slope, error = circle_map.derivative_and_error(at)
         return np.minimum(error / np.maximum(np.abs(slope), _FLOOR), _BLUR)
 
-    found = operator.expectation(lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True)
+    found = operator.expectation(
+        lambda at: np.log(np.maximum(np.abs(circle_map.derivative(at)), _FLOOR)), folds=True
+    )
     blurred = operator.expectation(blur, folds=True)
     return Estimate(found, found.error_bound + blurred.upper)
 
@@ -240,7 +269,9 @@ def _from_slopes(errors: Array, stretch: Array) -> float:
 
 
 def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array | None:
-    """The points of the period's orbit nearest to ``start``, by Newton's method, if it attracts ``start``."""
+    """The points of the period's orbit nearest to ``start``, by Newton's method, if it attracts
+    ``start``.
+    """
     theta = start
     for _ in range(_NEWTON):
         points, gap = _once_round(circle_map, theta, period)
@@ -256,7 +287,9 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
 
 
 def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array, float]:
-    """The orbit of ``theta`` over one period, and how far it comes back from a whole number of turns."""
+    """The orbit of ``theta`` over one period, and how far it comes back from a whole number of
+    turns.
+    """
     lift, at, points = circle_map.scalar(), theta, []
     for _ in range(period):
         points.append(at)
@@ -271,8 +304,14 @@ def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
     if np.any(slopes == 0.0):
         return Estimate(float("-inf"), 0.0)
     found = float(np.mean(np.log(slopes)))
-    # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the bound.
-    shift = 16.0 * EPS * (1.0 + np.max(np.abs(points))) / (1.0 - min(np.exp(points.size * found), 1.0 - EPS))
+    # The orbit is known to rounding over 1 - |multiplier|: what so small a shift changes is the
+    # bound.
+    shift = (
+        16.0
+        * EPS
+        * (1.0 + np.max(np.abs(points)))
+        / (1.0 - min(np.exp(points.size * found), 1.0 - EPS))
+    )
     nearby = [np.abs(circle_map.derivative(points + side * 1e3 * shift)) for side in (-1.0, 1.0)]
     with np.errstate(divide="ignore"):
         changes = [np.abs(np.log(slope) - np.log(slopes)) for slope in nearby]

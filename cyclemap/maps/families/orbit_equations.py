@@ -32,9 +32,11 @@ _CLOSE = 1e-13
 
 @dataclass(frozen=True, eq=False)
 class OrbitState:
-    """A periodic orbit at one parameter: its points (radians, continuous along a branch) and their slopes F'.
+    """A periodic orbit at one parameter: its points (radians, continuous along a branch) and their
+    slopes F'.
 
-    ``push`` is ∂F/∂p at the points where it is known, read at a parameter nearby: good enough for a prediction.
+    ``push`` is ∂F/∂p at the points where it is known, read at a parameter nearby: good enough for a
+    prediction.
     """
 
     parameter: float
@@ -51,10 +53,13 @@ class OrbitState:
 
 @dataclass(frozen=True, eq=False)
 class OrbitEquations:
-    """The n equations of a period-n orbit and the scaled space (θ/√n, p/scale) in which branches are followed.
+    """The n equations of a period-n orbit and the scaled space (θ/√n, p/scale) in which branches
+    are followed.
 
-    hops : shape (n,), whole turns taken off after each cycle. winding : of the orbit (for degree 1 their sum).
-    within : the range of the parameter, outside which the family is never called; its length is the scale.
+    hops : shape (n,), whole turns taken off after each cycle. winding : of the orbit (for degree 1
+        their sum).
+    within : the range of the parameter, outside which the family is never called; its length is the
+        scale.
     """
 
     family: Family
@@ -89,12 +94,18 @@ class OrbitEquations:
         at = member or family_member(self.family, p)
         return OrbitState(p, theta, at, np.asarray(at.derivative(theta)))
 
-    def solved_at(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState | None:
-        """The orbit near ``theta`` at a fixed parameter, to rounding; None when Newton's method finds none."""
+    def solved_at(
+        self, p: float, theta: Array, member: CircleMap | None = None
+    ) -> OrbitState | None:
+        """The orbit near ``theta`` at a fixed parameter, to rounding; None when Newton's method
+        finds none.
+        """
         at = member or family_member(self.family, p)
         last = np.inf
         for _ in range(_ITERATIONS):
-            moved = least_step(self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta))
+            moved = least_step(
+                self.jacobian(at.derivative(theta)), -self.residual(at(theta), theta)
+            )
             size = float(np.max(np.abs(moved)))
             if not size < _LONGEST:
                 return None
@@ -105,7 +116,8 @@ class OrbitEquations:
         return None
 
     def solved_along(self, guess: Array, direction: Array) -> OrbitState | None:
-        """The orbit nearest to ``guess`` across ``direction`` (both scaled), or None (Keller 1977)."""
+        """The orbit nearest to ``guess`` across ``direction`` (both scaled),
+        or None (Keller 1977)."""
         low, high = self.within
         slack, span = 1e-12 * (high - low), high - low
         if not low - slack <= guess[-1] * span <= high + slack:
@@ -115,8 +127,12 @@ class OrbitEquations:
         for _ in range(_ITERATIONS):
             theta = point[:-1] * self.scales[:-1]
             residual = self.residual(at(theta), theta)
-            bordered = np.column_stack([self.jacobian(at.derivative(theta)), tangent(theta)]) * self.scales
-            moved = least_step(np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess)))
+            bordered = (
+                np.column_stack([self.jacobian(at.derivative(theta)), tangent(theta)]) * self.scales
+            )
+            moved = least_step(
+                np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess))
+            )
             size, point = float(np.max(np.abs(moved))), point + moved
             if not size < _LONGEST or not low - slack <= point[-1] * span <= high + slack:
                 return None
@@ -132,7 +148,9 @@ class OrbitEquations:
         """The unit tangent of the branch in the scaled space, turned towards ``along``."""
         bordered = np.column_stack([self.jacobian(slopes), push]) * self.scales
         if along is not None:
-            unit = least_step(np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0))
+            unit = least_step(
+                np.vstack([bordered, along]), np.append(np.zeros(self.hops.size), 1.0)
+            )
             return np.asarray(unit / np.linalg.norm(unit))
         _, _, rows = np.linalg.svd(bordered)
         return np.asarray(rows[-1])
@@ -147,20 +165,26 @@ def least_step(matrix: Array, right: Array) -> Array:
         return np.asarray(np.linalg.lstsq(matrix, right)[0])
 
 
-def orbit_equations(family: Family, points: Array, parameter: float, winding: int, within: Range) -> OrbitEquations:
-    """The equations of the orbit through ``points`` (nearly one of the family at ``parameter``, in order of visit)."""
+def orbit_equations(
+    family: Family, points: Array, parameter: float, winding: int, within: Range
+) -> OrbitEquations:
+    """The equations of the orbit through ``points`` (nearly one of the family at ``parameter``, in
+    order of visit).
+    """
     member = family_member(family, parameter)
     hops = np.round((member(points) - np.roll(points, -1)) / TWO_PI)
     turns = int(hops @ float(member.degree) ** np.arange(points.size - 1, -1, -1))
     if turns != winding:
         raise InvalidInput(
-            f"the points wind {turns} times at {parameter:.9g}, not {winding}: give an orbit of that map"
+            f"the points wind {turns} times at {parameter:.9g}, not {winding}: give an orbit of "
+            "that map"
         )
     return OrbitEquations(family, hops, winding, within)
 
 
 def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int, int, float] | None:
-    """(point, break, share of the step) of the first break crossed on the way from ``before`` to ``theta``.
+    """(point, break, share of the step) of the first break crossed on the way from ``before`` to
+    ``theta``.
 
     ``motion`` : how far each break has moved meanwhile. None when none is crossed.
     """
@@ -177,21 +201,24 @@ def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int,
 
 
 _BEND = 1e-4  # radians: step of the differences of F'
-_TRANSVERSE = 1e-6  # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
+_TRANSVERSE = (
+    1e-6  # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Bifurcation:
     """A parameter at which a periodic orbit changes.
 
-    kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1), "border-collision" (a
-        point of the orbit meets a break of the map) or "branch point" (multiplier 1 where branches cross).
-    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``, but of a period
-        doubling or branch point not what F' may be off.
-    points : shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
-        on the break first.
-    period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision with the slopes
-        from the right and from the left of the break.
+    kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
+        "border-collision" (a point of the orbit meets a break of the map) or "branch point"
+        (multiplier 1 where branches cross).
+    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``,
+        but of a period doubling or branch point not what F' may be off.
+    points : shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
+        collision the one on the break first.
+    period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision
+        with the slopes from the right and from the left of the break.
     jump : whether the break met is a jump of the map, where the branch ends, and not a kink.
     residual : the largest residual of the equations of the orbit and of the condition.
     """
@@ -215,7 +242,8 @@ class Bifurcation:
     def folds(self) -> bool:
         """Whether two orbits meet and vanish here: a saddle-node, or its like at a kink.
 
-        At a kink that is so where 1 lies between the one-sided multipliers (di Bernardo et al. 2008, ch. 3).
+        At a kink that is so where 1 lies between the one-sided multipliers (di Bernardo et al.
+        2008, ch. 3).
         """
         if self.kind != "border-collision":
             return self.kind == "saddle-node"
@@ -232,9 +260,11 @@ def zero_along(
     value: Callable[[Solution], float],
     lost: str,
 ) -> Solution:
-    """The solution at which ``value`` is 0, between two on a curve that are ``length`` apart, by its sign there.
+    """The solution at which ``value`` is 0, between two on a curve that are ``length`` apart, by
+    its sign there.
 
-    solved : the solution at a distance from the first, or None: then ConvergenceError says what is ``lost``.
+    solved : the solution at a distance from the first, or None: then ConvergenceError says what is
+        ``lost``.
     """
     from scipy.optimize import brentq
 
@@ -252,11 +282,16 @@ def zero_along(
 
 
 def smooth_bifurcation(
-    equations: OrbitEquations, before: OrbitState, after: OrbitState, direction: Array, target: float
+    equations: OrbitEquations,
+    before: OrbitState,
+    after: OrbitState,
+    direction: Array,
+    target: float,
 ) -> tuple[OrbitState, Bifurcation]:
     """The orbit with multiplier ``target`` (1 or -1) between two neighbouring states of a branch.
 
-    The extended system (orbit, multiplier) is solved by bisection and interpolation along the branch.
+    The extended system (orbit, multiplier) is solved by bisection and interpolation along the
+    branch.
     """
     begin = equations.point(before)
     at = zero_along(
@@ -264,8 +299,8 @@ def smooth_bifurcation(
         float(direction @ (equations.point(after) - begin)),
         lambda distance: equations.solved_along(begin + distance * direction, direction),
         lambda state: state.multiplier - target,
-        f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost while its "
-        f"multiplier was brought to {target:g}",
+        f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost "
+        f"while its multiplier was brought to {target:g}",
     )
     push = equations.push(at.parameter)(at.theta)
     kind = "period-doubling"
@@ -276,11 +311,15 @@ def smooth_bifurcation(
     # The multiplier's derivatives by θ_i and p: centred differences of F'.
     others = np.array([np.prod(np.delete(at.slopes, i)) for i in range(at.theta.size)])
     gradient = (
-        (at.member.derivative(at.theta + _BEND) - at.member.derivative(at.theta - _BEND)) / (2.0 * _BEND) * others
+        (at.member.derivative(at.theta + _BEND) - at.member.derivative(at.theta - _BEND))
+        / (2.0 * _BEND)
+        * others
     )
     step = _STEP * (equations.within[1] - equations.within[0])
     low, high = (float(np.clip(at.parameter + k * step, *equations.within)) for k in (-1, 1))
-    change = [float(np.prod(family_member(equations.family, p).derivative(at.theta))) for p in (low, high)]
+    change = [
+        float(np.prod(family_member(equations.family, p).derivative(at.theta))) for p in (low, high)
+    ]
     condition = np.append(gradient, (change[1] - change[0]) / (high - low))
     residual = np.append(equations.residual(at.member(at.theta), at.theta), at.multiplier - target)
     return at, recorded(kind, equations, at, push, condition, residual)
@@ -298,14 +337,16 @@ def recorded(
     first: int | None = None,
     jump: bool = False,
 ) -> Bifurcation:
-    """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| + rounding + error).
+    """The bifurcation with its bound: |last row of the extended Jacobian's inverse|·(|residual| +
+    rounding + error).
 
-    error : the map's ``max_error``, of the orbit's equations alone. A saddle-node's row is 0 at the multiplier, so that
-    it does not move with F'; a period doubling does, and of the error of F' the map does not tell.
+    error : the map's ``max_error``, of the orbit's equations alone. A saddle-node's row is 0 at the
+        multiplier, so that it does not move with F'; a period doubling does, and of the error of F'
+        the map does not tell.
 
-    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ, p). residual : of all n
-        + 1 equations. multipliers : from the right and from the left where they differ. Good to first order; nothing
-        beyond that is proved.
+    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ,
+        p). residual : of all n + 1 equations. multipliers : from the right and from the left where they
+        differ. Good to first order; nothing beyond that is proved.
     """
     points = np.mod(at.theta, TWO_PI)
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])
@@ -337,7 +378,8 @@ def one_sided(
 ) -> tuple[OrbitState, Array, Array, Array]:
     """The orbit with θ_point on a break, the map there that of one side (-1 below, 1 above).
 
-    Its state, the residual of its equations, ∂F/∂p, and the derivative of θ_point - break with respect to (θ, p).
+    Its state, the residual of its equations, ∂F/∂p, and the derivative of θ_point - break with
+    respect to (θ, p).
     """
     member, beside, at = tangent.member, np.array(theta), theta[point]
     images, slopes = np.array(member(theta)), np.array(member.derivative(theta))
@@ -353,11 +395,13 @@ def one_sided(
 def border_collision(
     equations: OrbitEquations, before: OrbitState, near: tuple[Array, float], point: int, which: int
 ) -> tuple[Bifurcation, OrbitState, Array | None] | None:
-    """The collision of θ_point with the break ``which`` of ``before``, near (θ, p); None when there is none.
+    """The collision of θ_point with the break ``which`` of ``before``, near (θ, p); None when there
+    is none.
 
-    Newton's method on the extended system: the orbit's equations with the map of the side it comes from, and
-    θ_point on the break, which itself moves with the parameter. Returned are the record, the orbit there, beyond a
-    kink with the slopes of the far side, and the scaled direction in which the branch leaves there, None at a jump.
+    Newton's method on the extended system: the orbit's equations with the map of the side it comes
+    from, and θ_point on the break, which itself moves with the parameter. Returned are the record,
+    the orbit there, beyond a kink with the slopes of the far side, and the scaled direction in
+    which the branch leaves there, None at a jump.
     """
     gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
     side, theta, p, last = 1 if gap > 0.0 else -1, np.array(near[0]), near[1], np.inf
@@ -365,7 +409,11 @@ def border_collision(
         if not equations.within[0] <= p <= equations.within[1]:
             return None
         tangent = equations.push(p)
-        theta[point] = before.theta[point] - gap + break_motion(before.member.breaks, tangent.member.breaks)[which]
+        theta[point] = (
+            before.theta[point]
+            - gap
+            + break_motion(before.member.breaks, tangent.member.breaks)[which]
+        )
         state, residual, push, condition = one_sided(equations, tangent, theta, point, side)
         extended = np.vstack([np.column_stack([equations.jacobian(state.slopes), push]), condition])
         try:
@@ -381,12 +429,22 @@ def border_collision(
     else:
         return None
     beyond, _, far_push, far_condition = one_sided(equations, tangent, theta, point, -side)
-    jump = bool(abs(float(state.member.right(theta[point]) - state.member.left(theta[point]))) > JUMP)
+    jump = bool(
+        abs(float(state.member.right(theta[point]) - state.member.left(theta[point]))) > JUMP
+    )
     right, left = (state, beyond) if side > 0 else (beyond, state)
     sides = right.multiplier, left.multiplier
     whole = np.append(residual, 0.0)
     record = recorded(
-        "border-collision", equations, state, push, condition, whole, multipliers=sides, first=point, jump=jump
+        "border-collision",
+        equations,
+        state,
+        push,
+        condition,
+        whole,
+        multipliers=sides,
+        first=point,
+        jump=jump,
     )
     if jump:
         return record, state, None

@@ -1,4 +1,6 @@
-"""Response: how the law, the winding, the directions and the passages of a noisy family move with its parameter."""
+"""Response: how the law, the winding, the directions and the passages of a noisy family move with
+its parameter.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +15,25 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.family import Family, ParameterTangent, Range, parameter_range, parameter_tangent
+from cyclemap.maps.families.family import (
+    Family,
+    ParameterTangent,
+    Range,
+    parameter_range,
+    parameter_tangent,
+)
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation, waves
 from cyclemap.maps.operator.poisson_equation import FourierLaw, checked_values
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import fixed_points
-from cyclemap.maps.passages.killed_chain import Arc, arc_ends, killed_chain, outside_of, required_inside
+from cyclemap.maps.passages.killed_chain import (
+    Arc,
+    arc_ends,
+    killed_chain,
+    outside_of,
+    required_inside,
+)
 from cyclemap.one_thread import one_thread
 
 _STEP = 1e-3  # of the range: spacing of the differences by which ∂F/∂p is told
@@ -27,7 +41,8 @@ _STRETCH = 1.4  # factor on the nodes' bandwidth of the second route to a passag
 
 
 def response(family: Family, parameter: float, noise: Noise, parameters: Range) -> Response:
-    """How what noise makes of a family's map answers its parameter: derivatives by the operator's adjoint.
+    """How what noise makes of a family's map answers its parameter: derivatives by the operator's
+    adjoint.
 
     Parameters
     ----------
@@ -46,10 +61,11 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
 
     Notes
     -----
-    With z - Pz = h - E h (Poisson's equation) d/dp E h = E ∂F/∂p·(Pz)' + E ∂h/∂p, and where a jump b moves at the rate
-    b', b' p(b) times what Pz and h change across it (linear response: Hairer & Majda 2010; with noise all is smooth).
-    ∂F/∂p comes from centred differences over 1/1000 and 1/500 of the range, extrapolated; the bounds add what that
-    changes, what a finer basis or more nodes change, and rounding: measured, the map's ``max_error`` left out.
+    With z - Pz = h - E h (Poisson's equation) d/dp E h = E ∂F/∂p·(Pz)' + E ∂h/∂p, and where a jump
+    b moves at the rate b', b' p(b) times what Pz and h change across it (linear response: Hairer &
+    Majda 2010; with noise all is smooth). ∂F/∂p comes from centred differences over 1/1000 and
+    1/500 of the range, extrapolated; the bounds add what that changes, what a finer basis or more
+    nodes change, and rounding: measured, the map's ``max_error`` left out.
 
     Examples
     --------
@@ -62,11 +78,15 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
     low, high = parameter_range("parameters", parameters)
     p = finite_number("parameter", parameter)
     if not low <= p <= high:
-        raise InvalidInput(f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside")
+        raise InvalidInput(
+            f"parameter is {p:g}, outside the parameters ({low:g}, {high:g}): take one inside"
+        )
     near, far = (parameter_tangent(family, p, share, (low, high)) for share in (_STEP, 2.0 * _STEP))
     operator = transfer_operator(near.member, noise)
     if not isinstance(operator.discretisation, FourierDiscretisation):
-        raise InvalidInput(f"the noise is {noise!r}: its law has steps, which move; take a smooth noise")
+        raise InvalidInput(
+            f"the noise is {noise!r}: its law has steps, which move; take a smooth noise"
+        )
     return Response(operator, near, far)
 
 
@@ -122,16 +142,26 @@ class Response:
         moving = []
         for orbit in fixed_points(self.operator.map):
             if orbit.stable:
-                near, far = (float(push(orbit.points)[0]) / (1.0 - orbit.multiplier) for push in (self.near, self.far))
+                near, far = (
+                    float(push(orbit.points)[0]) / (1.0 - orbit.multiplier)
+                    for push in (self.near, self.far)
+                )
                 rounding = 64.0 * EPS / (self.near.step * (1.0 - orbit.multiplier))
-                moving.append((float(orbit.points[0]), Estimate((4.0 * near - far) / 3.0, abs(near - far) + rounding)))
+                moving.append(
+                    (
+                        float(orbit.points[0]),
+                        Estimate((4.0 * near - far) / 3.0, abs(near - far) + rounding),
+                    )
+                )
         return tuple(moving)
 
     @one_thread
     def mean_passage_time(self, start: float, arc: Arc, *, lifted: bool = False) -> Estimate:
-        """d/dp of the mean cycles from ``start`` until the path is first outside ``arc``, both held fixed.
+        """d/dp of the mean cycles from ``start`` until the path is first outside ``arc``, both held
+        fixed.
 
-        Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of ``mean_passage_time``.
+        Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
+        ``mean_passage_time``.
         """
         ends = arc_ends(arc, "arc", whole=lifted)
         inside = required_inside(start, ends)
@@ -150,9 +180,13 @@ class Response:
             rates.append(float(source[-1] + chain.transitions(images[-1:])[0] @ moved))
         near, far, again = rates
         rounding = 1e3 * EPS * (1.0 / self.near.step + abs(near))
-        return Estimate((4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding)
+        return Estimate(
+            (4.0 * near - far) / 3.0, abs(near - far) + 4.0 * abs(near - again) + rounding
+        )
 
-    def _estimated(self, moments: Callable[[FourierDiscretisation], Array], direct: float) -> Estimate:
+    def _estimated(
+        self, moments: Callable[[FourierDiscretisation], Array], direct: float
+    ) -> Estimate:
         basis = self._basis
         value, changed = self._moved(FourierLaw(basis), moments(basis), direct)
         fine = basis.refined()
@@ -161,7 +195,8 @@ class Response:
         return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
 
     def _moved(self, law: FourierLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
-        """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step changes.
+        """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step
+        changes.
 
         direct : ∂h/∂F where h depends on F.
         """

@@ -1,4 +1,6 @@
-"""Rotation numbers of many maps of one family at once, and over a plane of two parameters: phase diagrams."""
+"""Rotation numbers of many maps of one family at once, and over a plane of two parameters: phase
+diagrams.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecre
 from cyclemap.maps.orbits.rotation_number import rotation_number, window
 
 _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
-# After so many cycles: the longest period tried for locking, and how far beside the orbit, radians over the period.
+# After so many cycles: the longest period tried for locking, and how far beside the orbit, radians
+# over the period.
 _TRIALS = (
     *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
@@ -33,9 +36,11 @@ _LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 51
 
 @dataclass(frozen=True, eq=False)
 class RotationNumbers:
-    """Rotation numbers of many nondecreasing lifts, turns a cycle; arrays of the parameters' broadcast shape.
+    """Rotation numbers of many nondecreasing lifts, turns a cycle; arrays of the parameters'
+    broadcast shape.
 
-    value : the middle of [lower, upper]. lower, upper : the truth lies between them (rounded outward).
+    value : the middle of [lower, upper]. lower, upper : the truth lies between them (rounded
+        outward).
     period, winding : q and p where ρ = p/q is proved, else 0 and 0.
     tolerance : what was asked for: half the width of the enclosures that meet it.
     """
@@ -49,22 +54,28 @@ class RotationNumbers:
 
 
 def rotation_numbers(
-    family: Callable[..., CircleMap], *parameters: Any, tolerance: float = 1e-3, threads: int | None = None
+    family: Callable[..., CircleMap],
+    *parameters: Any,
+    tolerance: float = 1e-3,
+    threads: int | None = None,
 ) -> RotationNumbers:
-    """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within ``tolerance``.
+    """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within
+    ``tolerance``.
 
-    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or ``CircleMap.arnold`` or
-        ``CircleMap.moebius``, whose formulas are known.
+    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or
+        ``CircleMap.arnold`` or ``CircleMap.moebius``, whose formulas are known.
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
     threads : None takes one a processor; the numbers do not depend on it.
 
-    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by p/n from below and
-    (p + 1)/n from above (Poincaré 1885), on the terms of ``rotation_number``; maps whose bounds are near enough drop
-    out, most after about 1/√tolerance cycles, all but those whose ρ depends too steeply on e within 1/tolerance + 2.
-    Orbits that start beside an attracting periodic orbit, on either side of it, prove locking.
+    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by
+    p/n from below and (p + 1)/n from above (Poincaré 1885), on the terms of ``rotation_number``;
+    maps whose bounds are near enough drop out, most after about 1/√tolerance cycles, all but those
+    whose ρ depends too steeply on e within 1/tolerance + 2. Orbits that start beside an attracting
+    periodic orbit, on either side of it, prove locking.
 
-    Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers are an interval: see
-    ``rotation_interval``, ``rotation_plane``), ConvergenceError when the bounds contradict each other.
+    Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers
+    are an interval: see ``rotation_interval``, ``rotation_plane``), ConvergenceError when the
+    bounds contradict each other.
 
     >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
@@ -73,11 +84,15 @@ def rotation_numbers(
     """
     formula = parametric_form(family)
     if formula is None:
-        raise InvalidInput(f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable")
+        raise InvalidInput(
+            f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable"
+        )
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
         raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    workers = (os.cpu_count() or 1) if threads is None else whole_number("threads", threads, least=1)
+    workers = (
+        (os.cpu_count() or 1) if threads is None else whole_number("threads", threads, least=1)
+    )
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
@@ -93,7 +108,9 @@ def rotation_numbers(
 
 def _fractions(lower: Array, upper: Array, tolerance: float) -> tuple[Whole, Whole]:
     """Period and winding where both bounds are the same fraction, else 0."""
-    period = _simplest_periods(lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2)
+    period = _simplest_periods(
+        lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2
+    )
     return period, np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
 
 
@@ -114,17 +131,26 @@ def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
 def _bounds(
     family: ParametricLift | _Envelopes, parameters: list[Array], tolerance: float, workers: int
 ) -> tuple[Array, Array]:
-    """The best p/n below and above each rotation number, once they are near enough or after 1/tolerance cycles."""
+    """The best p/n below and above each rotation number, once they are near enough or after
+    1/tolerance cycles.
+    """
     size = parameters[0].size
     lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
 
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
-    looks = [*(look for look in _LOOKS if look < most), *range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
-    width = 2.0 * tolerance * (1.0 - 1e-9)  # a little less, so that rounding outward keeps to the tolerance
+    looks = [
+        *(look for look in _LOOKS if look < most),
+        *range(2 * _LOOKS[-1], most, _LOOKS[-1]),
+        most,
+    ]
+    width = (
+        2.0 * tolerance * (1.0 - 1e-9)
+    )  # a little less, so that rounding outward keeps to the tolerance
 
     def advance(at: int) -> None:
-        """Go on through the looks with one chunk of the maps, writing the bounds to their places."""
+        """Go on through the looks with one chunk of the maps,
+        writing the bounds to their places."""
         orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
         for look in looks:
             orbits.run_to(look)
@@ -138,16 +164,20 @@ def _bounds(
     with ThreadPoolExecutor(workers) as pool:
         list(pool.map(advance, range(0, size, _CHUNK)))
     if np.any(lower > upper):
-        raise ConvergenceError("bounds contradict each other: the lift is computed worse than its max_error says")
+        raise ConvergenceError(
+            "bounds contradict each other: the lift is computed worse than its max_error says"
+        )
     return lower, upper
 
 
 @dataclass
 class _Orbits:
-    """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their bounds so far.
+    """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their
+    bounds so far.
 
-    parameters, lower, upper, place (index among all maps) : shape (m,); push (∓e), theta (in [-π, π], where sines
-    are quickest, -π at the start) and turns (whole turns so far, one more in row 1) : shape (2, m).
+    parameters, lower, upper, place (index among all maps) : shape (m,); push (∓e), theta (in [-π,
+        π], where sines are quickest, -π at the start) and turns (whole turns so far, one more in
+        row 1) : shape (2, m).
     cycles : iterates done.
     """
 
@@ -165,12 +195,18 @@ class _Orbits:
         """Copies of the maps where ``which`` is true."""
         index = np.flatnonzero(which)
         parameters = [values.take(index) for values in self.parameters]
-        push, theta, turns = (pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns))
+        push, theta, turns = (
+            pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns)
+        )
         lower, upper, place = self.lower.take(index), self.upper.take(index), self.place.take(index)
-        return _Orbits(self.family, parameters, push, theta, turns, lower, upper, place, self.cycles)
+        return _Orbits(
+            self.family, parameters, push, theta, turns, lower, upper, place, self.cycles
+        )
 
     def run_to(self, count: int, start: Array | None = None) -> None:
-        """Go on to the iterate of that number; ``start`` : where the orbits began, (2, m) in [-π, π], None for -π."""
+        """Go on to the iterate of that number; ``start`` : where the orbits began, (2, m) in [-π,
+        π], None for -π.
+        """
         laps = np.empty_like(self.theta)
         while self.cycles < count:
             self.cycles += 1
@@ -186,7 +222,9 @@ class _Orbits:
             np.minimum(self.upper, laps[1], out=self.upper)
 
     def try_locking(self, width: float, longest: int, beside: float) -> None:
-        """For maps with some p/q, q ≤ ``longest``, in too wide bounds: orbits that start beside the present angles."""
+        """For maps with some p/q, q ≤ ``longest``, in too wide bounds: orbits that start beside the
+        present angles.
+        """
         period = _simplest_periods(self.lower, self.upper, longest)
         open_still = (self.upper - self.lower > width) & (period > 0)
         trial = self.those(open_still)
@@ -198,18 +236,23 @@ class _Orbits:
 
 
 def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
-    """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing lifts."""
+    """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing
+    lifts.
+    """
     size = parameters[0].size
     ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
     if ends.shape != (2, size):
-        raise InvalidInput(f"the lift turns shapes (2, 1) and ({size},) into {ends.shape}: it must broadcast")
+        raise InvalidInput(
+            f"the lift turns shapes (2, 1) and ({size},) into {ends.shape}: it must broadcast"
+        )
     gap = np.abs(ends[1] - ends[0] - TWO_PI)
     bad = ~(gap <= 1e-8 * (1.0 + np.abs(ends[0]))) | ~family.rises(*parameters)
     if np.any(bad):
         given = ", ".join(f"{values[np.argmax(bad)]:.9g}" for values in parameters)
         raise InvalidInput(
-            f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one has an interval of "
-            "rotation numbers; ask rotation_interval(family(...)), or rotation_plane for many"
+            f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one "
+            "has an interval of rotation numbers; ask rotation_interval(family(...)), or "
+            "rotation_plane for many"
         )
     push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
     theta, turns = np.full((2, size), -np.pi), _ONE_MORE + np.zeros((2, size))
@@ -237,10 +280,12 @@ class RotationPlane:
     """Rotation numbers over a grid of parameters, turns a cycle; arrays of shape (m, n).
 
     first_values, second_values : shape (m,) and (n,), the parameters of rows and of columns.
-    value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by itself; where the lift
-        folds, the weighted Birkhoff average of the one orbit from θ = 0.
-    lower, upper : the truth lies between them; where the lift folds, all of its rotation interval does.
-    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0. folded : where the lift falls.
+    value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by
+        itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
+    lower, upper : the truth lies between them; where the lift folds, all of its rotation interval
+        does.
+    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0. folded : where
+        the lift falls.
     tolerance : the half-width that was asked for where the lift does not fold.
     """
 
@@ -260,9 +305,11 @@ Plateaus = tuple[Array, Array, Array, float]  # starts, ends, levels, and what t
 
 @dataclass(frozen=True, eq=False)
 class _Envelopes:
-    """Upper or lower envelopes of many folded members of a family: ``lift`` as of a ``ParametricLift``.
+    """Upper or lower envelopes of many folded members of a family: ``lift`` as of a
+    ``ParametricLift``.
 
-    Its last parameter is the number of the member, whose plateaus are a row of ``start``, ``end``, ``level`` (m, most).
+    Its last parameter is the number of the member, whose plateaus are a row of ``start``, ``end``,
+    ``level`` (m, most).
     """
 
     family: ParametricLift
@@ -288,7 +335,9 @@ class _Envelopes:
 
 
 def _envelopes(family: ParametricLift, plateaus: list[Plateaus], max_error: float) -> _Envelopes:
-    """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty ones."""
+    """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty
+    ones.
+    """
     tables = np.zeros((3, len(plateaus), max(1, *(columns[0].size for columns in plateaus))))
     for row, (start, end, level, _) in enumerate(plateaus):
         if start.size == 0:
@@ -311,13 +360,20 @@ def _folded_numbers(
     parameters: list[Array],
     tolerance: float,
 ) -> tuple[Array, Array, Array, Whole, Whole]:
-    """Value, lower, upper, period and winding of folded members, all together: the ends are those of the envelopes."""
+    """Value, lower, upper, period and winding of folded members, all together: the ends are those
+    of the envelopes.
+    """
     numbered, workers = [*parameters, np.arange(float(len(members)))], os.cpu_count() or 1
     inexact = max(member.max_error for member in members)
-    low, high = (_envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True))
+    low, high = (
+        _envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True)
+    )
     # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
     narrow = _ENDS * tolerance
-    lower, upper = _bounds(low, numbered, narrow, workers)[0], _bounds(high, numbered, narrow, workers)[1]
+    lower, upper = (
+        _bounds(low, numbered, narrow, workers)[0],
+        _bounds(high, numbered, narrow, workers)[1],
+    )
     count = max(16, int(np.ceil(1.0 / tolerance)))
     theta, mean = np.zeros(len(members)), np.zeros(len(members))
     for weight in window(count).tolist():
@@ -340,23 +396,26 @@ def rotation_plane(
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
-    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``, ``CircleMap.arnold``
-        and ``CircleMap.moebius`` are done many maps at once: a folded one takes some milliseconds, in which its folds
-        are found, others far less (``rotation_numbers``). All else goes map by map (``rotation_number``).
+    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
+        ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
+        takes some milliseconds, in which its folds are found, others far less
+        (``rotation_numbers``). All else goes map by map (``rotation_number``).
     first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
-    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does not fold; one
-        that is wider shows it by its ``lower`` and ``upper``.
+    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift
+        does not fold; one that is wider shows it by its ``lower`` and ``upper``.
     progress : is called with the fraction done.
 
-    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes that are empty, not
-    finite or not monotone, and for a map that is no CircleMap of degree 1.
+    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes
+    that are empty, not finite or not monotone, and for a map that is no CircleMap of degree 1.
 
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.winding.tolist()
     ([[1, 1], [2, 2]], [[0, 0], [1, 1]])
     """
     if not callable(family):
-        raise InvalidInput(f"family is {family!r}: give a callable of two parameters that gives a CircleMap")
+        raise InvalidInput(
+            f"family is {family!r}: give a callable of two parameters that gives a CircleMap"
+        )
     first, second = _axis("first_values", first_values), _axis("second_values", second_values)
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
@@ -379,22 +438,30 @@ def rotation_plane(
         pair = float(rows[place]), float(columns[place])
         member = family(*pair)
         if not isinstance(member, CircleMap) or member.degree != 1:
-            raise InvalidInput(f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1")
+            raise InvalidInput(
+                f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1"
+            )
         folded[place] = not is_nondecreasing(member)
         if formula is not None and folded[place]:
             together.append(member)
             plateaus.append([envelope_plateaus(member, mirror) for mirror in (-1.0, 1.0)])
             continue
-        one = rotation_number(member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted)
+        one = rotation_number(
+            member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted
+        )
         value[place], lower[place], upper[place] = one.value, one.lower, one.upper
         if one.locked is not None:
             period[place], winding[place] = one.locked.denominator, one.locked.numerator
     if formula is not None and together:
-        several = _folded_numbers(formula, together, plateaus, [rows[folded], columns[folded]], wanted)
+        several = _folded_numbers(
+            formula, together, plateaus, [rows[folded], columns[folded]], wanted
+        )
         value[folded], lower[folded], upper[folded], period[folded], winding[folded] = several
     report(1.0)
     shape, axes = (first.size, second.size), (read_only(first), read_only(second))
-    value, lower, upper, period, winding, folded = _shaped(shape, value, lower, upper, period, winding, folded)
+    value, lower, upper, period, winding, folded = _shaped(
+        shape, value, lower, upper, period, winding, folded
+    )
     return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
 
 
@@ -405,5 +472,8 @@ def _axis(name: str, values: Any) -> Array:
     steps = np.diff(axis)
     if not (np.all(steps > 0.0) or np.all(steps < 0.0)):
         turned = int(np.argmax(steps * np.sign(axis[-1] - axis[0]) <= 0.0))
-        raise InvalidInput(f"{name} turns back after {axis[turned]:g}: give increasing or decreasing values, each once")
+        raise InvalidInput(
+            f"{name} turns back after {axis[turned]:g}: give increasing or decreasing values, "
+            "each once"
+        )
     return axis

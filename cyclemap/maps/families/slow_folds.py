@@ -1,4 +1,6 @@
-"""Families whose parameter moves slowly: when a stable direction is lost at a saddle-node, and how late that shows."""
+"""Families whose parameter moves slowly: when a stable direction is lost at a saddle-node, and how
+late that shows.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +11,13 @@ import numpy as np
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.continuation import saddle_nodes
-from cyclemap.maps.families.family import Family, Range, family_member, parameter_range, parameter_tangent
+from cyclemap.maps.families.family import (
+    Family,
+    Range,
+    family_member,
+    parameter_range,
+    parameter_tangent,
+)
 from cyclemap.maps.families.orbit_equations import Bifurcation
 
 _AIRY = 2.338107410459767  # the first zero of Ai(-x)
@@ -20,8 +28,8 @@ _BEND, _STEP = 1e-4, 1e-5  # radians, and of the range: for differences of F' an
 class SlowFold:
     """A saddle-node at which a parameter that moves takes a stable fixed point away.
 
-    fold : the saddle-node, its parameter with a bound. delay_cycles : how many cycles after the parameter has passed it
-        the path has left. parameter : the parameter by then.
+    fold : the saddle-node, its parameter with a bound. delay_cycles : how many cycles after the
+        parameter has passed it the path has left. parameter : the parameter by then.
     """
 
     fold: Bifurcation
@@ -29,20 +37,24 @@ class SlowFold:
     parameter: float
 
 
-def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: int = 0) -> list[SlowFold]:
-    """Where a family whose parameter moves by ``rate`` a cycle loses fixed points, in the order in which it does.
+def slow_folds(
+    family: Family, parameters: Range, rate: float = 1.0, winding: int = 0
+) -> list[SlowFold]:
+    """Where a family whose parameter moves by ``rate`` a cycle loses fixed points, in the order in
+    which it does.
 
     Parameters
     ----------
-    family : p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter and a rate of 1,
-        whose quasi-static fixed points ``orbit_branches`` follows.
+    family : p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter
+        and a rate of 1, whose quasi-static fixed points ``orbit_branches`` follows.
     parameters : (low, high), in which folds are sought.
     rate : change of the parameter a cycle, not 0.
     winding : whole turns a cycle of the fixed points.
 
     Returns
     -------
-    Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at which two are born.
+    Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at which
+    two are born.
 
     Raises
     ------
@@ -50,10 +62,11 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
 
     Notes
     -----
-    Beside a fold θ' = θ + a(θ - θ*)² + b(p - p*): as p moves the path is gone Ω₀ (a b rate)^(-1/3) cycles after the
-    crossing, Ω₀ = 2.338 the first zero of Ai(-x), so that the parameter overshoots by Ω₀ rate^(2/3) (b² a)^(-1/3)
-    (the 2/3 law of slow passage: Haberman 1979; Kuehn 2015, ch. 5). That holds for slow rates and without noise, which
-    makes a path leave earlier; ``delay_cycles`` is the leading order, next to which a few cycles over a are left out.
+    Beside a fold θ' = θ + a(θ - θ*)² + b(p - p*): as p moves the path is gone Ω₀ (a b rate)^(-1/3)
+    cycles after the crossing, Ω₀ = 2.338 the first zero of Ai(-x), so that the parameter overshoots
+    by Ω₀ rate^(2/3) (b² a)^(-1/3) (the 2/3 law of slow passage: Haberman 1979; Kuehn 2015, ch. 5).
+    That holds for slow rates and without noise, which makes a path leave earlier; ``delay_cycles``
+    is the leading order, next to which a few cycles over a are left out.
 
     Examples
     --------
@@ -65,12 +78,16 @@ def slow_folds(family: Family, parameters: Range, rate: float = 1.0, winding: in
     within = parameter_range("parameters", parameters)
     speed = finite_number("rate", rate)
     if speed == 0.0:
-        raise InvalidInput("rate is 0: a parameter that stands still loses nothing; give its change a cycle")
+        raise InvalidInput(
+            "rate is 0: a parameter that stands still loses nothing; give its change a cycle"
+        )
     lost = []
     for fold in saddle_nodes(family, within, 1, winding):
         p, theta = float(fold.parameter), fold.points
         member = family_member(family, p)
-        bend = float(np.diff(member.derivative(theta[0] + np.array([-_BEND, _BEND])))[0]) / (4.0 * _BEND)
+        bend = float(np.diff(member.derivative(theta[0] + np.array([-_BEND, _BEND])))[0]) / (
+            4.0 * _BEND
+        )
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)

@@ -42,29 +42,39 @@ _FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 _QUARTIC = np.linalg.solve(np.vander(_QUARTERS).T, np.vander(np.linspace(0.0, 1.0, 33), 5).T)
 
 
-Extremum = tuple[float, float]  # the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
+Extremum = tuple[
+    float, float
+]  # the largest (or least) value of F^q - id - 2πp, radians, and where it is taken
 
 
-def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, marks: Sequence[float] = ()) -> Extremum:
+def extreme_displacement(
+    circle_map: CircleMap, ratio: Fraction, sign: float, marks: Sequence[float] = ()
+) -> Extremum:
     """The largest (``sign`` 1) or least (-1) value of F^q - id - 2πp over the circle, and where.
 
-    Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the map's own breaks:
-    these alone when the sign there is the wanted one already. Of a nondecreasing map this gives the right sign even
-    where the extremum lies at a break of the iterate: the sign is the same all along an orbit.
+    Taken from the ends of the scanner's cells, ``marks`` among them, and from both sides of the
+    map's own breaks: these alone when the sign there is the wanted one already. Of a nondecreasing
+    map this gives the right sign even where the extremum lies at a break of the iterate: the sign
+    is the same all along an orbit.
     """
     breaks, highest, at = circle_map.breaks, -np.inf, 0.0
     if breaks.size:
         image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
         lap = np.rint(image / TWO_PI)
         image -= TWO_PI * lap
-        rest, _, _ = displacement(circle_map, image, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64))
+        rest, _, _ = displacement(
+            circle_map, image, ratio.denominator - 1, ratio.numerator - lap.astype(np.int64)
+        )
         values = sign * (rest + (image - breaks))
         best = int(np.argmax(values))
         highest, at = float(values.flat[best]), float(breaks[best % breaks.size])
     if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
-        values = sign * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
+        values = (
+            sign
+            * displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))[0]
+        )
         best = int(np.argmax(np.append(values, highest)))
         if best < theta.size:
             highest, at = float(values[best]), float(theta[best])
@@ -72,17 +82,25 @@ def extreme_displacement(circle_map: CircleMap, ratio: Fraction, sign: float, ma
 
 
 def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extremum:
-    """How far above 0 a value of ``sign``·(F^q - id - 2πp) may lie, F nondecreasing, and where; 0 where none can.
+    """How far above 0 a value of ``sign``·(F^q - id - 2πp) may lie, F nondecreasing, and where; 0
+    where none can.
 
-    Between its values at a < b a nondecreasing F^q stays, so that F^q - id exceeds its value at b by b - a at most:
-    cells which that leaves room above 0 are cut, whatever the slopes and breaks there. Once ``_CELLS`` of them are
-    left, those whose five values a quartic meets to rounding count with its largest value: measured, not proved.
+    Between its values at a < b a nondecreasing F^q stays, so that F^q - id exceeds its value at b
+    by b - a at most: cells which that leaves room above 0 are cut, whatever the slopes and breaks
+    there. Once ``_CELLS`` of them are left, those whose five values a quartic meets to rounding
+    count with its largest value: measured, not proved.
     """
-    start, width, found = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK, TWO_PI / _FIRST_LOOK, (0.0, 0.0)
+    start, width, found = (
+        TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK,
+        TWO_PI / _FIRST_LOOK,
+        (0.0, 0.0),
+    )
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
-        gap, _, rounding = displacement(circle_map, theta, ratio.denominator, np.asarray(ratio.numerator))
+        gap, _, rounding = displacement(
+            circle_map, theta, ratio.denominator, np.asarray(ratio.numerator)
+        )
         gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)
         room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width
         left = room > noise
@@ -101,7 +119,9 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A parameter tried: its map, that map's monotone envelope, the extremum, and the lift at fixed angles."""
+    """A parameter tried: its map, that map's monotone envelope, the extremum, and the lift at fixed
+    angles.
+    """
 
     member: CircleMap
     monotone: CircleMap
@@ -113,8 +133,9 @@ class _Trial:
 class EdgeSearch:
     """The search for one edge; remembers every parameter tried, to notice a family that goes back.
 
-    The extremum M(p) of F^q - id - 2πp does not fall as p grows when the family does not: the left edge is
-    where the largest value leaves the negative numbers, the right edge where the least leaves the others.
+    The extremum M(p) of F^q - id - 2πp does not fall as p grows when the family does not: the left
+    edge is where the largest value leaves the negative numbers, the right edge where the least
+    leaves the others.
     """
 
     family: Family
@@ -125,15 +146,18 @@ class EdgeSearch:
     tried: dict[float, _Trial] = field(default_factory=dict)
 
     def value(self, p: float) -> float:
-        """M(p), of the monotone envelope where F folds, over what moving every lift by one radian would add to it.
+        """M(p), of the monotone envelope where F folds, over what moving every lift by one radian
+        would add to it.
 
-        So scaled, M has the same slope on both sides of zero, whichever point of the orbit is extreme there;
-        far from zero the plain M/q is straighter.
+        So scaled, M has the same slope on both sides of zero, whichever point of the orbit is
+        extreme there; far from zero the plain M/q is straighter.
         """
         if p not in self.tried:
             member = family_member(self.family, p)
             if member.degree != 1:
-                raise InvalidInput(f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1")
+                raise InvalidInput(
+                    f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1"
+                )
             monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
             found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
             self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))
@@ -143,8 +167,9 @@ class EdgeSearch:
                 fall = float(np.max(first.lift - second.lift))
                 if fall > 1e-12 + first.member.max_error + second.member.max_error:
                     raise InvalidInput(
-                        f"the family falls with its parameter: F drops by {fall:.3g} radians from {low:.9g} to "
-                        f"{high:.9g}; tongue edges need a family that nowhere decreases (try the negative parameter)"
+                        f"the family falls with its parameter: F drops by {fall:.3g} radians from "
+                        f"{low:.9g} to {high:.9g}; tongue edges need a family that nowhere "
+                        "decreases (try the negative parameter)"
                     )
         trial = self.tried[p]
         extremum, far = trial.found[0], abs(trial.found[0]) > _FAR
@@ -157,20 +182,31 @@ class EdgeSearch:
     def require_inside(self) -> None:
         """Raise InvalidInput unless the edge lies within the parameters."""
         low, high = self.within
-        for end, beyond, where in ((low, self.value(low) >= 0.0, "below"), (high, self.value(high) < 0.0, "above")):
+        for end, beyond, where in (
+            (low, self.value(low) >= 0.0, "below"),
+            (high, self.value(high) < 0.0, "above"),
+        ):
             if beyond:
                 raise InvalidInput(
-                    f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, outside the parameters "
-                    f"({low:.9g}, {high:.9g}): widen them"
+                    f"the {self.side} edge of the tongue {self.ratio} lies {where} {end:.9g}, "
+                    f"outside the parameters ({low:.9g}, {high:.9g}): widen them"
                 )
 
     def edge(self, low: float, high: float) -> tuple[Estimate, Array, str, bool]:
-        """The edge inside [low, high], its orbit, why it is one, whether the map folds; the ends lie on its sides."""
+        """The edge inside [low, high], its orbit, why it is one, whether the map folds; the ends
+        lie on its sides.
+        """
         from scipy.optimize import brentq  # slow to import
 
         for _ in range(_SEARCHES):
             # Brent's last two guesses lie on the two sides of the edge: a zero counts as beyond it.
-            brentq(lambda p: self.value(p) or 1e-300, low, high, xtol=2.0 * EPS * max(abs(low), abs(high)), rtol=_CLOSE)
+            brentq(
+                lambda p: self.value(p) or 1e-300,
+                low,
+                high,
+                xtol=2.0 * EPS * max(abs(low), abs(high)),
+                rtol=_CLOSE,
+            )
             below = max(p for p in self.tried if self.value(p) < 0.0)
             above = min(p for p in self.tried if self.value(p) >= 0.0)
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
@@ -184,19 +220,29 @@ class EdgeSearch:
             self.tried.clear()
             self.require_inside()
             low, high = self.within
-        # How far the lift's rounding and what is unseen can move the edge, to first order along its orbit.
+        # How far the lift's rounding and what is unseen can move the edge, to first order along its
+        # orbit.
         tangent = parameter_tangent(self.family, parameter, 1e-6, self.within)
         disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(
-                f"the orbits of rotation {self.ratio} do not move with the parameter at {parameter:.9g}"
+                f"the orbits of rotation {self.ratio} do not move with the parameter at "
+                f"{parameter:.9g}"
             )
         angle = 2.0 * TWO_PI + float(np.max(np.abs(trial.lift - _PROBES)))
-        error = above - below + (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(parameter)
-        return Estimate(parameter, error), *self._touching(trial), trial.monotone is not trial.member
+        error = (
+            above - below + (LIFT * angle * disturbed + unseen) / moved + 2.0 * EPS * abs(parameter)
+        )
+        return (
+            Estimate(parameter, error),
+            *self._touching(trial),
+            trial.monotone is not trial.member,
+        )
 
     def _touching(self, trial: _Trial) -> tuple[Array, str]:
-        """The orbit at which the extremum is 0, by the limits of the side it is taken from; what meets there."""
+        """The orbit at which the extremum is 0, by the limits of the side it is taken from; what
+        meets there.
+        """
         lift = trial.monotone.right if self._sign > 0.0 else trial.monotone.left
         points = [trial.found[1] % TWO_PI]
         for _ in range(self.ratio.denominator - 1):
@@ -205,7 +251,9 @@ class EdgeSearch:
         return np.array(points), "border-collision" if meets else "saddle-node"
 
     def _gained(self, trial: _Trial, push: Callable[[Array], Array]) -> float:
-        """How far the extremal orbit ends from where it did when every lift moves by ``push``, to first order."""
+        """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
+        first order.
+        """
         image, gained = np.array(trial.found[1]), 0.0
         for _ in range(self.ratio.denominator):
             gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
@@ -220,15 +268,19 @@ _WIDENING = 8.0  # by how much a bracket that misses the edge grows
 
 @dataclass(frozen=True)
 class Tongue:
-    """The tongue p/q of a one-parameter family: the parameters at which an orbit of rotation number p/q exists.
+    """The tongue p/q of a one-parameter family: the parameters at which an orbit of rotation number
+    p/q exists.
 
     ratio : p/q, turns a cycle. left, right : its edges, in the parameter's unit.
-    left_orbit, right_orbit : shape (q,), radians in [0, 2π), the orbit that is born at each edge, in order of visit.
-    left_kind, right_kind : why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1) or
-        "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it is one of the two as
-        well: no orbit of an edge visits a plateau of the monotone envelope, on which F^q - id falls.
-    folded : whether the map folds at an edge. If not, the rotation number is p/q all through the tongue and
-        nowhere else (locking); if it does, p/q is one of an interval of rotation numbers, and tongues overlap.
+    left_orbit, right_orbit : shape (q,), radians in [0, 2π), the orbit that is born at each edge,
+        in order of visit.
+    left_kind, right_kind : why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1)
+        or "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it
+        is one of the two as well: no orbit of an edge visits a plateau of the monotone envelope, on
+        which F^q - id falls.
+    folded : whether the map folds at an edge. If not, the rotation number is p/q all through the
+        tongue and nowhere else (locking); if it does, p/q is one of an interval of rotation
+        numbers, and tongues overlap.
     """
 
     ratio: Fraction
@@ -243,7 +295,9 @@ class Tongue:
     @property
     def width(self) -> Estimate:
         """right - left, zero where they agree within rounding; its bound is the sum of theirs."""
-        return Estimate(max(self.right - self.left, 0.0), self.left.error_bound + self.right.error_bound)
+        return Estimate(
+            max(self.right - self.left, 0.0), self.left.error_bound + self.right.error_bound
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,7 +305,8 @@ class TongueBoundaries:
     """The edges of several tongues as curves over a second parameter.
 
     ratios : the p/q, k of them. second : shape (m,), the second parameter's values.
-    left, right : shape (k, m), the edges in the first parameter. left_error, right_error : bounds on their errors.
+    left, right : shape (k, m), the edges in the first parameter. left_error, right_error : bounds
+        on their errors.
     folded : shape (k, m), whether the map folds at an edge there (see ``Tongue``).
     """
 
@@ -267,20 +322,23 @@ class TongueBoundaries:
 def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
-    family : parameter → CircleMap of degree 1. ratio : a Fraction, a whole number, or (p, q) in lowest terms.
+    family : parameter → CircleMap of degree 1. ratio : a Fraction, a whole number, or (p, q) in
+        lowest terms.
     parameters : (low, high), with the whole tongue inside; the family is called only there.
 
-    Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge: where the least does
-    (Arnold 1965; Herman 1977): a saddle-node of period q, at a kink or jump a border collision. Where F folds, the same
-    of its monotone envelopes: the left edge of F⁺ and the right edge of F⁻ bound the parameters whose rotation interval
-    holds p/q (Boyland 1986). Both extrema are monotone in the parameter, so each edge is bracketed to neighbouring
-    floats. A tongue narrower than rounding has width 0 and the bound says how narrow.
+    Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge:
+    where the least does (Arnold 1965; Herman 1977): a saddle-node of period q, at a kink or jump a
+    border collision. Where F folds, the same of its monotone envelopes: the left edge of F⁺ and the
+    right edge of F⁻ bound the parameters whose rotation interval holds p/q (Boyland 1986). Both
+    extrema are monotone in the parameter, so each edge is bracketed to neighbouring floats. A
+    tongue narrower than rounding has width 0 and the bound says how narrow.
 
-    The error bounds add the bracket, the lift's rounding (to first order along the edge's orbit), some 2e-15 for
-    ``arnold``, and what the search for extrema may have missed just outside the edge: since F^q does not fall, no value
-    between two samples exceeds the second by more than their distance, and samples are added until that rules every
-    other hump out (proved). Where 4096 samples cannot, F^q counts as smooth where a quartic meets five neighbours to
-    rounding: humps narrower, at half their height, than a tenth of a milliradian, and no higher, may hide there.
+    The error bounds add the bracket, the lift's rounding (to first order along the edge's orbit),
+    some 2e-15 for ``arnold``, and what the search for extrema may have missed just outside the
+    edge: since F^q does not fall, no value between two samples exceeds the second by more than
+    their distance, and samples are added until that rules every other hump out (proved). Where 4096
+    samples cannot, F^q counts as smooth where a quartic meets five neighbours to rounding: humps
+    narrower, at half their height, than a tenth of a milliradian, and no higher, may hide there.
     ``max_error`` is not added.
 
     Raises InvalidInput when an edge lies outside the range or the family is seen to fall.
@@ -302,7 +360,8 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
 
 
 def rotation_ratio(ratio: Any) -> Fraction:
-    """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms, q ≥ 1."""
+    """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
+    q ≥ 1."""
     if isinstance(ratio, Fraction):
         return ratio
     if isinstance(ratio, (int, np.integer)):
@@ -315,12 +374,16 @@ def rotation_ratio(ratio: Any) -> Fraction:
     return Fraction(p, q)
 
 
-def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Range) -> TongueBoundaries:
-    """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of ``second``.
+def tongues(
+    family: Family, ratios: Sequence[Any], second: Any, parameters: Range
+) -> TongueBoundaries:
+    """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of
+    ``second``.
 
-    family : nowhere falling in its first parameter. second : shape (m,), in the order in which it is
-    followed: each edge is sought near the line through the last two. parameters : (low, high) of the first
-    parameter, with every edge inside. Accuracy, bounds and errors raised as in ``tongue``.
+    family : nowhere falling in its first parameter. second : shape (m,), in the order in which it
+        is followed: each edge is sought near the line through the last two. parameters : (low,
+        high) of the first parameter, with every edge inside. Accuracy, bounds and errors raised as
+        in ``tongue``.
 
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> edges = tongues(CircleMap.arnold, [0, (1, 2)], [0.4, 0.8], (-0.5, 1.0))
@@ -331,15 +394,22 @@ def tongues(family: Family, ratios: Sequence[Any], second: Any, parameters: Rang
     values = finite_array("second", second, ndim=1)
     low, high = parameter_range("parameters", parameters)
     if not wanted or values.size == 0:
-        raise InvalidInput(f"{len(wanted)} ratios and {values.size} values of the second parameter: give some of each")
+        raise InvalidInput(
+            f"{len(wanted)} ratios and {values.size} values of the second parameter: give some "
+            "of each"
+        )
     found = np.empty((2, len(wanted), values.size, 3))
     for s, side in enumerate(("left", "right")):
         for i, ratio in enumerate(wanted):
             for j, value in enumerate(values.tolist()):
-                search = EdgeSearch(lambda first, value=value: family(first, value), ratio, side, (low, high))
+                search = EdgeSearch(
+                    lambda first, value=value: family(first, value), ratio, side, (low, high)
+                )
                 search.require_inside()
                 first, last, before = low, high, found[s, i, :j, 0]
-                if j > 1:  # round the line through the edges before it, widened until it holds the edge
+                if (
+                    j > 1
+                ):  # round the line through the edges before it, widened until it holds the edge
                     guess, step = 2.0 * before[-1] - before[-2], 0.1 * abs(before[-1] - before[-2])
                     reach = step + 1e-9 * (high - low)
                     first, last = max(low, guess - reach), min(high, guess + reach)

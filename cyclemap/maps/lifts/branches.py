@@ -1,4 +1,6 @@
-"""Branches: the maximal monotone pieces of a lift over one turn, each with its inverse; preimages on all of them."""
+"""Branches: the maximal monotone pieces of a lift over one turn, each with its inverse; preimages
+on all of them.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +23,10 @@ from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
 class MonotoneTable:
     """Nodes of a function that is monotone and continuous between neighbours.
 
-    theta : shape (n,), radians, nondecreasing; value : shape (n,), monotone. An angle given twice is a jump, a
-    value given twice a plateau. ``sign`` is 1 when the values rise, -1 when they fall. The inverse is the one that
-    is continuous from the right: constant across a jump, at a plateau's level its far end.
+    theta : shape (n,), radians, nondecreasing; value : shape (n,), monotone. An angle given twice
+        is a jump, a value given twice a plateau. ``sign`` is 1 when the values rise, -1 when they
+        fall. The inverse is the one that is continuous from the right: constant across a jump, at a
+        plateau's level its far end.
     """
 
     theta: Array
@@ -32,15 +35,21 @@ class MonotoneTable:
     map: CircleMap
 
     def inverse(self, values: Array) -> Array:
-        """The angle at which the function takes each of ``values``; values beyond the table give its ends."""
+        """The angle at which the function takes each of ``values``; values beyond the table give
+        its ends.
+        """
         wanted = self.sign * np.ravel(values)
         rising, cell = self.sign * self.value, self.cell(np.ravel(values))
         low, high = self.theta[cell], self.theta[cell + 1]
         result = np.where(rising[cell] >= wanted, low, high)
-        inside = np.flatnonzero((rising[cell] < wanted) & (rising[cell + 1] > wanted) & (high > low))
+        inside = np.flatnonzero(
+            (rising[cell] < wanted) & (rising[cell + 1] > wanted) & (high > low)
+        )
         if inside.size:
             level = wanted[inside]
-            result[inside] = bracketed_root(lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside])
+            result[inside] = bracketed_root(
+                lambda x, i: self.sign * self.map(x) - level[i], low[inside], high[inside]
+            )
         return np.reshape(result, np.shape(values))
 
     def cell(self, values: Array) -> npt.NDArray[np.intp]:
@@ -53,7 +62,9 @@ class MonotoneTable:
 RESOLUTION = 512
 TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
-_FLAT = 1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
+_FLAT = (
+    1e-11  # slopes below this, relative to 1 + |F|, are zero: what differences leave of a constant
+)
 _UNKNOWN = 2
 
 
@@ -75,10 +86,12 @@ class Branch:
     table: MonotoneTable
 
     def inverse(self, values: Any) -> Array:
-        """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any shape).
+        """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any
+        shape).
 
-        Exact to rounding: F there is ``values`` to about 1e-15, so the angle is good to 1e-15/|F'|. Raises
-        InvalidInput for values outside the branch and on a plateau, ConvergenceError when F is not monotone.
+        Exact to rounding: F there is ``values`` to about 1e-15, so the angle is good to 1e-15/|F'|.
+        Raises InvalidInput for values outside the branch and on a plateau, ConvergenceError when F
+        is not monotone.
 
         >>> rising = branches(CircleMap.arnold(0.0, 2.0))[0]
         >>> bool(abs(CircleMap.arnold(0.0, 2.0)(rising.inverse(3.0)) - 3.0) < 1e-14)
@@ -86,22 +99,26 @@ class Branch:
         """
         wanted = finite_array("values", values)
         if self.direction == 0:
-            raise InvalidInput(f"F is {self.start_value:.9g} all along this branch: a plateau has no inverse")
+            raise InvalidInput(
+                f"F is {self.start_value:.9g} all along this branch: a plateau has no inverse"
+            )
         low, high = sorted((self.start_value, self.end_value))
         slack = 8.0 * EPS * (1.0 + max(abs(low), abs(high)))
         outside = (wanted < low - slack) | (wanted > high + slack)
         if np.any(outside):
             first = float(wanted[outside][0])
-            raise InvalidInput(f"the value {first:.9g} is outside the branch: F runs from {low:.9g} to {high:.9g}")
+            raise InvalidInput(
+                f"the value {first:.9g} is outside the branch: F runs from {low:.9g} to {high:.9g}"
+            )
         return self.table.inverse(wanted)
 
 
 def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
-    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A map without any cut is
-    one branch, [0, 2π]. Complete down to the resolution, as ``monotone_cells``. Constant pieces shorter than 1e-5
-    radians join a neighbour.
+    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A map
+    without any cut is one branch, [0, 2π]. Complete down to the resolution, as ``monotone_cells``.
+    Constant pieces shorter than 1e-5 radians join a neighbour.
 
     Raises ConvergenceError when the map is too steep to be cut into cells.
 
@@ -157,8 +174,8 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
 def preimages(circle_map: CircleMap, angle: float) -> Array:
     """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
 
-    Solved to rounding on each branch. A fold within 1e-12 radians of the angle is one preimage, never two and
-    never none; at a jump F has the value from the right. Complete as ``branches`` is.
+    Solved to rounding on each branch. A fold within 1e-12 radians of the angle is one preimage,
+    never two and never none; at a jump F has the value from the right. Complete as ``branches`` is.
 
     Raises InvalidInput when F is ``angle`` along a whole plateau, for then they cannot be listed.
 
@@ -169,14 +186,16 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
     found, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
     if flat.size:
         raise InvalidInput(
-            f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages cannot be listed; "
-            "branches gives the plateau"
+            f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages "
+            "cannot be listed; branches gives the plateau"
         )
     return found
 
 
 def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple[Array, Array]:
-    """The preimages of all ``angles`` on the branches of one map, sorted, and the ends of plateaus at one of them."""
+    """The preimages of all ``angles`` on the branches of one map, sorted, and the ends of plateaus
+    at one of them.
+    """
     roots, plateaus = [np.zeros(0)], [np.zeros(0)]
     for i, part in enumerate(parts):
         low, high, touches = _levels(parts, i, angles, degree)
@@ -192,16 +211,24 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
 
 
-def _levels(parts: tuple[Branch, ...], i: int, angles: Array, degree: int) -> tuple[Whole, Whole, Mask]:
-    """The whole turns w, from the first to the second, with F = angle + 2πw in [start, end); whether start is one.
+def _levels(
+    parts: tuple[Branch, ...], i: int, angles: Array, degree: int
+) -> tuple[Whole, Whole, Mask]:
+    """The whole turns w, from the first to the second, with F = angle + 2πw in [start, end);
+    whether start is one.
 
-    Where two branches meet without a jump, both count from the same rounding, so nothing is lost or doubled.
+    Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
+    doubled.
     """
     part, lap = parts[i], (i + 1) // len(parts)
     before, after = parts[i - 1], parts[(i + 1) % len(parts)]
-    above_start, below_start, touches = _rounded(part.start_value, angles, before.direction != part.direction)
+    above_start, below_start, touches = _rounded(
+        part.start_value, angles, before.direction != part.direction
+    )
     if abs(part.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
-        above_end, below_end, _ = _rounded(after.start_value, angles, part.direction != after.direction)
+        above_end, below_end, _ = _rounded(
+            after.start_value, angles, part.direction != after.direction
+        )
         above_end, below_end = above_end + degree * lap, below_end + degree * lap
     else:
         above_end, below_end, _ = _rounded(part.end_value, angles, False)
@@ -211,7 +238,9 @@ def _levels(parts: tuple[Branch, ...], i: int, angles: Array, degree: int) -> tu
 
 
 def _rounded(value: float, angles: Array, turns_back: bool) -> tuple[Whole, Whole, Mask]:
-    """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within the tolerance."""
+    """The least w with angle + 2πw ≥ value, the greatest with ≤, and whether one is equal within
+    the tolerance.
+    """
     turns = (value - angles) / TWO_PI
     nearest = np.round(turns)
     tolerance = TOUCH if turns_back else 4.0 * EPS * (1.0 + abs(value))

@@ -12,7 +12,13 @@ from typing import Any
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    non_negative_number,
+    read_only,
+    whole_number,
+)
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import inline_svg, map_strokes
 from cyclemap.maps.estimate import LIFT
@@ -27,10 +33,16 @@ from cyclemap.maps.lifts.lift_checks import (
     guarded,
     one_sided_limit,
 )
-from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic, cubic_from_samples, lift_from_branches
+from cyclemap.maps.lifts.piecewise_lifts import (
+    PiecewiseCubic,
+    cubic_from_samples,
+    lift_from_branches,
+)
 
 SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
-Recipe = tuple[Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]]  # a call that makes the map again
+Recipe = tuple[
+    Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
+]  # a call that makes the map again
 
 _NO_BREAKS = read_only(())
 
@@ -41,22 +53,24 @@ class CircleMap:
 
     Parameters
     ----------
-    lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
-        of any shape and gives float64 entry by entry.
-    derivative : such a callable for F', or None: then differences of fourth order that never reach across
-        a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error`` tells.
-    breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be continuous
-        from the right there: ``F(b)`` should be the limit from above.
+    lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes
+        float64 arrays of any shape and gives float64 entry by entry.
+    derivative : such a callable for F', or None: then differences of fourth order that never reach
+        across a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error``
+        tells.
+    breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be
+        continuous from the right there: ``F(b)`` should be the limit from above.
     degree : how often the image runs round while θ runs round once; any whole number.
-    max_error : a bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact map.
+    max_error : a bound on |lift - truth| in radians that the maker of the map claims; 0 for an
+        exact map.
 
-    Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of sample
-    points; 0 for a map given by formulas), ``formula`` (the lift as it was given). The value never changes after
-    construction.
+    Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of
+    sample points; 0 for a map given by formulas), ``formula`` (the lift as it was given). The value
+    never changes after construction.
 
-    Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no break is
-    given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89 points and beside
-    the breaks, in about 0.1 ms: faults between those points pass.
+    Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no
+    break is given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at
+    89 points and beside the breaks, in about 0.1 ms: faults between those points pass.
 
     Example
     -------
@@ -79,11 +93,23 @@ class CircleMap:
     _recipe: Recipe
 
     def __init__(
-        self, lift: Lift, derivative: Lift | None = None, breaks: Any = (), degree: int = 1, *, max_error: float = 0.0
+        self,
+        lift: Lift,
+        derivative: Lift | None = None,
+        breaks: Any = (),
+        degree: int = 1,
+        *,
+        max_error: float = 0.0,
     ) -> None:
         if not callable(lift) or (derivative is not None and not callable(derivative)):
-            raise InvalidInput(f"lift is {lift!r}: lift and derivative must be callables of an array of angles")
-        given = _NO_BREAKS if isinstance(breaks, tuple) and not breaks else finite_array("breaks", breaks, ndim=1)
+            raise InvalidInput(
+                f"lift is {lift!r}: lift and derivative must be callables of an array of angles"
+            )
+        given = (
+            _NO_BREAKS
+            if isinstance(breaks, tuple) and not breaks
+            else finite_array("breaks", breaks, ndim=1)
+        )
         self._set(
             breaks=read_only(np.unique(base_angles(given))) if given.size else _NO_BREAKS,
             degree=whole_number("degree", degree),
@@ -103,13 +129,19 @@ class CircleMap:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
 
-    def remade_by(self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any) -> CircleMap:
-        """The map itself, which pickles as this call that makes it: what its own lift is made of may not pickle."""
+    def remade_by(
+        self, maker: Callable[..., CircleMap], *arguments: Any, **options: Any
+    ) -> CircleMap:
+        """The map itself, which pickles as this call that makes it: what its own lift is made of
+        may not pickle.
+        """
         self._set(_recipe=(maker, arguments, options))
         return self
 
     def with_slope_errors(self, slopes: SlopesAndErrors) -> CircleMap:
-        """The map itself, whose derivative is known no better than the errors that this function tells beside it."""
+        """The map itself, whose derivative is known no better than the errors that this function
+        tells beside it.
+        """
         self._set(_slopes=slopes)
         return self
 
@@ -121,8 +153,9 @@ class CircleMap:
                     pickle.dumps(part)
                 except Exception as cause:
                     raise InvalidInput(
-                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that are defined by def "
-                        "at the top of a module (or sample it: CircleMap.from_samples)"
+                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that "
+                        "are defined by def at the top of a module (or sample it: "
+                        "CircleMap.from_samples)"
                     ) from cause
         return _remade, (self._recipe,)
 
@@ -150,7 +183,9 @@ class CircleMap:
         return self._lift(angles) - angles
 
     def derivative(self, theta: Any, side: int = 0) -> Array:
-        """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from below or above."""
+        """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from
+        below or above.
+        """
         if side:
             return one_sided_limit(self.derivative, self.breaks, theta, side, 0)
         angles = np.asarray(theta, dtype=np.float64)
@@ -159,7 +194,8 @@ class CircleMap:
         return differences(self._lift, self.breaks, angles)[0]
 
     def derivative_and_error(self, theta: Any) -> tuple[Array, Array]:
-        """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one of differences.
+        """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one
+        of differences.
 
         Maps made of maps, or of branches, carry the errors of what they are made of.
         """
@@ -180,14 +216,17 @@ class CircleMap:
         return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
 
     def jumps(self) -> tuple[Array, Array, Array]:
-        """(breaks where F jumps, its limits from the left, its limits from the right); kinks are left out."""
+        """(breaks where F jumps, its limits from the left, its limits from the right); kinks are
+        left out.
+        """
         left, right = self.left(self.breaks), self.right(self.breaks)
         jumping = np.abs(right - left) > JUMP
         return self.breaks[jumping], left[jumping], right[jumping]
 
     @property
     def has_scalar(self) -> bool:
-        """Whether one python float is quicker than an array: the lift has a form of its own for it."""
+        """Whether one python float is quicker than an array:
+        the lift has a form of its own for it."""
         return self._scalar is not None
 
     def scalar(self) -> Scalar:
@@ -198,8 +237,12 @@ class CircleMap:
         return lambda theta: float(lift(np.asarray(theta)))
 
     @classmethod
-    def with_scalar(cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any) -> CircleMap:
-        """A map with a second form of its lift for one python float (faster in loops); both must agree."""
+    def with_scalar(
+        cls, lift: Lift, derivative: Lift | None, scalar: Scalar, **options: Any
+    ) -> CircleMap:
+        """A map with a second form of its lift for one python float (faster in loops); both must
+        agree.
+        """
         made = cls(lift, derivative, **options)
         check_scalar(scalar, lift, derivative)
         made._set(_scalar=scalar)
@@ -213,11 +256,14 @@ class CircleMap:
         1.570796
         """
         shift = TWO_PI * finite_number("turns", turns)
-        return cls.with_scalar(lambda x: x + shift, np.ones_like, lambda x: x + shift).remade_by(cls.rigid, turns)
+        return cls.with_scalar(lambda x: x + shift, np.ones_like, lambda x: x + shift).remade_by(
+            cls.rigid, turns
+        )
 
     @classmethod
     def arnold(cls, omega: float, K: float) -> CircleMap:
-        """The sine circle map θ → θ + 2πΩ - K sin θ, in turns x → x + Ω - (K/2π) sin 2πx (Arnold 1965).
+        """The sine circle map θ → θ + 2πΩ - K sin θ, in turns x → x + Ω - (K/2π) sin 2πx (Arnold
+        1965).
 
         A diffeomorphism for |K| < 1, folded for |K| > 1.
 
@@ -235,23 +281,31 @@ class CircleMap:
     def moebius(cls, a: float, omega: float) -> CircleMap:
         """The Möbius map z → e^{2πiΩ}(z - a)/(1 - a z) of the unit circle, 0 ≤ a < 1.
 
-        Its rotation number ρ is known: cos πρ = cos(πΩ)/√(1 - a²) where |sin πΩ| > a, else locked at 0.
+        Its rotation number ρ is known: cos πρ = cos(πΩ)/√(1 - a²) where |sin πΩ| > a, else locked
+        at 0.
 
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
         shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
         if not 0.0 <= r < 1.0:
-            raise InvalidInput(f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any |a| < 1")
-        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(cls.moebius, a, omega)
+            raise InvalidInput(
+                f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any "
+                "|a| < 1"
+            )
+        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(
+            cls.moebius, a, omega
+        )
 
     @classmethod
     def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
-        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number of zeros.
+        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number
+        of zeros.
 
-        zeros : one complex number with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ. The derivative is
-        the sum of the Poisson kernels (1 - |a|²)/|z - a|² (Shub & Sullivan 1985); the map expands, F' > 1, when
-        a zero lies at the origin and there are two or more, or Σ (1 - |a|)/(1 + |a|) > 1.
+        zeros : one complex number with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ. The
+            derivative is the sum of the Poisson kernels (1 - |a|²)/|z - a|² (Shub & Sullivan 1985);
+            the map expands, F' > 1, when a zero lies at the origin and there are two or more, or Σ
+            (1 - |a|)/(1 + |a|) > 1.
 
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
@@ -261,12 +315,15 @@ class CircleMap:
         except (TypeError, ValueError) as cause:
             raise InvalidInput(f"zeros must hold complex numbers only, not {zeros!r}") from cause
         if given.ndim != 1 or given.size == 0:
-            raise InvalidInput(f"zeros has shape {given.shape}: give a list of one complex number or more")
+            raise InvalidInput(
+                f"zeros has shape {given.shape}: give a list of one complex number or more"
+            )
         outside = ~(np.abs(given) < 1.0)
         if np.any(outside):
             entry = int(np.argmax(outside))
             raise InvalidInput(
-                f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit circle, |a| < 1"
+                f"zeros[{entry}] is {given[entry]:g}: every zero must lie inside the unit "
+                "circle, |a| < 1"
             )
         checked = tuple(complex(a) for a in given)
         forms = _blaschke_forms(checked, TWO_PI * finite_number("omega", omega))
@@ -276,13 +333,16 @@ class CircleMap:
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
         """The lift made of branches, each a function on its own interval.
 
-        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each starting where the
-            one before ends (to 1e-12), together one turn. Lifts and derivatives are callables as for ``CircleMap``,
-            called on their own [start, end] only; derivative None takes differences inside that interval.
-        degree : any whole number; with it the last end meets the first start, with or without a jump.
+        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each
+            starting where the one before ends (to 1e-12), together one turn. Lifts and derivatives
+            are callables as for ``CircleMap``, called on their own [start, end] only; derivative
+            None takes differences inside that interval.
+        degree : any whole number; with it the last end meets the first start, with or without a
+            jump.
 
-        Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative 1e-9; 1e-6 by
-        differences); at a seam the map takes the value of the branch that starts there.
+        Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative
+        1e-9; 1e-6 by differences); at a seam the map takes the value of the branch that starts
+        there.
 
         >>> import numpy as np
         >>> tent = [(0, np.pi, lambda x: 2 * x, None), (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)]
@@ -304,13 +364,14 @@ class CircleMap:
     ) -> CircleMap:
         """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
 
-        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point. An angle given
-            twice is a break: first its limit from the left, then from the right; different values make a jump, equal
-            values with different slopes a kink. An end point whose value is not F(θ_0) + 2π·degree makes a break at
-            θ_0.
+        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end
+            point. An angle given twice is a break: first its limit from the left, then from the
+            right; different values make a jump, equal values with different slopes a kink. An end
+            point whose value is not F(θ_0) + 2π·degree makes a break at θ_0.
         lifted : shape (n,), radians, not wrapped.
-        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland 1984):
-            monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²) to O(h³) without.
+        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch &
+            Butland 1984): monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²)
+            to O(h³) without.
 
         >>> import numpy as np
         >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
@@ -323,8 +384,12 @@ class CircleMap:
         return cls.from_pieces(cubic, breaks, count, max_error)
 
     @classmethod
-    def from_pieces(cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0) -> CircleMap:
-        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for the record."""
+    def from_pieces(
+        cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0
+    ) -> CircleMap:
+        """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for
+        the record.
+        """
         made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
         made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
@@ -336,10 +401,12 @@ def _remade(recipe: Recipe) -> CircleMap:
 
 
 def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lift, Scalar]:
-    """Lift, derivative and form for one float: each factor turns z by a further -2 arg(1 - conj(a) z).
+    """Lift, derivative and form for one float: each factor turns z by a further -2 arg(1 - conj(a)
+    z).
 
-    That argument stays inside (-π/2, π/2), so the lift is kθ plus a smooth periodic part. Half angles keep all digits
-    where a zero is close to the circle; one at the origin is a factor z, which only adds θ.
+    That argument stays inside (-π/2, π/2), so the lift is kθ plus a smooth periodic part. Half
+    angles keep all digits where a zero is close to the circle; one at the origin is a factor z,
+    which only adds θ.
     """
     turning = [(abs(a), phase(a)) for a in zeros if a != 0.0]
     k, plain = float(len(zeros)), float(len(zeros) - len(turning))
@@ -350,7 +417,9 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
         value = k * x + shift
         for half, double, gap, _ in rows:
             s = np.sin(0.5 * x - half)
-            value = value + 2.0 * np.arctan2(double * s * np.cos(0.5 * x - half), gap + double * s * s)
+            value = value + 2.0 * np.arctan2(
+                double * s * np.cos(0.5 * x - half), gap + double * s * s
+            )
         return value
 
     def derivative(x: Array) -> Array:

@@ -1,4 +1,6 @@
-"""Lifts on intervals: a formula, or samples with bounds, evaluated with its slope in ball arithmetic (FLINT's arb)."""
+"""Lifts on intervals: a formula, or samples with bounds, evaluated with its slope in ball
+arithmetic (FLINT's arb).
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,12 @@ from cyclemap.maps.lifts.map_algebra import CompositeLift
 from cyclemap.maps.lifts.piecewise_lifts import PiecewiseCubic
 from cyclemap.plain_text import install_words
 
-Ball = Any  # flint.arb, a midpoint and a radius: every operation gives a ball that holds the true result
+# flint.arb, a midpoint and a radius: every operation gives a ball that holds the true result
+Ball = Any
 
 _WRITTEN = (
-    "write it with +, -, *, /, powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan and arctan2, "
-    "without comparisons"
+    "write it with +, -, *, /, powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, "
+    "arctan and arctan2, without comparisons"
 )
 
 
@@ -37,7 +40,9 @@ def ball_library() -> Any:  # typed as Any: an extra that need not be there
 
 @dataclass(frozen=True, eq=False)
 class Jet:
-    """A value and its slope by the orbit's start, both balls: numpy's functions of object arrays call its methods."""
+    """A value and its slope by the orbit's start, both balls: numpy's functions of object arrays
+    call its methods.
+    """
 
     value: Ball
     slope: Ball
@@ -134,13 +139,18 @@ class Jet:
         return Jet(self.value.atan(), self.slope / (1 + self.value * self.value))
 
     def arctan2(self, across: Any) -> Jet:
-        """The angle of the point (across, self); where it may jump from π to -π its slope is unknown."""
+        """The angle of the point (across, self); where it may jump from π to -π its slope is
+        unknown.
+        """
         arb = ball_library().arb
         value, slope = self._both(across)
         angle = arb.atan2(self.value, value)
         if not value > 0 and self.value.contains(0):
             return Jet(angle, arb.nan())
-        return Jet(angle, (value * self.slope - self.value * slope) / (value * value + self.value * self.value))
+        return Jet(
+            angle,
+            (value * self.slope - self.value * slope) / (value * value + self.value * self.value),
+        )
 
     def _both(self, other: Any) -> tuple[Ball, Ball]:
         if isinstance(other, Jet):
@@ -157,18 +167,25 @@ IntervalLift = Callable[[Jet], Jet]
 def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
     """The lift and its slope on balls: of a formula as it is written, of samples with their errors.
 
-    slope_error : a bound on |F' - truth| beside ``max_error``; the balls hold every truth within both.
+    slope_error : a bound on |F' - truth| beside ``max_error``; the balls hold every truth within
+        both.
 
-    Raises InvalidInput for maps with breaks, for lifts that do not take intervals, and for samples without bounds.
+    Raises InvalidInput for maps with breaks, for lifts that do not take intervals, and for samples
+    without bounds.
     """
     if circle_map.breaks.size:
-        raise InvalidInput(f"no proof: the map has {circle_map.breaks.size} breaks, and proofs are for smooth maps")
+        raise InvalidInput(
+            f"no proof: the map has {circle_map.breaks.size} breaks, and proofs are for smooth maps"
+        )
     bound = non_negative_number("slope_error", slope_error)
     lift = circle_map.formula
     inner: IntervalLift
     if isinstance(lift, CompositeLift):
         if circle_map.max_error > 0.0 or bound > 0.0:
-            raise InvalidInput("no proof: errors of maps made of maps are not followed; prove of a sampled map itself")
+            raise InvalidInput(
+                "no proof: errors of maps made of maps are not followed; prove of a sampled map "
+                "itself"
+            )
         chain = [interval_lift(part, 0.0) for part in lift.maps]
 
         def inner(jet: Jet) -> Jet:
@@ -177,13 +194,18 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
             return jet
 
         return inner
-    inner = partial(_of_cubics, lift) if isinstance(lift, PiecewiseCubic) else partial(_of_formula, lift)
+    inner = (
+        partial(_of_cubics, lift)
+        if isinstance(lift, PiecewiseCubic)
+        else partial(_of_formula, lift)
+    )
     if circle_map.max_error == 0.0 and bound == 0.0 and not isinstance(lift, PiecewiseCubic):
         return inner
     if circle_map.max_error == 0.0 or bound == 0.0:
         raise InvalidInput(
-            f"no proof: max_error is {circle_map.max_error:g} and slope_error {bound:g}; a map that is not exact needs "
-            "bounds on the errors of its values (max_error of the map) and of its slope (slope_error), both above 0"
+            f"no proof: max_error is {circle_map.max_error:g} and slope_error {bound:g}; a map "
+            "that is not exact needs bounds on the errors of its values (max_error of the map) and "
+            "of its slope (slope_error), both above 0"
         )
     arb = ball_library().arb
 
@@ -205,7 +227,8 @@ def _of_formula(lift: Callable[[Any], Any], jet: Jet) -> Jet:
         return value if isinstance(value, Jet) else 0 * jet + value  # a constant becomes a jet
     except Exception as error:
         raise InvalidInput(
-            f"no proof: the lift does not take intervals ({type(error).__name__}: {error}); {_WRITTEN}"
+            f"no proof: the lift does not take intervals ({type(error).__name__}: {error}); "
+            f"{_WRITTEN}"
         ) from error
 
 
@@ -216,7 +239,10 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
         return Jet(arb.nan(), arb.nan())
     turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
     base = jet.value - 2 * arb.pi() * turns
-    low, high = np.nextafter(float(base.lower()), -np.inf), np.nextafter(float(base.upper()), np.inf)
+    low, high = (
+        np.nextafter(float(base.lower()), -np.inf),
+        np.nextafter(float(base.upper()), np.inf),
+    )
     hull: Jet | None = None
     for lap in (-1, 0, 1):
         start = lap * TWO_PI
@@ -233,6 +259,10 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
             climb = 2 * arb.pi() * (pieces.degree * (lap + turns))
             value = ((c3 * offset + c2) * offset + c1) * offset + c0 + climb
             slope = (3 * c3 * offset + 2 * c2) * offset + c1
-            hull = Jet(value, slope) if hull is None else Jet(hull.value.union(value), hull.slope.union(slope))
+            hull = (
+                Jet(value, slope)
+                if hull is None
+                else Jet(hull.value.union(value), hull.slope.union(slope))
+            )
     assert hull is not None
     return Jet(hull.value, hull.slope * jet.slope)

@@ -1,4 +1,6 @@
-"""What a lift is: its types, what happens beside its breaks, and the checks that refuse what is no lift."""
+"""What a lift is: its types, what happens beside its breaks, and the checks that refuse what is no
+lift.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ def distance_to_break(breaks: Array, theta: Array) -> Array:
 
 
 def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
-    """The copy of a sorted node in [0, 2π), up to a turn away, nearest to each angle in [0, 2π]; the node's index."""
+    """The copy of a sorted node in [0, 2π), up to a turn away, nearest to each angle in [0, 2π];
+    the node's index.
+    """
     around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
     pick = around.searchsorted(base).clip(1, nodes.size + 1)
     pick = pick - (base - around[pick - 1] <= around[pick] - base)
@@ -46,7 +50,8 @@ def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
 def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
     """Values a few rounding units beside ``breaks`` (in [0, 2π)), always read inside that one turn.
 
-    ``climb`` says how many turns the function climbs in one turn of θ: the degree for a lift, 0 for F'.
+    ``climb`` says how many turns the function climbs in one turn of θ: the degree for a lift, 0 for
+    F'.
     """
     wraps = (side < 0) & (breaks < SIDE_STEP)
     points = np.where(wraps, breaks + TWO_PI, breaks) + side * SIDE_STEP
@@ -54,7 +59,9 @@ def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
 
 
 def one_sided_limit(function: Lift, breaks: Array, theta: Any, side: int, climb: int) -> Array:
-    """The function at ``theta``, and within ``SNAP`` of a break its limit there from below (-1) or above (1)."""
+    """The function at ``theta``, and within ``SNAP`` of a break its limit there from below (-1) or
+    above (1).
+    """
     angles = np.asarray(theta, dtype=np.float64)
     values = np.array(function(angles), dtype=np.float64)
     if breaks.size == 0:
@@ -71,7 +78,9 @@ def one_sided_limit(function: Lift, breaks: Array, theta: Any, side: int, climb:
 
 
 def differences(function: Lift, breaks: Array, theta: Array) -> tuple[Array, Array]:
-    """Five-point differences on the circle, centred or leaning away from a break that is near, and their errors."""
+    """Five-point differences on the circle, centred or leaning away from a break that is near, and
+    their errors.
+    """
     if breaks.size == 0:
         far = np.full(theta.shape, np.pi)
         return differences_between(function, theta, far, far)
@@ -81,11 +90,15 @@ def differences(function: Lift, breaks: Array, theta: Array) -> tuple[Array, Arr
     return differences_between(function, theta, below, above)
 
 
-def differences_between(function: Lift, theta: Array, below: Array, above: Array) -> tuple[Array, Array]:
-    """Five-point differences that reach less than ``below`` under each angle and ``above`` over it, and their errors.
+def differences_between(
+    function: Lift, theta: Array, below: Array, above: Array
+) -> tuple[Array, Array]:
+    """Five-point differences that reach less than ``below`` under each angle and ``above`` over it,
+    and their errors.
 
-    Where a difference of a quarter of the step differs by more than rounding, the function has features as narrow as
-    the step, and the step shrinks until the two agree. The error is what is left between them, and rounding.
+    Where a difference of a quarter of the step differs by more than rounding, the function has
+    features as narrow as the step, and the step shrinks until the two agree. The error is what is
+    left between them, and rounding.
     """
     step = np.minimum(_DIFFERENCE_STEP, (above + below) / 8.1)
     found = _five_points(function, theta, below, above, step)
@@ -95,10 +108,15 @@ def differences_between(function: Lift, theta: Array, below: Array, above: Array
         if not np.any(rough):
             break
         found, step = np.where(rough, finer, found), np.where(rough, step / 4.0, step)
-        finer[rough] = _five_points(function, theta[rough], below[rough], above[rough], step[rough] / 4.0)
+        finer[rough] = _five_points(
+            function, theta[rough], below[rough], above[rough], step[rough] / 4.0
+        )
         rough &= np.abs(finer - found) > _AGREEING * (1.0 + np.abs(found))
-    rounding = STENCIL * (TWO_PI + np.abs(theta) * (1.0 + np.abs(found)) + np.abs(function(theta))) / step
-    # The finer difference has 1/256 of the error of the other, or little less than all of it on a rough stretch.
+    rounding = (
+        STENCIL * (TWO_PI + np.abs(theta) * (1.0 + np.abs(found)) + np.abs(function(theta))) / step
+    )
+    # The finer difference has 1/256 of the error of the other, or little less than all of it on a
+    # rough stretch.
     return found, 2.0 * np.abs(finer - found) + rounding
 
 
@@ -108,7 +126,8 @@ def _five_points(function: Lift, theta: Array, below: Array, above: Array, step:
     offsets = np.where(lean == 0.0, _CENTRED, lean * _ONE_SIDED)
     weights = np.where(lean == 0.0, _CENTRED_WEIGHTS, lean * _ONE_SIDED_WEIGHTS)
     values = function(theta[..., None] + step[..., None] * offsets)
-    # The weights add up to zero: without their common part the values of a flat piece cancel exactly.
+    # The weights add up to zero: without their common part the values of a flat piece cancel
+    # exactly.
     return np.asarray(np.sum((values - values[..., :1]) * weights, axis=-1) / step)
 
 
@@ -127,10 +146,12 @@ def base_angles(theta: Array) -> Array:
 
 
 def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) -> None:
-    """Raise InvalidInput unless ``lift`` is, at 89 points and beside its breaks, a lift of that degree.
+    """Raise InvalidInput unless ``lift`` is, at 89 points and beside its breaks, a lift of that
+    degree.
 
-    Refused: callables that fail on arrays or do not act entry by entry, values that are not finite float64,
-    F(θ + 2π) - F(θ) other than 2π·degree, and jumps of more than π that are not among the breaks (wrapped).
+    Refused: callables that fail on arrays or do not act entry by entry, values that are not finite
+    float64, F(θ + 2π) - F(θ) other than 2π·degree, and jumps of more than π that are not among the
+    breaks (wrapped).
     """
     points = _POINTS
     if breaks.size:
@@ -138,13 +159,21 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
         points[:24] += 1e-3 * np.tile(distance_to_break(breaks, _SPREAD) < 1e-6, 2)
     with np.errstate(all="ignore"):
         values = checked_call("lift", lift, points)
-        slopes = values[:0] if derivative is None else checked_call("derivative", derivative, points[:12])
+        slopes = (
+            values[:0]
+            if derivative is None
+            else checked_call("derivative", derivative, points[:12])
+        )
         climb = values[12:24] - values[:12]
         gap = np.abs(climb - TWO_PI * degree)
         if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
             worst, turns = int(np.argmax(gap)), np.round(climb / TWO_PI)
             fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
-            hint = f"that is degree {turns[0]:.0f}, if it is not wrapped" if fits else "give a lift that is not wrapped"
+            hint = (
+                f"that is degree {turns[0]:.0f}, if it is not wrapped"
+                if fits
+                else "give a lift that is not wrapped"
+            )
             raise InvalidInput(
                 f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
                 f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
@@ -155,8 +184,8 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
         if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
             worst = int(np.argmax(gap))
             raise InvalidInput(
-                f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = {points[worst]:.6g}, "
-                "depending on the other entries: it must act entry by entry"
+                f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = "
+                f"{points[worst]:.6g}, depending on the other entries: it must act entry by entry"
             )
         if breaks.size:
             checked_call("lift", lambda theta: beside(lift, theta, -1, degree), breaks)
@@ -167,18 +196,26 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
 
 
 def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
-    """Raise InvalidInput unless the form for one python float gives what the lift gives at three points."""
+    """Raise InvalidInput unless the form for one python float gives what the lift gives at three
+    points.
+    """
     values = lift(_POINTS[:3])
-    worst = max(abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True))
+    worst = max(
+        abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True)
+    )
     if worst <= _TOLERANCE:
         return
     slopes = values[:0] if derivative is None else derivative(_POINTS[:12])
     if not worst <= _allowance(values, slopes):
-        raise InvalidInput(f"the scalar form differs from the lift by {worst:.3g}: both must be one function")
+        raise InvalidInput(
+            f"the scalar form differs from the lift by {worst:.3g}: both must be one function"
+        )
 
 
 def checked_call(name: str, function: Lift, points: Array) -> Array:
-    """The callable's values at ``points``, refused by name unless they are finite float64, entry by entry."""
+    """The callable's values at ``points``, refused by name unless they are finite float64, entry by
+    entry.
+    """
     try:
         values = function(points)
     except CycleMapError:
@@ -187,19 +224,26 @@ def checked_call(name: str, function: Lift, points: Array) -> Array:
         raise InvalidInput(_failure(name, function, points, cause)) from cause
     if getattr(values, "dtype", None) != np.float64:
         kind = getattr(values, "dtype", type(values).__name__)
-        raise InvalidInput(f"the {name} gives {kind} for float64 angles: it must give real float64 numbers")
+        raise InvalidInput(
+            f"the {name} gives {kind} for float64 angles: it must give real float64 numbers"
+        )
     if values.shape != points.shape:
-        raise InvalidInput(f"the {name} turns shape {points.shape} into {values.shape}: it must act entry by entry")
+        raise InvalidInput(
+            f"the {name} turns shape {points.shape} into {values.shape}: it must act entry by entry"
+        )
     if not np.isfinite(values).all():
         worst = int(np.argmin(np.isfinite(values)))
         raise InvalidInput(
-            f"the {name} gives {values.ravel()[worst]} at θ = {points.ravel()[worst]:.6g}: it must be finite everywhere"
+            f"the {name} gives {values.ravel()[worst]} at θ = {points.ravel()[worst]:.6g}: it "
+            "must be finite everywhere"
         )
     return values
 
 
 def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
-    """Name the first angle at which the callable fails by itself; if it fails at none it is not vectorised."""
+    """Name the first angle at which the callable fails by itself; if it fails at none it is not
+    vectorised.
+    """
     for theta in np.ravel(points):
         raised = []
         for one in (np.asarray(theta), np.array([theta])):
@@ -208,7 +252,9 @@ def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
             except Exception as error:
                 raised.append(f"{type(error).__name__}: {error}")
         if len(raised) == 2:
-            return f"the {name} fails at θ = {theta:.9g} ({raised[0]}): it must be defined everywhere"
+            return (
+                f"the {name} fails at θ = {theta:.9g} ({raised[0]}): it must be defined everywhere"
+            )
     return (
         f"the {name} fails on an array of shape {points.shape} ({cause}): it must be vectorised; "
         "build it of numpy functions, or wrap it in np.vectorize"
@@ -216,7 +262,9 @@ def _failure(name: str, function: Lift, points: Array, cause: Exception) -> str:
 
 
 def guarded(name: str, function: Lift, finite: bool) -> Lift:
-    """The callable, which says at which angle it fails or gives nan (or ±inf, where values must be ``finite``)."""
+    """The callable, which says at which angle it fails or gives nan (or ±inf, where values must be
+    ``finite``).
+    """
     bad = (lambda values: ~np.isfinite(values)) if finite else np.isnan
 
     def call(theta: Array) -> Array:
@@ -244,7 +292,9 @@ def _allowance(values: Array, slopes: Array) -> float:
     return _TOLERANCE * (1.0 + float(np.max(np.abs(values)))) + 1e-13 * steepest
 
 
-def _refuse_hidden_jump(lift: Lift, derivative: Lift | None, breaks: Array, points: Array, steps: Array) -> None:
+def _refuse_hidden_jump(
+    lift: Lift, derivative: Lift | None, breaks: Array, points: Array, steps: Array
+) -> None:
     """Close in on the largest step that spans no break: a steep piece flattens, a jump stays."""
     lap = np.searchsorted(np.concatenate([breaks, breaks + TWO_PI]), points)
     free = np.where(np.diff(lap) == 0, steps, 0.0)

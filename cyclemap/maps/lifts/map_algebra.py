@@ -1,4 +1,6 @@
-"""Circle maps made of circle maps: composition, iterates, inverse, conjugation by a rotation, shifted lifts."""
+"""Circle maps made of circle maps: composition, iterates, inverse, conjugation by a rotation,
+shifted lifts.
+"""
 
 from __future__ import annotations
 
@@ -16,22 +18,34 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, SNAP, Scalar, base_angles, distance_to_break
+from cyclemap.maps.lifts.lift_checks import (
+    JUMP,
+    SIDE_STEP,
+    SNAP,
+    Scalar,
+    base_angles,
+    distance_to_break,
+)
 from cyclemap.maps.lifts.scan import INSET
 
 
 def slope_and_error_beside(
     circle_map: CircleMap, theta: Array, moved: Array, low: Array, high: Array
 ) -> tuple[Array, Array]:
-    """F' at ``theta``, which may be off by ``moved``, and a bound on its error; F' is read in [low, high] only."""
+    """F' at ``theta``, which may be off by ``moved``, and a bound on its error; F' is read in [low,
+    high] only.
+    """
     slope, error = circle_map.derivative_and_error(np.clip(theta, low, high))
-    sides = (circle_map.derivative(np.clip(theta + side * moved, low, high)) for side in (-1.0, 1.0))
+    sides = (
+        circle_map.derivative(np.clip(theta + side * moved, low, high)) for side in (-1.0, 1.0)
+    )
     return slope, error + np.max([np.abs(side - slope) for side in sides], axis=0)
 
 
 @dataclass(frozen=True, eq=False)
 class InverseLift:
-    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted, in [0, 2π)."""
+    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted, in [0,
+    2π)."""
 
     table: MonotoneTable
     breaks: Array
@@ -40,27 +54,39 @@ class InverseLift:
     def __call__(self, values: Array) -> Array:
         """The lift of the inverse at ``values`` (radians, any shape)."""
         turns = np.floor(values / TWO_PI)
-        return np.asarray(self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns)
+        return np.asarray(
+            self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
+        )
 
     def derivative(self, values: Array) -> Array:
-        """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump of F."""
+        """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump
+        of F.
+        """
         theta, low, high = self._inside(values)
         with np.errstate(divide="ignore"):
-            return np.where(high > low, 1.0 / self.table.map.derivative(np.clip(theta, low, high)), 0.0)
+            return np.where(
+                high > low, 1.0 / self.table.map.derivative(np.clip(theta, low, high)), 0.0
+            )
 
     def derivative_and_error(self, values: Array) -> tuple[Array, Array]:
-        """The same and a bound on its error: that of F', at an angle that is known to rounding over F'."""
+        """The same and a bound on its error: that of F', at an angle that is known to rounding over
+        F'.
+        """
         theta, low, high = self._inside(values)
         with np.errstate(divide="ignore", invalid="ignore"):
             slope = self.table.map.derivative(np.clip(theta, low, high))
             moved = LIFT * (TWO_PI + np.abs(values)) * (1.0 + 1.0 / np.abs(slope))
             slope, error = slope_and_error_beside(self.table.map, theta, moved, low, high)
             lowest = np.abs(slope) - error
-            bound = np.where(lowest > 0.0, error / (np.abs(slope) * lowest), np.inf) + LIFT / np.abs(slope)
+            bound = np.where(
+                lowest > 0.0, error / (np.abs(slope) * lowest), np.inf
+            ) + LIFT / np.abs(slope)
             return np.where(high > low, 1.0 / slope, 0.0), np.where(high > low, bound, 0.0)
 
     def _inside(self, values: Array) -> tuple[Array, Array, Array]:
-        """The angles, and the ends between which F' belongs to the value: inside their cell's breaks."""
+        """The angles, and the ends between which F' belongs to the value: inside their cell's
+        breaks.
+        """
         base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
         theta, cell = self.table.inverse(base), self.table.cell(base)
         low, high = self.table.theta[cell], self.table.theta[cell + 1]
@@ -72,11 +98,13 @@ class InverseLift:
 class CompositeLift:
     """θ → F_k(… F_2(F_1(θ))). Whole turns are taken off between the maps and carried apart.
 
-    So no digits are lost on long orbits, and beside a break of the composite each map is used on that side of
-    its own break on which the image truly lies, however rounding moves it. ``breaks`` are sorted, in [0, 2π).
+    So no digits are lost on long orbits, and beside a break of the composite each map is used on
+    that side of its own break on which the image truly lies, however rounding moves it. ``breaks``
+    are sorted, in [0, 2π).
 
-    guards : for each map (turns, low, high) of shape (pieces,): on piece p of the composite its argument less
-    2π·turns[p] lies in [low[p], high[p]], between two of its breaks; None for a map without breaks, or the first.
+    guards : for each map (turns, low, high) of shape (pieces,): on piece p of the composite its
+        argument less 2π·turns[p] lies in [low[p], high[p]], between two of its breaks; None for a
+        map without breaks, or the first.
     """
 
     maps: tuple[CircleMap, ...]
@@ -92,13 +120,21 @@ class CompositeLift:
         return self._walk(theta, slope=True)[1]
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
-        """The same and a bound on its error: those of the slopes, at angles that rounding has moved."""
+        """The same and a bound on its error: those of the slopes, at angles that rounding has
+        moved.
+        """
         return self._walk(theta, slope=True, errors=True)[1:]
 
-    def _walk(self, theta: Array, slope: bool = False, errors: bool = False) -> tuple[Array, Array, Array]:
+    def _walk(
+        self, theta: Array, slope: bool = False, errors: bool = False
+    ) -> tuple[Array, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         angle = np.asarray(theta - TWO_PI * turns)
-        product, error, moved = np.ones_like(angle), np.zeros_like(angle), 0.5 * np.spacing(np.abs(theta))
+        product, error, moved = (
+            np.ones_like(angle),
+            np.zeros_like(angle),
+            0.5 * np.spacing(np.abs(theta)),
+        )
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
         for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
             low, high = np.full_like(angle, -np.inf), np.full_like(angle, np.inf)
@@ -110,7 +146,11 @@ class CompositeLift:
                 angle, turns = angle - TWO_PI * whole, turns + whole
             if errors:
                 steepness, off = slope_and_error_beside(one, angle, moved, low, high)
-                error = np.abs(product) * off + error * (np.abs(steepness) + off) + EPS * np.abs(product * steepness)
+                error = (
+                    np.abs(product) * off
+                    + error * (np.abs(steepness) + off)
+                    + EPS * np.abs(product * steepness)
+                )
                 moved = moved * (np.abs(steepness) + off) + LIFT * (TWO_PI + np.abs(one(angle)))
                 product = product * steepness
             elif slope:
@@ -122,7 +162,11 @@ class CompositeLift:
         """The same lift for one python float."""
         breaks: list[float] = self.breaks.tolist()
         rows = [
-            (one.scalar(), one.degree, list(zip(*(column.tolist() for column in guard or ()), strict=True)))
+            (
+                one.scalar(),
+                one.degree,
+                list(zip(*(column.tolist() for column in guard or ()), strict=True)),
+            )
             for one, guard in zip(self.maps, self.guards, strict=True)
         ]
 
@@ -151,9 +195,10 @@ _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     """θ → outer(inner(θ)); its degree is the product of the two degrees.
 
-    Breaks: those of ``inner`` and the preimages under it of those of ``outer``, on each side of which the composite
-    keeps to its own side of the outer break. ``max_error`` is E_outer + L·E_inner with L the largest |outer'| at 2,048
-    angles: measured, and good where ``outer`` has no jump within E_inner. Samples are not kept: ``pieces`` is None.
+    Breaks: those of ``inner`` and the preimages under it of those of ``outer``, on each side of
+    which the composite keeps to its own side of the outer break. ``max_error`` is E_outer +
+    L·E_inner with L the largest |outer'| at 2,048 angles: measured, and good where ``outer`` has no
+    jump within E_inner. Samples are not kept: ``pieces`` is None.
 
     Raises ConvergenceError when the composite has more than 250,000 breaks.
 
@@ -167,7 +212,8 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
 
 
 def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
-    """Fⁿ, n ≥ 0; F⁰ is the identity. Breaks, derivative and ``max_error`` as in ``compose``, one after the other.
+    """Fⁿ, n ≥ 0; F⁰ is the identity. Breaks, derivative and ``max_error`` as in ``compose``, one
+    after the other.
 
     >>> nth_iterate(CircleMap.blaschke([0, 0]), 5).degree
     32
@@ -185,9 +231,11 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
 
 
 def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
-    """R∘F∘R⁻¹ with R the rotation by ``angle`` (radians): θ → F(θ - angle) + angle, the same map seen turned.
+    """R∘F∘R⁻¹ with R the rotation by ``angle`` (radians): θ → F(θ - angle) + angle, the same map
+    seen turned.
 
-    Breaks move along by ``angle``; multipliers, rotation number and ``max_error`` stay. A sampled map stays sampled.
+    Breaks move along by ``angle``; multipliers, rotation number and ``max_error`` stay. A sampled
+    map stays sampled.
 
     >>> round(float(conjugate(CircleMap.arnold(0.0, 0.5), 1.0)(1.0)), 12)
     1.0
@@ -198,7 +246,9 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
         cubic = circle_map.pieces.shifted(turn, turn)
         return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
     back, forth = CircleMap.rigid(-turn / TWO_PI), CircleMap.rigid(turn / TWO_PI)
-    return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(conjugate, circle_map, turn)
+    return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(
+        conjugate, circle_map, turn
+    )
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
@@ -210,7 +260,9 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
     up = TWO_PI * whole_number("turns", turns)
     if circle_map.pieces is not None:
         cubic = circle_map.pieces.shifted(0.0, up)
-        return CircleMap.from_pieces(cubic, circle_map.breaks, circle_map.samples, circle_map.max_error)
+        return CircleMap.from_pieces(
+            cubic, circle_map.breaks, circle_map.samples, circle_map.max_error
+        )
     one = circle_map.scalar()
     made = CircleMap.with_scalar(
         lambda theta: circle_map(theta) + up,
@@ -220,18 +272,22 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
         degree=circle_map.degree,
         max_error=circle_map.max_error,
     )
-    return made.with_slope_errors(circle_map.derivative_and_error).remade_by(shifted, circle_map, turns)
+    return made.with_slope_errors(circle_map.derivative_and_error).remade_by(
+        shifted, circle_map, turns
+    )
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
     """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
 
-    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the whole gap; where F is
-    constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y for every y that F takes. Breaks: the
-    images of the breaks, both sides of a jump, and the levels of plateaus. The derivative is inf where F' = 0.
-    ``max_error`` is the most that F⁻¹ moves when y moves by that of F, measured at 2,048 angles and the breaks.
+    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the whole
+    gap; where F is constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y
+    for every y that F takes. Breaks: the images of the breaks, both sides of a jump, and the levels
+    of plateaus. The derivative is inf where F' = 0. ``max_error`` is the most that F⁻¹ moves when y
+    moves by that of F, measured at 2,048 angles and the breaks.
 
-    Raises InvalidInput for other degrees, and when F folds or jumps backwards: use ``branches`` then.
+    Raises InvalidInput for other degrees, and when F folds or jumps backwards: use ``branches``
+    then.
 
     >>> map_there = CircleMap.arnold(0.2, 0.9)
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
@@ -240,7 +296,8 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     degree, error = circle_map.degree, circle_map.max_error
     if degree not in (1, -1):
         raise InvalidInput(
-            f"the map has degree {degree}: only degree 1 or -1 has an inverse; preimages gives all of them"
+            f"the map has degree {degree}: only degree 1 or -1 has an inverse; preimages gives "
+            "all of them"
         )
     parts, hint = branches(circle_map), "it has no inverse; branches inverts each monotone piece"
     for i, part in enumerate(parts):
@@ -262,7 +319,9 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
     theta = np.concatenate([part.table.theta for part in parts])
     value = np.concatenate([part.table.value for part in parts])
     bent = distance_to_break(circle_map.breaks, theta) <= SNAP
-    for part, beyond in zip(parts, np.cumsum([part.table.theta.size for part in parts]), strict=True):
+    for part, beyond in zip(
+        parts, np.cumsum([part.table.theta.size for part in parts]), strict=True
+    ):
         if part.direction == 0:  # both ends of a plateau
             bent[[beyond - part.table.theta.size, beyond - 1]] = True
     base = base_angles(value)
@@ -272,7 +331,9 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
     theta, value = moved[order], base[order]
     # Carried on by one node below 0 and one above 2π, in the order of θ.
     value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
-    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[::degree]
+    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[
+        ::degree
+    ]
     theta = np.maximum.accumulate(theta)
     # The two sides of a jump, a turn apart, are one angle however they were rounded.
     apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
@@ -291,8 +352,13 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
         if own.size == 0:
             guards.append(None)
         else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
-            turns, around = np.floor(angle / TWO_PI), np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI])
-            above = np.clip(np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1)
+            turns, around = (
+                np.floor(angle / TWO_PI),
+                np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI]),
+            )
+            above = np.clip(
+                np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1
+            )
             margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
             guards.append((turns, around[above - 1] + margin, around[above] - margin))
         if breaks.size:
@@ -314,7 +380,9 @@ def _pulled_back(inner: CircleMap, levels: Array, parts: tuple[Branch, ...]) -> 
     found = found[distance_to_break(inner.breaks, found) > _SAME]
     found = found[np.diff(found, prepend=-1.0) > _SAME]
     if found.size > MAX_BREAKS:
-        raise ConvergenceError(f"the composite has {found.size} breaks, more than {MAX_BREAKS}: iterate less often")
+        raise ConvergenceError(
+            f"the composite has {found.size} breaks, more than {MAX_BREAKS}: iterate less often"
+        )
     return np.union1d(inner.breaks, found)
 
 
@@ -322,6 +390,10 @@ def _error_after(outer: CircleMap, error: float) -> float:
     """What is left of ``error`` after ``outer``, which adds its own."""
     if error == 0.0:
         return outer.max_error
-    sides = [outer.derivative(_GRID), outer.derivative(outer.breaks, -1), outer.derivative(outer.breaks, 1)]
+    sides = [
+        outer.derivative(_GRID),
+        outer.derivative(outer.breaks, -1),
+        outer.derivative(outer.breaks, 1),
+    ]
     steepest = float(np.max(np.abs(np.concatenate(sides))))
     return min(outer.max_error + steepest * error, sys.float_info.max)

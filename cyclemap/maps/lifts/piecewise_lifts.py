@@ -1,4 +1,6 @@
-"""Lifts made of pieces: cubics through samples, and functions that each have an interval of their own."""
+"""Lifts made of pieces: cubics through samples, and functions that each have an interval of their
+own.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,14 @@ from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
-from cyclemap.maps.lifts.lift_checks import SNAP, Lift, Scalar, base_angles, checked_call, differences_between
+from cyclemap.maps.lifts.lift_checks import (
+    SNAP,
+    Lift,
+    Scalar,
+    base_angles,
+    checked_call,
+    differences_between,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +55,13 @@ class PiecewiseCubic:
         _, first, second, third = self.coefficients
         width = np.diff(self.knots)
         with np.errstate(divide="ignore", invalid="ignore"):
-            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies between.
+            # The slope is a parabola in the offset: least at an end, or at its vertex if that lies
+            # between.
             vertex = np.clip(np.nan_to_num(-second / (3.0 * third)), 0.0, width)
-        slopes = [(3.0 * third * offset + 2.0 * second) * offset + first for offset in (0.0 * width, vertex, width)]
+        slopes = [
+            (3.0 * third * offset + 2.0 * second) * offset + first
+            for offset in (0.0 * width, vertex, width)
+        ]
         return bool(np.min(slopes) >= 0.0)
 
     def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
@@ -84,8 +97,12 @@ class PiecewiseCubic:
         return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
 
 
-def cubic_from_samples(theta: Any, lifted: Any, slopes: Any, degree: int) -> tuple[PiecewiseCubic, Array, int]:
-    """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample points."""
+def cubic_from_samples(
+    theta: Any, lifted: Any, slopes: Any, degree: int
+) -> tuple[PiecewiseCubic, Array, int]:
+    """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample
+    points.
+    """
     given = np.size(theta)
     (angle, value, tangent), closed = _one_period(*_checked(theta, lifted, slopes), degree)
     nodal = _shape_preserving(angle, value, closed, degree) if slopes is None else tangent
@@ -111,18 +128,28 @@ def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array 
         raise InvalidInput(f"theta has {angles.size} samples: give at least 3")
     steps = np.diff(angles)
     if np.any(steps < 0.0):
-        raise InvalidInput(f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples")
+        raise InvalidInput(
+            f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples"
+        )
     if np.any((steps[1:] == 0.0) & (steps[:-1] == 0.0)):
-        raise InvalidInput("theta holds one angle three times: a break is one angle twice (left, right)")
+        raise InvalidInput(
+            "theta holds one angle three times: a break is one angle twice (left, right)"
+        )
     if angles[-1] - angles[0] > TWO_PI + 1e-9:
-        raise InvalidInput(f"theta spans {angles[-1] - angles[0]:g}: the samples must cover one turn, 2π")
+        raise InvalidInput(
+            f"theta spans {angles[-1] - angles[0]:g}: the samples must cover one turn, 2π"
+        )
     return angles, values, given
 
 
-def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int) -> tuple[Array, bool]:
-    """(3, m): angles, values and slopes from the right side of the first angle to the left side of it plus 2π.
+def _one_period(
+    angles: Array, values: Array, slopes: Array | None, degree: int
+) -> tuple[Array, bool]:
+    """(3, m): angles, values and slopes from the right side of the first angle to the left side of
+    it plus 2π.
 
-    An angle given twice holds its left entry first. True if the end point is the same smooth point as the first.
+    An angle given twice holds its left entry first. True if the end point is the same smooth point
+    as the first.
     """
     tangents = np.zeros_like(angles) if slopes is None else slopes
     table = np.stack([angles, values, tangents])
@@ -130,7 +157,9 @@ def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int)
     if angles[1] == angles[0]:
         end, last = table[:, 0] + climb, table[:, -1]
         if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
-            raise InvalidInput(f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}")
+            raise InvalidInput(
+                f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}"
+            )
         table = table[:, 1:]
     elif angles[-1] - angles[0] > TWO_PI - 1e-9:
         if angles[-2] == angles[-1]:
@@ -148,7 +177,9 @@ def _one_period(angles: Array, values: Array, slopes: Array | None, degree: int)
 
 
 def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) -> Array:
-    """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between breaks."""
+    """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between
+    breaks.
+    """
     cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
     if closed and cuts.size == 0:
         reach = min(3, theta.size - 1)
@@ -159,7 +190,8 @@ def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) ->
     branches = list(np.split(np.arange(theta.size), cuts))
     slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
     if closed:
-        # The branch that runs through the end point is one branch: its slopes come from both parts together.
+        # The branch that runs through the end point is one branch: its slopes come from both parts
+        # together.
         last, first = branches[-1], branches[0]
         x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
         y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
@@ -170,7 +202,9 @@ def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) ->
 
 def _pchip_slopes(x: Array, y: Array) -> Array:
     if x.size == 1:
-        raise InvalidInput(f"theta has a break at {x[0]:g} with no sample beside it: add one on each side")
+        raise InvalidInput(
+            f"theta has a break at {x[0]:g} with no sample beside it: add one on each side"
+        )
     # Imported where it is needed: it takes longer to load than most maps take to build.
     from scipy.interpolate import PchipInterpolator
 
@@ -226,7 +260,8 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class BranchedLift:
-    """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, its own angle ``shift[i]`` on.
+    """The lift made of ``pieces`` in order on [0, 2π): piece i starts at ``starts[i]``, its own
+    angle ``shift[i]`` on.
 
     ``starts`` has shape (n,), its first entry 0; ``shift`` holds whole turns.
     """
@@ -238,7 +273,11 @@ class BranchedLift:
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta`` (radians, any shape)."""
-        turns, owner, values = np.floor(theta / TWO_PI), self._owner(theta), np.empty(np.shape(theta))
+        turns, owner, values = (
+            np.floor(theta / TWO_PI),
+            self._owner(theta),
+            np.empty(np.shape(theta)),
+        )
         for piece, own, here in self._parts(theta, owner):
             values[here] = piece.lift(own)
         return np.asarray(values + (TWO_PI * self.degree) * (turns - self.shift[owner]))
@@ -267,7 +306,9 @@ class BranchedLift:
         for i, piece in enumerate(self.pieces):
             here = np.asarray(owner == i)
             if here.any():
-                own = np.minimum(np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end)
+                own = np.minimum(
+                    np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end
+                )
                 yield piece, own, here
 
     def scalar(self) -> Scalar:
@@ -282,32 +323,45 @@ class BranchedLift:
             turns = floor(theta / TWO_PI)
             base = theta - TWO_PI * turns
             one, ahead, start, end, risen = rows[bisect_right(starts, base) - 1]
-            return float(one(np.asarray(min(max(base + ahead, start), end)))) + climb * turns - risen
+            return (
+                float(one(np.asarray(min(max(base + ahead, start), end)))) + climb * turns - risen
+            )
 
         return lift
 
 
 def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]:
-    """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope differ."""
+    """The lift on all branches, checked, and its breaks in [0, 2π): the seams where value or slope
+    differ.
+    """
     if not isinstance(branches, list) or not branches:
-        raise InvalidInput(f"branches is {branches!r}: give a list of (start, end, lift, derivative), at least one")
+        raise InvalidInput(
+            f"branches is {branches!r}: give a list of (start, end, lift, derivative), at least one"
+        )
     pieces = tuple(_piece(i, branch) for i, branch in enumerate(branches))
     for i in range(1, len(pieces)):
         gap = pieces[i].start - pieces[i - 1].end
         if abs(gap) > SNAP:
             kind = "a gap" if gap > 0.0 else "an overlap"
             raise InvalidInput(
-                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at {pieces[i - 1].end:.12g}: "
-                f"{kind} of {abs(gap):.3g}; each branch must start where the one before it ends"
+                f"branch {i} starts at {pieces[i].start:.12g} but branch {i - 1} ends at "
+                f"{pieces[i - 1].end:.12g}: {kind} of {abs(gap):.3g}; each branch must start where "
+                "the one before it ends"
             )
     span = pieces[-1].end - pieces[0].start
     if abs(span - TWO_PI) > 4.0 * SNAP:
-        raise InvalidInput(f"the branches span {span:.12g} radians: together they must cover one turn, 2π")
+        raise InvalidInput(
+            f"the branches span {span:.12g} radians: together they must cover one turn, 2π"
+        )
     # On [0, 2π) the branch that runs over 2π serves both at its end and at its start.
     given = np.array([piece.start for piece in pieces])
     seams = base_angles(given)
     order = np.argsort(seams, kind="stable")
-    starts, shift, placed = seams[order], np.round((given - seams) / TWO_PI)[order], tuple(pieces[i] for i in order)
+    starts, shift, placed = (
+        seams[order],
+        np.round((given - seams) / TWO_PI)[order],
+        tuple(pieces[i] for i in order),
+    )
     if starts[0] > 0.0:
         starts, shift = np.append(0.0, starts), np.append(shift[-1] + 1.0, shift)
         placed = (placed[-1], *placed)
@@ -318,12 +372,22 @@ def _piece(index: int, branch: Any) -> Piece:
     try:
         start, end, lift, derivative = branch
     except (TypeError, ValueError) as cause:
-        raise InvalidInput(f"branch {index} is {branch!r}: give (start, end, lift, derivative or None)") from cause
-    first, last = finite_number(f"start of branch {index}", start), finite_number(f"end of branch {index}", end)
+        raise InvalidInput(
+            f"branch {index} is {branch!r}: give (start, end, lift, derivative or None)"
+        ) from cause
+    first, last = (
+        finite_number(f"start of branch {index}", start),
+        finite_number(f"end of branch {index}", end),
+    )
     if not callable(lift) or not (derivative is None or callable(derivative)):
-        raise InvalidInput(f"branch {index} has {lift!r}, {derivative!r}: lift and derivative must be callables")
+        raise InvalidInput(
+            f"branch {index} has {lift!r}, {derivative!r}: lift and derivative must be callables"
+        )
     if not first < last:
-        raise InvalidInput(f"branch {index} runs from {first:.12g} to {last:.12g}: its end must lie after its start")
+        raise InvalidInput(
+            f"branch {index} runs from {first:.12g} to {last:.12g}: its end must lie after its "
+            "start"
+        )
 
     piece = Piece(first, last, lift, derivative)
     with np.errstate(all="ignore"):
@@ -333,7 +397,9 @@ def _piece(index: int, branch: Any) -> Piece:
 
 
 def _differing(pieces: tuple[Piece, ...], degree: int) -> Mask:
-    """Whether value or slope differ at the start of each branch from those at the end of the one before."""
+    """Whether value or slope differ at the start of each branch from those at the end of the one
+    before.
+    """
     ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
     after, before = ends[:, :, 0], np.roll(ends[:, :, 1], 1, axis=0)
     before[0, 0] -= TWO_PI * degree

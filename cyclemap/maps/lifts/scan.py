@@ -1,10 +1,11 @@
 """Cells: one turn of θ cut so finely that each iterate Fⁿ runs monotonely through every cell.
 
-The one search for extrema that root finding, envelopes, tongues and orbit counts share. A cell is cut until the cubic
-through its ends' values and slopes meets the iterate at probes inside, of F itself no further apart than ``GRAIN``;
-that cubic's slope then tells how often the slope of Fⁿ - shift·id changes sign. The folds of F, the narrow cells that
-F needs, and the preimages of both are ends of cells of Fⁿ. A hump or dent of F that turns Fⁿ - shift·id back is seen
-where it is as wide as ``GRAIN`` at half its height; a narrower one may hide between the probes.
+The one search for extrema that root finding, envelopes, tongues and orbit counts share. A cell is
+cut until the cubic through its ends' values and slopes meets the iterate at probes inside, of F
+itself no further apart than ``GRAIN``; that cubic's slope then tells how often the slope of Fⁿ -
+shift·id changes sign. The folds of F, the narrow cells that F needs, and the preimages of both are
+ends of cells of Fⁿ. A hump or dent of F that turns Fⁿ - shift·id back is seen where it is as wide
+as ``GRAIN`` at half its height; a narrower one may hide between the probes.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ _STEPS = 120
 
 
 def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: Array) -> Array:
-    """A root of f(x, i) in each bracket i, to rounding (Chandrupatla 1997): bisection or inverse quadratic steps.
+    """A root of f(x, i) in each bracket i, to rounding (Chandrupatla 1997): bisection or inverse
+    quadratic steps.
 
-    f takes points and the numbers of their brackets. Where it has one sign at both ends, the end nearer to zero.
+    f takes points and the numbers of their brackets. Where it has one sign at both ends, the end
+    nearer to zero.
     """
     index = np.arange(low.size)
     a, b = low.astype(np.float64), high.astype(np.float64)
@@ -50,7 +53,9 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
         with np.errstate(divide="ignore", invalid="ignore"):
             xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
             trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
-            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
+                fc - fb
+            )
         share = np.clip(np.where(trusted & np.isfinite(share), share, 0.5), reach, 1.0 - reach)
         go = (reach < 0.5) & (fa != 0.0)
         index, a, b, fa, fb, share = index[go], a[go], b[go], fa[go], fb[go], share[go]
@@ -81,10 +86,11 @@ def iterate_slope(circle_map: CircleMap, theta: Array, period: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells [a, b] in order over [0, 2π] and the values there of ``g = Fⁿ(θ) - shift·θ`` with its slopes.
+    """Cells [a, b] in order over [0, 2π] and the values there of ``g = Fⁿ(θ) - shift·θ`` with its
+    slopes.
 
-    ``cut[i]`` says that a break of the iterate lies at the start of cell i (and at the end of cell i - 1);
-    there ``start`` and ``end`` hold the break, while values are one-sided limits.
+    ``cut[i]`` says that a break of the iterate lies at the start of cell i (and at the end of cell
+    i - 1); there ``start`` and ``end`` hold the break, while values are one-sided limits.
     """
 
     start: Array
@@ -115,8 +121,12 @@ def taken(cells: Cells, index: Mask | Whole) -> Cells:
 
 
 def joined(parts: list[Cells]) -> Cells:
-    """All the cells, sorted by start; both sides of every smooth node get the very same value, so no root is lost."""
-    arrays: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS}
+    """All the cells, sorted by start; both sides of every smooth node get the very same value, so
+    no root is lost.
+    """
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS
+    }
     order = np.argsort(arrays["start"])
     cells = replace(parts[0], **{name: array[order] for name, array in arrays.items()})
     g_end = np.where(np.roll(cells.cut, -1), cells.g_end, np.roll(cells.g_start, -1))
@@ -126,7 +136,9 @@ def joined(parts: list[Cells]) -> Cells:
 
 
 def is_continuous(cells: Cells) -> Mask:
-    """Whether g is continuous at the start of each cell (the last cell's end is the first cell's start)."""
+    """Whether g is continuous at the start of each cell (the last cell's end is the first cell's
+    start).
+    """
     before, slope = np.roll(cells.g_end, 1), np.abs(np.roll(cells.slope_end, 1))
     before[0] -= cells.climb
     allowed = 1e-9 + 4.0 * INSET * (slope + np.abs(cells.slope_start))
@@ -140,12 +152,16 @@ def is_rising(cells: Cells) -> Mask:
 
 
 MAX_CELLS = 2_000_000
-MAX_ROUGH = 8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
+MAX_ROUGH = (
+    8_000  # cells of F that no cubic meets: more than a lift without structure below ``GRAIN`` has
+)
 _LONGEST_IMAGE = 0.5  # radians: no cell's image under any iterate is longer
 _PASSES = 60
 GRAIN = 1e-4  # radians: distance of the probes
 _SKEW = 0.04  # of a cell's width: no probe in its middle, where an odd misfit is zero
-_NARROW = 0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
+_NARROW = (
+    0.2  # of the width that the resolution asks for: narrower cells of F are marked in its iterates
+)
 _MISFIT = 1e-3  # of the cell's steepest rise: how far the probes may lie off the cubic
 _HIDDEN_JUMP = 1e-6  # radians: a rise within 32 INSET beyond what the slopes explain
 _LEVELS_AT_ONCE = 2_048
@@ -155,10 +171,13 @@ _NOTHING = 1e-13  # radians: smaller misfits and dips are of no account
 def monotone_cells(
     circle_map: CircleMap, period: int, shift: float, resolution: int, marks: Sequence[float] = ()
 ) -> Cells:
-    """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends of cells, too."""
+    """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends
+    of cells, too.
+    """
     breaks, features = circle_map.breaks, np.mod(marks, TWO_PI)
     if period > 1:
-        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1 cycles back.
+        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
+        # cycles back.
         once = monotone_cells(circle_map, 1, 0.0, resolution)
         rising, narrow = is_rising(once), once.end - once.start < _NARROW * TWO_PI / resolution
         breaks = _pulled_back(circle_map, once, breaks, period)
@@ -186,17 +205,21 @@ def monotone_cells(
             if period == 1 and np.any(jumps):
                 place = int(np.argmax(np.where(jumps, rise, 0.0)))
                 raise ConvergenceError(
-                    f"the lift jumps by {rise[place]:.6g} radians at θ = {found.start[place]:.12g}, which is none of "
-                    "its breaks: give it in breaks"
+                    f"the lift jumps by {rise[place]:.6g} radians at θ = "
+                    f"{found.start[place]:.12g}, which is none of its breaks: give it in breaks"
                 )
             return _split_at_extrema(circle_map, found)
         share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
         cut, cut_end = cut[owner] & first, cut_end[owner] & last
         low, step = start[owner], (end - start)[owner]
-        start, end = low + step * (rank / share), np.where(last, end[owner], low + step * ((rank + 1) / share))
+        start, end = (
+            low + step * (rank / share),
+            np.where(last, end[owner], low + step * ((rank + 1) / share)),
+        )
     raise ConvergenceError(
-        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all near θ = "
-        f"{cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the break that is missing there"
+        f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all "
+        f"near θ = {cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the "
+        "break that is missing there"
     )
 
 
@@ -205,7 +228,9 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
     if turning.size == 0:
         return cells
     start, end = (ends[turning] for ends in cells.inner())
-    theta = bracketed_root(lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end)
+    theta = bracketed_root(
+        lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end
+    )
     g, after = iterate(circle_map, theta, cells.period) - cells.shift * theta, turning + 1
     flat = np.zeros_like(g)
     return replace(
@@ -226,9 +251,9 @@ def _refuse_rough(cells: Cells, rough: Mask) -> None:
     densest = int(np.argmin(places[crowd:] - places[:-crowd]))
     low, high = places[densest], places[densest + crowd]
     raise ConvergenceError(
-        f"the lift is too rough to follow, most of all between θ = {low:.12g} and {high:.12g}: a break may be missing "
-        "there (give it in breaks), the derivative may be another lift's (or none given, where F' is steep), "
-        f"or the lift has structure finer than {GRAIN:g} radians"
+        f"the lift is too rough to follow, most of all between θ = {low:.12g} and {high:.12g}: a "
+        "break may be missing there (give it in breaks), the derivative may be another lift's (or "
+        f"none given, where F' is steep), or the lift has structure finer than {GRAIN:g} radians"
     )
 
 
@@ -251,7 +276,8 @@ def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) 
             break
         if found.size > MAX_CELLS // 8:
             raise ConvergenceError(
-                f"period {period} has more than {found.size} breaks or folds: ask for a shorter period"
+                f"period {period} has more than {found.size} breaks or folds: ask for a shorter "
+                "period"
             )
     return found
 
@@ -270,9 +296,17 @@ def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: 
 
 
 def _evaluated(
-    circle_map: CircleMap, start: Array, end: Array, cut: Mask, cut_end: Mask, period: int, shift: float
+    circle_map: CircleMap,
+    start: Array,
+    end: Array,
+    cut: Mask,
+    cut_end: Mask,
+    period: int,
+    shift: float,
 ) -> tuple[Cells, Whole, Mask]:
-    """The cells with their values, into how many parts each must still be cut, and which no cubic meets."""
+    """The cells with their values, into how many parts each must still be cut, and which no cubic
+    meets.
+    """
     width, size = end - start, start.size
     here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
     image, slope, longest, rounding = here, np.ones_like(here), np.zeros(size), np.ones_like(here)
@@ -290,47 +324,79 @@ def _evaluated(
     ready = np.flatnonzero((parts == 1) & (width >= 32.0 * INSET))
     noise = 8.0 * LIFT * (TWO_PI + np.abs(g)) * rounding
     rough = np.zeros(size, dtype=bool)
-    rough[ready] = _unclear(circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready])
+    rough[ready] = _unclear(
+        circle_map, taken(cells, ready), np.maximum(noise[:size], noise[size:])[ready]
+    )
     parts[rough] = 2
     parts[width < 32.0 * INSET] = 1
     return cells, parts, rough
 
 
 def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
-    """Whether the cubic through a cell's ends misses the iterate, or turns twice inside the cell."""
+    """Whether the cubic through a cell's ends misses the iterate,
+    or turns twice inside the cell."""
     width, rise = cells.end - cells.start, cells.g_end - cells.g_start
     a, b = width * cells.slope_start, width * cells.slope_end
     steepest, nothing = np.maximum(np.abs(a), np.abs(b)), _NOTHING + noise
     probes = np.full(width.size, 2)
     if cells.period == 1 and circle_map.pieces is None:
         probes = np.maximum(2, np.ceil(width / GRAIN).astype(np.int64))
-    own, t = np.repeat(np.arange(width.size), probes), (_ranks(probes) + 1.0) / np.repeat(probes + 1.0, probes)
+    own, t = (
+        np.repeat(np.arange(width.size), probes),
+        (_ranks(probes) + 1.0) / np.repeat(probes + 1.0, probes),
+    )
     t += _SKEW * 3.0 / np.repeat(probes + 1.0, probes)
     theta = cells.start[own] + t * width[own]
     g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-    cubic = cells.g_start[own] + t * t * (3.0 - 2.0 * t) * rise[own] + t * (1.0 - t) * ((1.0 - t) * a[own] - t * b[own])
-    misfit = np.maximum.reduceat(np.abs(g - cubic), np.cumsum(probes) - probes) if width.size else np.zeros(0)
+    cubic = (
+        cells.g_start[own]
+        + t * t * (3.0 - 2.0 * t) * rise[own]
+        + t * (1.0 - t) * ((1.0 - t) * a[own] - t * b[own])
+    )
+    misfit = (
+        np.maximum.reduceat(np.abs(g - cubic), np.cumsum(probes) - probes)
+        if width.size
+        else np.zeros(0)
+    )
     bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = (2.0 * a + b - 3.0 * rise) / bend
         least = a - bend * vertex * vertex
-    turns_twice = (a * b > 0.0) & (vertex > 0.0) & (vertex < 1.0) & (least * a < 0.0) & (np.abs(least) > nothing)
+    turns_twice = (
+        (a * b > 0.0)
+        & (vertex > 0.0)
+        & (vertex < 1.0)
+        & (least * a < 0.0)
+        & (np.abs(least) > nothing)
+    )
     return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
 
 
 def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
-    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, level after level of ``levels``, shape (m,), radians."""
+    """All θ in [0, 2π] with g(θ) = level + 2πw for some w, level after level of ``levels``, shape
+    (m,), radians.
+    """
     found = [np.zeros(0)]
     for first in range(0, levels.size, _LEVELS_AT_ONCE):
         some = levels[first : first + _LEVELS_AT_ONCE]
-        start, end = (np.floor((g - some[:, None]) / TWO_PI).astype(np.int64) for g in (cells.g_start, cells.g_end))
+        start, end = (
+            np.floor((g - some[:, None]) / TWO_PI).astype(np.int64)
+            for g in (cells.g_start, cells.g_end)
+        )
         level, cell = np.nonzero(start != end)
-        found.append(solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0])
+        found.append(
+            solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0]
+        )
     return np.concatenate(found)
 
 
 def solved(
-    circle_map: CircleMap, cells: Cells, cell: Whole, level: Array | np.float64, turn_start: Whole, turn_end: Whole
+    circle_map: CircleMap,
+    cells: Cells,
+    cell: Whole,
+    level: Array | np.float64,
+    turn_start: Whole,
+    turn_end: Whole,
 ) -> tuple[Array, Whole, Whole]:
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""
     count = np.abs(turn_end - turn_start)
@@ -342,6 +408,8 @@ def solved(
     target = np.broadcast_to(level, count.shape)[owner] + TWO_PI * whole
 
     def residual(theta: Array, index: Whole) -> Array:
-        return np.asarray(iterate(circle_map, theta, cells.period) - cells.shift * theta - target[index])
+        return np.asarray(
+            iterate(circle_map, theta, cells.period) - cells.shift * theta - target[index]
+        )
 
     return bracketed_root(residual, inner_start[cell[owner]], inner_end[cell[owner]]), whole, owner

@@ -16,11 +16,12 @@ from cyclemap.maps.noise.noise import folded, reduced
 
 @dataclass(frozen=True)
 class UniformNoise:
-    """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m = sin(mh)/(mh).
+    """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m =
+    sin(mh)/(mh).
 
-    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises InvalidInput. The sum
-    of |κ_m| diverges: ``tail`` is inf.
-    Raises InvalidInput unless the halfwidth is above zero.
+    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises
+    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf. Raises InvalidInput unless the
+    halfwidth is above zero.
 
     >>> round(float(UniformNoise(0.5).exceedance(0.25)), 12)
     0.25
@@ -31,7 +32,10 @@ class UniformNoise:
     def __post_init__(self) -> None:
         width = finite_number("halfwidth", self.halfwidth)
         if width <= 0.0:
-            raise InvalidInput(f"halfwidth is {width:g}: noise needs a width above zero; leave the noise out for none")
+            raise InvalidInput(
+                f"halfwidth is {width:g}: noise needs a width above zero; leave the noise out "
+                "for none"
+            )
         object.__setattr__(self, "halfwidth", width)
 
     @property
@@ -53,17 +57,25 @@ class UniformNoise:
         return float("inf")
 
     def density(self, x: Any, lifted: bool = False) -> Array:
-        """The number of x + 2πk in [-h, h), over 2h, per radian; on the line 1/2h on [-h, h), else 0."""
+        """The number of x + 2πk in [-h, h), over 2h, per radian; on the line 1/2h on [-h, h), else
+        0.
+        """
         if lifted:
             distance = np.asarray(x, dtype=np.float64)
-            return np.asarray((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (2.0 * self.halfwidth)
+            return np.asarray((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
+                2.0 * self.halfwidth
+            )
         angle = reduced(x)
-        images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil((-self.halfwidth - angle) / TWO_PI)
+        images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil(
+            (-self.halfwidth - angle) / TWO_PI
+        )
         return np.asarray(images / (2.0 * self.halfwidth))
 
     def slope(self, x: Any, lifted: bool = False) -> Array:
         """Refused: InvalidInput."""
-        raise InvalidInput(f"uniform noise has no density slope: its density jumps at ±{self.halfwidth:g}")
+        raise InvalidInput(
+            f"uniform noise has no density slope: its density jumps at ±{self.halfwidth:g}"
+        )
 
     def exceedance(self, x: Any) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
@@ -71,12 +83,16 @@ class UniformNoise:
         return np.asarray(np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0))
 
     def arc_probability(self, low: Any, high: Any) -> Array:
-        """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over 2h."""
+        """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over
+        2h.
+        """
         start = reduced(low)
         end, total = start + (high - np.asarray(low, dtype=np.float64)), 0.0
         reach = int(np.ceil(self.halfwidth / TWO_PI)) + 1
         for turn in TWO_PI * np.arange(-reach, reach + 1):
-            inside = np.minimum(end + turn, self.halfwidth) - np.maximum(start + turn, -self.halfwidth)
+            inside = np.minimum(end + turn, self.halfwidth) - np.maximum(
+                start + turn, -self.halfwidth
+            )
             total = total + np.maximum(inside, 0.0)
         return np.asarray(total / (2.0 * self.halfwidth))
 
@@ -93,13 +109,14 @@ _NODES = _NODES + 0.5
 
 @dataclass(frozen=True)
 class VonMises:
-    """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π], κ = ``kappa`` > 0: κ_m = I_m(κ)/I₀(κ).
+    """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π], κ = ``kappa`` > 0: κ_m =
+    I_m(κ)/I₀(κ).
 
-    On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of ``slope``).
-    Near normal of variance 1/κ where κ is large, near uniform where it is small. Integrals of the density
-    are Gauss-Legendre sums of positive terms, good to about 1e-13 relative, however far in the tail.
-    Raises InvalidInput unless kappa is finite and above zero (an infinite one is no noise).
-    (Mardia & Jupp 2000, sec. 3.5.4.)
+    On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of
+    ``slope``). Near normal of variance 1/κ where κ is large, near uniform where it is small.
+    Integrals of the density are Gauss-Legendre sums of positive terms, good to about 1e-13
+    relative, however far in the tail. Raises InvalidInput unless kappa is finite and above zero (an
+    infinite one is no noise). (Mardia & Jupp 2000, sec. 3.5.4.)
 
     >>> round(float(VonMises(2.0).coefficients(1)), 12)
     0.697774657964
@@ -111,7 +128,9 @@ class VonMises:
     def __post_init__(self) -> None:
         concentration = finite_number("kappa", self.kappa)
         if concentration <= 0.0:
-            raise InvalidInput(f"kappa is {concentration:g}: the concentration must be above zero (0 is all round)")
+            raise InvalidInput(
+                f"kappa is {concentration:g}: the concentration must be above zero (0 is all round)"
+            )
         object.__setattr__(self, "kappa", concentration)
 
     @property
@@ -120,17 +139,23 @@ class VonMises:
         return 2.0 * float(self._half_integral(0.0, np.pi, np.square))
 
     def coefficients(self, m: Any) -> Array:
-        """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) + m⁴/24κ³)."""
+        """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) +
+        m⁴/24κ³).
+        """
         from scipy.special import i0e, ive  # slow to import for those who ask for another noise
 
         order = np.abs(np.asarray(m, dtype=np.float64))
         if self.kappa <= _CONCENTRATED:
             return np.asarray(ive(order, self.kappa) / i0e(self.kappa))
         share = np.minimum(order, self.kappa) ** 2 / self.kappa
-        return np.asarray(np.exp(-0.5 * share * (1.0 + 0.5 / self.kappa) + share**2 / (24.0 * self.kappa)))
+        return np.asarray(
+            np.exp(-0.5 * share * (1.0 + 0.5 / self.kappa) + share**2 / (24.0 * self.kappa))
+        )
 
     def tail(self, m: int) -> float:
-        """A bound on the sum over k > m of κ_k: the ratios κ_{k+1}/κ_k fall (Amos 1974), so a geometric sum."""
+        """A bound on the sum over k > m of κ_k: the ratios κ_{k+1}/κ_k fall (Amos 1974), so a
+        geometric sum.
+        """
         middle = m + 0.5
         ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
         return float(self.coefficients(m) * self.kappa / ratio_gap)
@@ -139,7 +164,9 @@ class VonMises:
         """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
-        within = np.clip(x, -np.pi, np.pi) if lifted else np.asarray(x, dtype=np.float64)  # x may be infinite then
+        within = (
+            np.clip(x, -np.pi, np.pi) if lifted else np.asarray(x, dtype=np.float64)
+        )  # x may be infinite then
         half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
         return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
@@ -161,12 +188,20 @@ class VonMises:
         parts = parts + self._half_integral(0.0, np.minimum(np.maximum(-near, 0.0), np.pi))
         return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi))
 
-    def _half_integral(self, low: Any, high: Any, factor: Callable[[Array], Array] = np.ones_like) -> Array:
-        """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go together."""
-        start, end = np.broadcast_arrays(np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64))
+    def _half_integral(
+        self, low: Any, high: Any, factor: Callable[[Array], Array] = np.ones_like
+    ) -> Array:
+        """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go
+        together.
+        """
+        start, end = np.broadcast_arrays(
+            np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+        )
         # No further than where the density has fallen by exp(-45), if it does.
         squared = np.sin(0.5 * start) ** 2 + 0.5 * _SPAN / self.kappa
-        falls = np.where(squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi)
+        falls = np.where(
+            squared < 1.0, 2.0 * np.arcsin(np.sqrt(np.minimum(squared, 1.0))) - start, np.pi
+        )
         length = np.minimum(end - start, falls)
         total = np.zeros(start.shape)
         for node, weight in zip(_NODES, _WEIGHTS, strict=True):

@@ -1,4 +1,6 @@
-"""Chances of going from cell to cell in one noisy cycle: exact where F is straight on each cell (Ulam 1960)."""
+"""Chances of going from cell to cell in one noisy cycle: exact where F is straight on each cell
+(Ulam 1960).
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,8 @@ _NONE = 1e-11  # chances that may be rounding
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Neighbouring cells, the images on which F runs straight from end to end, and ξ uniform on [-h, h], or 0.
+    """Neighbouring cells, the images on which F runs straight from end to end, and ξ uniform on
+    [-h, h], or 0.
 
     Parameters
     ----------
@@ -55,13 +58,17 @@ class Cells:
         return 64.0 * EPS * (TWO_PI + self.halfwidth) / shortest + _NONE * self.width.size
 
     def below(self, lines: Array) -> Array:
-        """(n, m): the chance of being below each line on the real line a cycle later; lines may be infinite."""
+        """(n, m): the chance of being below each line on the real line a cycle later; lines may be
+        infinite.
+        """
         finite = np.isfinite(lines)
         chances = _chance_below(self.low, self.high, self.halfwidth, np.where(finite, lines, 0.0))
         return np.where(finite, chances, (lines > 0.0).astype(np.float64))
 
     def between(self, start: Array, end: Array, lifted: bool = False) -> Array:
-        """(n, m): the chance of being in each arc from start to end, mod 2π, or ``lifted`` on the real line."""
+        """(n, m): the chance of being in each arc from start to end, mod 2π, or ``lifted`` on the
+        real line.
+        """
         if lifted:
             return _without_rounding(self.below(end) - self.below(start))
         shift = TWO_PI * np.floor(self.low / TWO_PI)
@@ -77,7 +84,9 @@ class Cells:
         return _without_rounding(total)
 
 
-def cells_between(circle_map: CircleMap, halfwidth: float, start: float, end: float, count: int) -> Cells:
+def cells_between(
+    circle_map: CircleMap, halfwidth: float, start: float, end: float, count: int
+) -> Cells:
     """``count`` even cells from start to end, cut at F's breaks."""
     even = np.linspace(start, end, count + 1)
     turns = TWO_PI * np.arange(np.floor(start / TWO_PI), np.ceil(end / TWO_PI) + 1.0)
@@ -87,8 +96,12 @@ def cells_between(circle_map: CircleMap, halfwidth: float, start: float, end: fl
     edges = np.union1d(even, breaks[apart & (breaks > start) & (breaks < end)])
     ends = np.stack([circle_map.right(edges[:-1]), circle_map.left(edges[1:])])
     share = np.array([[0.25], [0.5], [0.75]])
-    off = np.abs(circle_map(edges[:-1] + share * np.diff(edges)) - ends[0] - share * (ends[1] - ends[0]))
-    return Cells(halfwidth, edges, ends, _CHORD * float(np.max(off)) + _POINT + circle_map.max_error)
+    off = np.abs(
+        circle_map(edges[:-1] + share * np.diff(edges)) - ends[0] - share * (ends[1] - ends[0])
+    )
+    return Cells(
+        halfwidth, edges, ends, _CHORD * float(np.max(off)) + _POINT + circle_map.max_error
+    )
 
 
 def _without_rounding(chances: Array) -> Array:
@@ -96,7 +109,8 @@ def _without_rounding(chances: Array) -> Array:
 
 
 def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Array:
-    """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform on [-h, h]."""
+    """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform on [-h,
+    h]."""
     length = (high - low)[:, None]
     over, under = lines - low[:, None], lines - high[:, None]
     middle = 0.5 * (over + under)

@@ -1,4 +1,6 @@
-"""Symmetric noise added to the angle after each cycle: what every noise offers, normal and Cauchy noise."""
+"""Symmetric noise added to the angle after each cycle: what every noise offers, normal and Cauchy
+noise.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,8 @@ from cyclemap.errors import InvalidInput
 
 @runtime_checkable
 class Noise(Protocol):
-    """What the rest of the room asks of a noise ξ: symmetric about 0, with a density on the real line.
+    """What the rest of the room asks of a noise ξ: symmetric about 0, with a density on the real
+    line.
 
     A further law is one more class with these methods.
     """
@@ -26,7 +29,9 @@ class Noise(Protocol):
 
     @property
     def jump(self) -> float:
-        """h where the density is even on [-h, h] and jumps to nothing there, radians; 0 where it is smooth."""
+        """h where the density is even on [-h, h] and jumps to nothing there, radians; 0 where it is
+        smooth.
+        """
 
     def coefficients(self, m: Any) -> Array:
         """κ_m = E e^{imξ}, real by symmetry; any whole m, any shape."""
@@ -44,7 +49,9 @@ class Noise(Protocol):
         """P(ξ > x) on the real line, to full relative accuracy in the tail."""
 
     def arc_probability(self, low: Any, high: Any) -> Array:
-        """P(ξ mod 2π in the arc from low to high), low < high < low + 2π; small values keep their digits."""
+        """P(ξ mod 2π in the arc from low to high), low < high < low + 2π; small values keep their
+        digits.
+        """
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Independent draws on the real line, radians."""
@@ -52,12 +59,15 @@ class Noise(Protocol):
 
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
 _ORDERS = np.arange(1.0, 9.0)  # the Fourier modes that a wide law has
-_erfc = np.vectorize(math.erfc, otypes=[np.float64])  # SciPy's is slow to import, and needed for few values
+_erfc = np.vectorize(
+    math.erfc, otypes=[np.float64]
+)  # SciPy's is slow to import, and needed for few values
 
 
 @dataclass(frozen=True)
 class WrappedNormal:
-    """Normal noise of standard deviation ``sigma`` radians, wrapped round the circle: κ_m = exp(-m²σ²/2).
+    """Normal noise of standard deviation ``sigma`` radians, wrapped round the circle: κ_m =
+    exp(-m²σ²/2).
 
     Raises InvalidInput unless sigma is above zero (a noiseless map needs no noise object).
     (Mardia & Jupp, Directional Statistics, 2000, sec. 3.5.7.)
@@ -72,7 +82,9 @@ class WrappedNormal:
     def __post_init__(self) -> None:
         width = finite_number("sigma", self.sigma)
         if width <= 0.0:
-            raise InvalidInput(f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none")
+            raise InvalidInput(
+                f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none"
+            )
         object.__setattr__(self, "sigma", width)
 
     @property
@@ -90,13 +102,15 @@ class WrappedNormal:
         return float(np.sqrt(0.5 * np.pi) / self.sigma * math.erfc(m * self.sigma / math.sqrt(2.0)))
 
     def density(self, x: Any, lifted: bool = False) -> Array:
-        """The normal density, per radian, or the sum over its images on the circle; rounding only."""
+        """The normal density, per radian, or the sum over its images on the circle;
+        rounding only."""
         if not lifted and self.sigma >= _WIDE:
             waves = np.cos(np.multiply.outer(reduced(x), _ORDERS)) @ self.coefficients(_ORDERS)
             return np.asarray((1.0 + 2.0 * waves) / TWO_PI)
         if not lifted:
             return np.asarray(sum(self.density(image, True) for image in self._images(x)))
-        # In place: kernels between thousands of nodes are large, and fresh memory is slower than the arithmetic.
+        # In place: kernels between thousands of nodes are large, and fresh memory is slower than
+        # the arithmetic.
         density = np.array(x, dtype=np.float64)
         density /= self.sigma
         density *= density
@@ -108,7 +122,9 @@ class WrappedNormal:
     def slope(self, x: Any, lifted: bool = False) -> Array:
         """d/dx of ``density``: on the line -x/σ² times it."""
         if not lifted and self.sigma >= _WIDE:
-            waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (_ORDERS * self.coefficients(_ORDERS))
+            waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (
+                _ORDERS * self.coefficients(_ORDERS)
+            )
             return np.asarray(-waves / np.pi)
         if not lifted:
             return np.asarray(sum(self.slope(image, True) for image in self._images(x)))
@@ -124,7 +140,9 @@ class WrappedNormal:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
         near, beyond = folded(low, high)
         above = self.exceedance(beyond)
-        total = np.where(near < 0.0, 1.0 - self.exceedance(-near) - above, self.exceedance(near) - above)
+        total = np.where(
+            near < 0.0, 1.0 - self.exceedance(-near) - above, self.exceedance(near) - above
+        )
         for turn in range(1, 2 + int(np.ceil(9.0 * self.sigma / TWO_PI))):
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)
@@ -148,7 +166,9 @@ def reduced(x: Any) -> Array:
 
 
 def folded(low: Any, high: Any) -> tuple[Array, Array]:
-    """The same arc seen from 0, mirrored so that its middle lies in [0, π]: its nearer and its farther end."""
+    """The same arc seen from 0, mirrored so that its middle lies in [0, π]: its nearer and its
+    farther end.
+    """
     half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
     far = np.abs(reduced(low + half))
     return far - half, far + half
@@ -158,9 +178,9 @@ def folded(low: Any, high: Any) -> tuple[Array, Array]:
 class WrappedCauchy:
     """Cauchy noise wrapped round the circle, mean resultant length ``r`` in (0, 1): κ_m = r^|m|.
 
-    Its scale on the line is s = -ln r radians. (Mardia & Jupp 2000, sec. 3.5.7.) Möbius maps send wrapped
-    Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them the exact check of a transfer
-    operator. Raises InvalidInput unless 0 < r < 1.
+    Its scale on the line is s = -ln r radians. (Mardia & Jupp 2000, sec. 3.5.7.) Möbius maps send
+    wrapped Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them the exact check of
+    a transfer operator. Raises InvalidInput unless 0 < r < 1.
 
     >>> float(WrappedCauchy(0.5).coefficients(-3))
     0.125
@@ -172,7 +192,9 @@ class WrappedCauchy:
     def __post_init__(self) -> None:
         length = finite_number("r", self.r)
         if not 0.0 < length < 1.0:
-            raise InvalidInput(f"r is {length:g}: the resultant length must lie between 0 and 1 (1 is no noise)")
+            raise InvalidInput(
+                f"r is {length:g}: the resultant length must lie between 0 and 1 (1 is no noise)"
+            )
         object.__setattr__(self, "r", length)
 
     @property
@@ -214,9 +236,13 @@ class WrappedCauchy:
         return np.asarray(np.arctan2(self._scale, np.asarray(x, dtype=np.float64)) / np.pi)
 
     def arc_probability(self, low: Any, high: Any) -> Array:
-        """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep their digits."""
+        """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep
+        their digits.
+        """
         a, b = 0.5 * np.asarray(low, dtype=np.float64), 0.5 * np.asarray(high, dtype=np.float64)
-        stretch = (1.0 + self.r) / (1.0 - self.r)  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
+        stretch = (1.0 + self.r) / (
+            1.0 - self.r
+        )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
         return np.asarray(np.arctan2(stretch * np.sin(b - a), along) / np.pi)
 

@@ -1,4 +1,6 @@
-"""Masses on small cells (Ulam 1960): for noise whose density jumps, and without noise for maps that expand."""
+"""Masses on small cells (Ulam 1960): for noise whose density jumps, and without noise for maps that
+expand.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ _SAMPLED = 1.02  # times the steepest that samples show of 1/F'
 
 @dataclass(frozen=True, eq=False)
 class CellDiscretisation:
-    """The masses of ``count`` cells of the circle, and one cycle as the chances of going from cell to cell.
+    """The masses of ``count`` cells of the circle, and one cycle as the chances of going from cell
+    to cell.
 
     map, noise : whose cycle it is; None is no noise.
     """
@@ -75,12 +78,16 @@ class CellDiscretisation:
         """Three Gauss nodes in each cell, and their weights."""
         nodes, weights = np.polynomial.legendre.leggauss(3)
         half = 0.5 * self.cells.width[:, None]
-        return (self.cells.edges[:-1, None] + half * (1.0 + nodes)).ravel(), (half * weights).ravel()
+        return (self.cells.edges[:-1, None] + half * (1.0 + nodes)).ravel(), (
+            half * weights
+        ).ravel()
 
     def moments(self, order: int) -> Any:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
         width, edges = self.cells.width, self.cells.edges
-        return np.exp(0.5j * order * (edges[1:] + edges[:-1])) * np.sinc(0.5 * order * width / np.pi)
+        return np.exp(0.5j * order * (edges[1:] + edges[:-1])) * np.sinc(
+            0.5 * order * width / np.pi
+        )
 
     def refined(self) -> CellDiscretisation:
         """The same with twice as many cells."""
@@ -88,25 +95,31 @@ class CellDiscretisation:
 
 
 def cell_law(circle_map: CircleMap, noise: Noise | None) -> CellLaw:
-    """The law of a map under noise whose density jumps, or without noise; then InvalidInput unless the map expands."""
-    law = CellLaw(CellDiscretisation(circle_map, noise, NOISELESS_CELLS if noise is None else CELLS))
+    """The law of a map under noise whose density jumps, or without noise; then InvalidInput unless
+    the map expands.
+    """
+    law = CellLaw(
+        CellDiscretisation(circle_map, noise, NOISELESS_CELLS if noise is None else CELLS)
+    )
     if not np.isfinite(law.variation):
         raise InvalidInput(
-            f"the noise is None, and no power of the map up to {_ITERATES} expands (slopes above 1, with breaks "
-            "or folds above 2): add noise, for example WrappedNormal(0.02)"
+            f"the noise is None, and no power of the map up to {_ITERATES} expands (slopes above "
+            "1, with breaks or folds above 2): add noise, for example WrappedNormal(0.02)"
         )
     return law
 
 
 @dataclass(frozen=True, eq=False)
 class CellLaw(StationaryLaw):
-    """The stationary law on cells, with bounds (after Galatolo & Nisoli 2014, and Galatolo, Monge & Nisoli 2020).
+    """The stationary law on cells, with bounds (after Galatolo & Nisoli 2014, and Galatolo, Monge &
+    Nisoli 2020).
 
-    Let p be the law, Πp its means on the cells (of width w), p̃ the computed one, G the norm of (I - L̃)⁻¹ on masses.
-    Then ‖Πp - p̃‖₁ <= G (‖ΠL(p - Πp)‖₁ + ‖Π(L - L̃)p‖₁), ``mass_error``. Under noise uniform on [-h, h] these are at
-    most max(w·|image of a cell|) V/4h and ``bend``/h, V = 1/h; without noise (w/2) V and 2 sup p ``bend`` times the
-    preimages of edges over inf |F'|, V the variation that an inequality of Lasota & Yorke gives. All that is proved;
-    measured are G, ``bend`` and, without noise, sup|(1/F')'| and inf|F'|.
+    Let p be the law, Πp its means on the cells (of width w), p̃ the computed one, G the norm of
+    (I - L̃)⁻¹ on masses. Then ‖Πp - p̃‖₁ <= G (‖ΠL(p - Πp)‖₁ + ‖Π(L - L̃)p‖₁), ``mass_error``. Under
+    noise uniform on [-h, h] these are at most max(w·|image of a cell|) V/4h and ``bend``/h, V =
+    1/h; without noise (w/2) V and 2 sup p ``bend`` times the preimages of edges over inf |F'|, V
+    the variation that an inequality of Lasota & Yorke gives. All that is proved; measured are G,
+    ``bend`` and, without noise, sup|(1/F')'| and inf|F'|.
     """
 
     basis: CellDiscretisation
@@ -123,7 +136,10 @@ class CellLaw(StationaryLaw):
         cells, halfwidth = self.basis.cells, self.basis.halfwidth
         image = cells.high - cells.low
         if halfwidth > 0.0:
-            left = float(np.max(cells.width * image)) * self.variation / (4.0 * halfwidth) + cells.bend / halfwidth
+            left = (
+                float(np.max(cells.width * image)) * self.variation / (4.0 * halfwidth)
+                + cells.bend / halfwidth
+            )
         else:
             slowest = float(np.min(image / cells.width))
             crossed = float(np.sum(image / np.min(cells.width) + 1.0))
@@ -137,11 +153,15 @@ class CellLaw(StationaryLaw):
         return 0.5 * float(np.max(self.basis.cells.width)) * self.variation
 
     def density(self, theta: Array) -> Array:
-        """The density after one more cycle, at angles, shape (m,); without noise the mean of the cell."""
+        """The density after one more cycle, at angles, shape (m,); without noise the mean of the
+        cell.
+        """
         cells, halfwidth = self.basis.cells, self.basis.halfwidth
         if halfwidth == 0.0:
             cell = np.searchsorted(cells.edges, np.mod(theta, TWO_PI), side="right") - 1
-            return np.asarray((self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)])
+            return np.asarray(
+                (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
+            )
         angle = np.mod(theta, TWO_PI)
         still = replace(cells, halfwidth=0.0)
         blocks = [
@@ -153,11 +173,14 @@ class CellLaw(StationaryLaw):
     def slope(self, theta: Array) -> Array:
         """The density's differences over a cell's length."""
         step = TWO_PI / self.basis.size
-        return np.asarray((self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step)
+        return np.asarray(
+            (self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step
+        )
 
     @cached_property
     def density_error(self) -> float:
-        """Bound on the density's error, per radian: cells whose image may lie across an end of the window.
+        """Bound on the density's error, per radian: cells whose image may lie across an end of the
+        window.
 
         inf without noise: p may jump then.
         """
@@ -167,7 +190,11 @@ class CellLaw(StationaryLaw):
         low, high = cells.low - cells.bend, cells.high + cells.bend
         most = 0.0
         for lines in np.array_split(low, 1 + low.size // 1_000):
-            times = np.floor((high[:, None] - lines) / TWO_PI) - np.ceil((low[:, None] - lines) / TWO_PI) + 1.0
+            times = (
+                np.floor((high[:, None] - lines) / TWO_PI)
+                - np.ceil((low[:, None] - lines) / TWO_PI)
+                + 1.0
+            )
             most = max(most, float(np.max(self.coefficients @ times)))
         return (most + self.mass_error) / halfwidth
 
@@ -186,24 +213,36 @@ class CellLaw(StationaryLaw):
         return self.basis.map.max_error * float(np.max(np.abs(direct)))
 
     def expectation(
-        self, function: Callable[[Array], Array], rules: tuple[Rule, Rule] | None = None, direct: float = 0.0
+        self,
+        function: Callable[[Array], Array],
+        rules: tuple[Rule, Rule] | None = None,
+        direct: float = 0.0,
     ) -> Estimate:
-        """E h by the cells' masses and the means of h; on ``rules``, for singular h, by the density.
+        """E h by the cells' masses and the means of h; on ``rules``, for singular h, by the
+        density.
 
-        Bounds: the error of the masses times half of what h varies; ½∫|p - Πp| times the most that it does in a cell.
+        Bounds: the error of the masses times half of what h varies; ½∫|p - Πp| times the most that
+        it does in a cell.
         """
         if rules is not None:
             means = [checked_values(function, theta) for theta, _ in rules]
             rough, value = (
-                float(weight * self.density(theta) @ h) for (theta, weight), h in zip(rules, means, strict=True)
+                float(weight * self.density(theta) @ h)
+                for (theta, weight), h in zip(rules, means, strict=True)
             )
             away = float(rules[1][1] @ np.abs(means[1] - np.median(means[1])))
-            return Estimate(value, abs(value - rough) + (self.density_error * away if away > 0.0 else 0.0))
+            return Estimate(
+                value, abs(value - rough) + (self.density_error * away if away > 0.0 else 0.0)
+            )
         theta, weight = self.basis.rule
         values = checked_values(function, theta).reshape(-1, 3)
         mean = np.sum(values * weight.reshape(-1, 3), axis=1) / self.basis.cells.width
-        bound = 0.5 * float(np.ptp(values)) * self.mass_error + INTEGRAL * float(np.max(np.abs(values)))
-        bound += 0.5 * _OUTER * float(np.max(np.ptp(values, axis=1))) * self._within + self.map_error(mean, direct)
+        bound = 0.5 * float(np.ptp(values)) * self.mass_error + INTEGRAL * float(
+            np.max(np.abs(values))
+        )
+        bound += 0.5 * _OUTER * float(
+            np.max(np.ptp(values, axis=1))
+        ) * self._within + self.map_error(mean, direct)
         return Estimate(float(self.coefficients @ mean), bound)
 
     def distance_from_uniform(self) -> Estimate:
@@ -214,17 +253,18 @@ class CellLaw(StationaryLaw):
     def diffusion(self) -> Estimate:
         """Refused: InvalidInput."""
         raise InvalidInput(
-            f"the noise is {self.basis.noise!r}: a diffusion constant is computed for WrappedNormal; else "
-            "sample_staircases tells how paths spread"
+            f"the noise is {self.basis.noise!r}: a diffusion constant is computed for "
+            "WrappedNormal; else sample_staircases tells how paths spread"
         )
 
 
 def variation_of_expanding(circle_map: CircleMap) -> float:
-    """V with Var p <= V for every stationary density of a map some power of which expands; else inf.
+    """V with Var p <= V for every stationary density of a map some power of which expands; else
+    inf.
 
-    Var(Lf) <= λ Var f + B ‖f‖₁ (Lasota & Yorke 1973): without breaks and folds λ = sup 1/|F'|, B = sup|(1/F')'|; with
-    them λ is twice that, and B has 2 sup(1/|F'|) over the shortest branch besides. Then V = B/(1 - λ), the least of the
-    first powers of F.
+    Var(Lf) <= λ Var f + B ‖f‖₁ (Lasota & Yorke 1973): without breaks and folds λ = sup 1/|F'|, B =
+    sup|(1/F')'|; with them λ is twice that, and B has 2 sup(1/|F'|) over the shortest branch
+    besides. Then V = B/(1 - λ), the least of the first powers of F.
     """
     best = np.inf
     for power in range(1, _ITERATES + 1):

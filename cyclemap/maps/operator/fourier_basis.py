@@ -1,4 +1,6 @@
-"""Densities on the circle as trigonometric polynomials, and one cycle of a noisy map as a matrix on them."""
+"""Densities on the circle as trigonometric polynomials, and one cycle of a noisy map as a matrix on
+them.
+"""
 
 from __future__ import annotations
 
@@ -20,13 +22,15 @@ from cyclemap.maps.quadrature import circle_rule
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
 NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
-_ENTRIES = 400_000  # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
+# nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
+_ENTRIES = 400_000
 
 Waves = tuple[slice, Array]
 
 
 class Discretisation(Protocol):
-    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix on it.
+    """A basis φ_0, ..., φ_{n-1} of functions on the circle, and one cycle θ' = F(θ) + ξ as a matrix
+    on it.
 
     Laws are coefficients c of densities p(θ) = Σ_j c_j φ_j(θ), per radian.
     """
@@ -45,7 +49,8 @@ class Discretisation(Protocol):
 
     @property
     def left_out(self) -> float:
-        """A bound on what one cycle makes of functions beyond the basis; inf where there is none."""
+        """A bound on what one cycle makes of functions beyond the basis;
+        inf where there is none."""
 
     @property
     def mass(self) -> Array:
@@ -71,7 +76,9 @@ class Discretisation(Protocol):
 
 
 def needed_modes(noise: Noise) -> int:
-    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput beyond 2000."""
+    """Fourier modes beyond which the noise's coefficients add up to less than 1e-17; InvalidInput
+    beyond 2000.
+    """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
     few, enough = 0, MAX_MODES
@@ -82,7 +89,9 @@ def needed_modes(noise: Noise) -> int:
 
 
 def waves(theta: Array, modes: int) -> Array:
-    """1, cos mθ (m = 1..modes), sin mθ at the angles ``theta`` (shape (n,)), as rows: shape (2·modes + 1, n)."""
+    """1, cos mθ (m = 1..modes), sin mθ at the angles ``theta`` (shape (n,)), as rows: shape
+    (2·modes + 1, n).
+    """
     powers = np.empty((modes + 1, theta.size), dtype=np.complex128)
     powers[0], powers[1] = 1.0, np.exp(1j * np.mod(theta, TWO_PI))
     filled = 2
@@ -96,7 +105,9 @@ def waves(theta: Array, modes: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class WavesInBlocks:
-    """Blocks of some angles, each with its ``waves``; kept where all fit in one block, else made as they are used."""
+    """Blocks of some angles, each with its ``waves``; kept where all fit in one block, else made as
+    they are used.
+    """
 
     angles: Array
     modes: int
@@ -117,11 +128,13 @@ class WavesInBlocks:
 class FourierDiscretisation:
     """Trigonometric polynomials with ``modes`` harmonics, real: 1/2π, cos mθ/π, sin mθ/π.
 
-    The coefficients of a law are its moments (1, E cos mθ, E sin mθ), and one cycle carries them to κ_m E cos mF,
-    κ_m E sin mF, κ_m the noise's coefficients: a Galerkin method, exact but for truncation and quadrature (the
-    setting of Galatolo, Monge & Nisoli 2020). Integrals are taken branch by branch, so jumps and kinks cost nothing.
+    The coefficients of a law are its moments (1, E cos mθ, E sin mθ), and one cycle carries them to
+    κ_m E cos mF, κ_m E sin mF, κ_m the noise's coefficients: a Galerkin method, exact but for
+    truncation and quadrature (the setting of Galatolo, Monge & Nisoli 2020). Integrals are taken
+    branch by branch, so jumps and kinks cost nothing.
 
-    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature nodes as are needed.
+    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature
+        nodes as are needed.
     Raises InvalidInput for a number of modes outside that range.
     """
 
@@ -132,7 +145,9 @@ class FourierDiscretisation:
 
     def __post_init__(self) -> None:
         if whole_number("modes", self.modes, least=1) > MAX_MODES:
-            raise InvalidInput(f"modes is {self.modes}: at most {MAX_MODES} Fourier modes can be kept")
+            raise InvalidInput(
+                f"modes is {self.modes}: at most {MAX_MODES} Fourier modes can be kept"
+            )
 
     @property
     def size(self) -> int:
@@ -141,7 +156,9 @@ class FourierDiscretisation:
 
     @cached_property
     def left_out(self) -> float:
-        """A bound on what one cycle makes of the modes that are not kept: the sum of the noise's coefficients there."""
+        """A bound on what one cycle makes of the modes that are not kept: the sum of the noise's
+        coefficients there.
+        """
         return self.noise.tail(self.modes)
 
     @cached_property
@@ -186,12 +203,16 @@ class FourierDiscretisation:
 
     @property
     def work(self) -> float:
-        """Multiplications that the plain sums of ``matrix`` take; ``wave_integrals`` does with fewer."""
+        """Multiplications that the plain sums of ``matrix`` take; ``wave_integrals`` does with
+        fewer.
+        """
         return float(self.size) ** 2 * self.rule[0].size
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as smooth as F."""
+        """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
+        smooth as F.
+        """
         return circle_rule(self.map, self.modes, self.finer)
 
     @cached_property
@@ -204,8 +225,9 @@ class FourierDiscretisation:
         """(n, n): κ_m ∫ (1, cos mF, sin mF) φ_k dθ; the first row keeps the mass exactly."""
         if self.work > MAX_WORK:
             raise ConvergenceError(
-                f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} multiplications, more than "
-                f"{MAX_WORK:.2g}: the map has too fine a structure for so small a noise; raise the noise"
+                f"{self.modes} modes on {self.rule[0].size} nodes take {self.work:.2g} "
+                f"multiplications, more than {MAX_WORK:.2g}: the map has too fine a structure for "
+                "so small a noise; raise the noise"
             )
         theta, weight = self.rule
         matrix = wave_integrals(theta, weight, self.map(theta), self.modes)
@@ -214,11 +236,15 @@ class FourierDiscretisation:
         return matrix
 
     def cycle(self, law: Any) -> Any:
-        """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns of several."""
+        """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns
+        of several.
+        """
         return self.carried(self.on_nodes(law))
 
     def expected_slope(self, dual: Array, at: Array | None = None) -> Array:
-        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or at ``at``."""
+        """E z'(F(θ) + ξ) for the z with the integrals ``dual``, ∫ zφ_j, at the nodes of ``rule`` or
+        at ``at``.
+        """
         images = self._after if at is None else WavesInBlocks(self.map(at), self.modes)
         # Turning the few factors back is the same as turning the many waves, and costs nothing.
         back = -self._turned(_times(self.kappa, dual))
@@ -229,7 +255,9 @@ class FourierDiscretisation:
         return np.concatenate([here.T @ dual for _, here in WavesInBlocks(theta, self.modes)])
 
     def backward(self, theta: Array, dual: Array) -> Array:
-        """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n, k), ∫ zφ_j."""
+        """(m, k): E z(F(θ) + ξ) at the angles for the functions z with the integrals ``dual`` (n,
+        k), ∫ zφ_j.
+        """
         return self.dual(self.map(theta), _times(self.kappa, dual))
 
     def density(self, theta: Array, law: Array) -> Array:
@@ -239,21 +267,31 @@ class FourierDiscretisation:
     def integrals(self, theta: Array, mass: Array) -> Array:
         """(n,): Σ mass φ_j(θ) over the angles."""
         blocks = WavesInBlocks(theta, self.modes)
-        return np.asarray(self._scale * np.sum([here @ mass[part] for part, here in blocks], axis=0))
+        return np.asarray(
+            self._scale * np.sum([here @ mass[part] for part, here in blocks], axis=0)
+        )
 
     def on_nodes(self, law: Any) -> Any:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
         return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])
 
     def carried(self, density: Any) -> Any:
-        """(n,): coefficients after one cycle of the density with these values at the nodes of ``rule``."""
+        """(n,): coefficients after one cycle of the density with these values at the nodes of
+        ``rule``.
+        """
         _, weight = self.rule
-        moments = np.sum([after @ _times(weight[part], density[part]) for part, after in self._after], axis=0)
+        moments = np.sum(
+            [after @ _times(weight[part], density[part]) for part, after in self._after], axis=0
+        )
         return _times(self.kappa, moments)
 
     def refined(self) -> FourierDiscretisation:
-        """The same with every mode that the noise lets through and twice as many nodes: for residuals."""
-        return FourierDiscretisation(self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer)
+        """The same with every mode that the noise lets through and twice as many nodes: for
+        residuals.
+        """
+        return FourierDiscretisation(
+            self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer
+        )
 
     def padded(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
         """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
@@ -263,7 +301,9 @@ class FourierDiscretisation:
 
     def cut(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
         """The coefficients of the modes that a ``coarse`` basis has too."""
-        return np.concatenate([coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]])
+        return np.concatenate(
+            [coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]]
+        )
 
     def _turned(self, rows: Any) -> Any:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""

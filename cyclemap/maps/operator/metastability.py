@@ -1,4 +1,6 @@
-"""Where noise holds a path for long: nearly invariant sets of a noisy map, from its slow left eigenvectors."""
+"""Where noise holds a path for long: nearly invariant sets of a noisy map, from its slow left
+eigenvectors.
+"""
 
 from __future__ import annotations
 
@@ -15,8 +17,12 @@ from cyclemap.maps.operator.spectrum import Spectrum
 
 _REAL = 1e-9  # an eigenvalue with a smaller imaginary part is real
 _SLOW = 10.0  # cycles that a slow departure from the stationary law takes at least to fall by e
-_FASTER = 5.0  # how many times as fast all other departures fall: free diffusion has 4 between its waves
-_VERTEX = 1e-9  # of the eigenfunctions at a vertex: where a flat maximum lies is known to 1e-7 radians
+_FASTER = (
+    5.0  # how many times as fast all other departures fall: free diffusion has 4 between its waves
+)
+_VERTEX = (
+    1e-9  # of the eigenfunctions at a vertex: where a flat maximum lies is known to 1e-7 radians
+)
 _ZOOMS = 4  # times that a vertex is sought on points 16 times as near
 
 
@@ -40,11 +46,13 @@ class MetastableSet:
 
 @dataclass(frozen=True, eq=False)
 class SlowChain:
-    """The chain of m states that a noisy map is on the span of its m slowest left eigenfunctions z_k.
+    """The chain of m states that a noisy map is on the span of its m slowest left eigenfunctions
+    z_k.
 
-    χ_i, the chance of belonging to state i, is the combination Σ_k z_k ``weight[k, i]`` that is 1 at its own vertex
-    and 0 at the others (inner simplex algorithm: Weber & Galliat 2002; Deuflhard & Weber 2005). Since
-    E z_k(θ') = λ_k z_k(θ), the chances of a cycle are Q = weight⁻¹ Λ weight, exactly.
+    χ_i, the chance of belonging to state i, is the combination Σ_k z_k ``weight[k, i]`` that is 1
+    at its own vertex and 0 at the others (inner simplex algorithm: Weber & Galliat 2002; Deuflhard
+    & Weber 2005). Since E z_k(θ') = λ_k z_k(θ), the chances of a cycle are Q = weight⁻¹ Λ weight,
+    exactly.
     """
 
     basis: FourierDiscretisation
@@ -62,7 +70,9 @@ class SlowChain:
         return np.asarray(np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight)
 
     def arcs(self, grid: Array) -> list[Array]:
-        """For each state the arcs (start, end) on which its χ is the largest, found between points of an even grid."""
+        """For each state the arcs (start, end) on which its χ is the largest, found between points
+        of an even grid.
+        """
         owner = np.argmax(self.eigenfunctions(grid) @ self.weight, axis=1)
         last = np.flatnonzero(owner != np.roll(owner, -1))
         before, after = owner[last], np.roll(owner, -1)[last]
@@ -83,8 +93,9 @@ class SlowChain:
 def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) -> SlowChain | None:
     """The chain of the slow states; None where no departure from the stationary law is slow.
 
-    Slow are eigenvalues at the head of the spectrum, all real and positive, whose departures take at least 10 cycles
-    to fall by e and five times as long as the next one. Where a path only turns on slowly they are complex.
+    Slow are eigenvalues at the head of the spectrum, all real and positive, whose departures take
+    at least 10 cycles to fall by e and five times as long as the next one. Where a path only turns
+    on slowly they are complex.
     """
     with np.errstate(divide="ignore"):
         times = -1.0 / np.log(np.minimum(np.abs(spectrum.values), 1.0 - EPS))
@@ -99,7 +110,8 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     left = (complex_left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
     functions = np.asarray(basis.backward(grid, left) / values)
-    # Vertices of the simplex: the farthest from the mean, then the farthest from the span of those before.
+    # Vertices of the simplex: the farthest from the mean, then the farthest from the span of those
+    # before.
     rest = functions - functions.mean(axis=0)
     chosen = [int(np.argmax(np.linalg.norm(rest, axis=1)))]
     rest = functions - functions[chosen[0]]
@@ -107,7 +119,8 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
         chosen.append(int(np.argmax(np.linalg.norm(rest, axis=1))))
         along = rest[chosen[-1]] / np.linalg.norm(rest[chosen[-1]])
         rest = rest - np.multiply.outer(rest @ along, along)
-    # Each where the chance of being in its own state is the largest: on the grid, then nearer and nearer.
+    # Each where the chance of being in its own state is the largest: on the grid, then nearer and
+    # nearer.
     states, vertices, step = np.arange(slow[-1]), grid[chosen], grid[1]
     weight = np.linalg.inv(functions[chosen])
     for zoom in range(-_ZOOMS, _ZOOMS):
@@ -116,21 +129,27 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
         else:
             nearby = vertices[:, None] + step * 16.0**-zoom * np.linspace(-1.0, 1.0, 33)
             chances = np.asarray(basis.backward(nearby.ravel(), left) / values) @ weight
-            vertices = nearby[states, np.argmax(chances.reshape(*nearby.shape, -1)[states, :, states], axis=1)]
+            vertices = nearby[
+                states, np.argmax(chances.reshape(*nearby.shape, -1)[states, :, states], axis=1)
+            ]
         weight = np.linalg.inv(np.asarray(basis.backward(vertices, left) / values))
     return SlowChain(basis, values, left, np.asarray(weight, dtype=np.float64))
 
 
 def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
-    """(m,): first-order bounds on the errors of ``chain.leaving``'s diagonal, the map's ``max_error`` included.
+    """(m,): first-order bounds on the errors of ``chain.leaving``'s diagonal, the map's
+    ``max_error`` included.
 
-    Of λ: its bound in the spectrum; of Λ as a matrix ε ∫|p_j||∂E z_k(F + ξ)/∂F|, p_j the right eigenfunctions. Of an
-    eigenfunction: ε max|∂E z_k(F + ξ)/∂F|, what one more backward step leaves of E z_k(F + ξ) - λ_k z_k (on the grid),
-    the functions that the basis has not, rounding and the eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j|
-    over the fast j, for what lies in the span of the slow ones moves nothing: measured.
+    Of λ: its bound in the spectrum; of Λ as a matrix ε ∫|p_j||∂E z_k(F + ξ)/∂F|, p_j the right
+    eigenfunctions. Of an eigenfunction: ε max|∂E z_k(F + ξ)/∂F|, what one more backward step leaves
+    of E z_k(F + ξ) - λ_k z_k (on the grid), the functions that the basis has not, rounding and the
+    eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
+    span of the slow ones moves nothing: measured.
     """
     basis, count = chain.basis, chain.values.size
-    change = basis.backward(grid, basis.matrix.T @ chain.left - chain.left * chain.values) / chain.values
+    change = (
+        basis.backward(grid, basis.matrix.T @ chain.left - chain.left * chain.values) / chain.values
+    )
     largest = np.abs(basis.dual(grid, chain.left)).max(axis=0)
     left_over = np.abs(change).max(axis=0) + largest * (basis.left_out + MATRIX * basis.size)
     left_over += spectrum.error_bounds[:count]
@@ -142,7 +161,15 @@ def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
         coupling = coupling + basis.map.max_error * (masses.T @ slopes)
         steepest = basis.map.max_error * slopes.max(axis=0)
     apart = np.abs(spectrum.values[count:] - chain.values[:, None])
-    vector_errors = _VERTEX + 2.0 * (left_over + steepest) * np.sum(spectrum.condition[count:] / apart, axis=1)
+    vector_errors = _VERTEX + 2.0 * (left_over + steepest) * np.sum(
+        spectrum.condition[count:] / apart, axis=1
+    )
     size = np.abs(chain.weight)
-    moved = np.abs(np.linalg.inv(chain.weight)) @ coupling + left_over + vector_errors * (1.0 - chain.values)
-    return np.asarray(np.diag(moved @ size) + np.abs(chain.leaving).sum(axis=1) * (vector_errors @ size))
+    moved = (
+        np.abs(np.linalg.inv(chain.weight)) @ coupling
+        + left_over
+        + vector_errors * (1.0 - chain.values)
+    )
+    return np.asarray(
+        np.diag(moved @ size) + np.abs(chain.leaving).sum(axis=1) * (vector_errors @ size)
+    )

@@ -1,4 +1,6 @@
-"""Poisson's equation (I - L) x = f: the stationary distribution of a noisy map, its errors, and how paths spread."""
+"""Poisson's equation (I - L) x = f: the stationary distribution of a noisy map, its errors, and how
+paths spread.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +32,8 @@ Rule = tuple[Array, Array]
 class StationaryLaw:
     """The density p̃ with L p̃ = p̃ on a basis, and Poisson's equation about it.
 
-    (I - L) x = f, f without mass, is made regular as (I - L + u·massᵀ) x = f, u the uniform law: its solution has no
-    mass, and f = u gives p̃.
+    (I - L) x = f, f without mass, is made regular as (I - L + u·massᵀ) x = f, u the uniform law:
+    its solution has no mass, and f = u gives p̃.
     """
 
     basis: Discretisation
@@ -40,7 +42,8 @@ class StationaryLaw:
     def _inverse(self) -> Array:
         """The inverse of I - L + u·massᵀ; ConvergenceError where there is none to rounding.
 
-        Every question asks for more solutions, and NumPy alone has it: SciPy's factors take longer to import.
+        Every question asks for more solutions, and NumPy alone has it: SciPy's factors take longer
+        to import.
         """
         matrix = np.eye(self.basis.size) - self.basis.matrix
         matrix += np.multiply.outer(self.basis.uniform, self.basis.mass)
@@ -66,10 +69,11 @@ class StationaryLaw:
         return found
 
     def dual(self, moments: Array) -> Array:
-        """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h φ_j.
+        """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h
+        φ_j.
 
-        P = L* is the backward operator, (Pz)(θ) = E z(F(θ) + ξ); z's mean over the circle is 0. Columns of several
-        h, shape (n, k), too.
+        P = L* is the backward operator, (Pz)(θ) = E z(F(θ) + ξ); z's mean over the circle is 0.
+        Columns of several h, shape (n, k), too.
         """
         centred = moments - np.multiply.outer(self.basis.mass, moments.T @ self.coefficients)
         return np.asarray(self._inverse.T @ centred)
@@ -106,14 +110,15 @@ class FourierLaw(StationaryLaw):
 
     @cached_property
     def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
-        """(basis, correction, left, remainder): p - p̃ is the correction on that basis, give or take what it leaves.
+        """(basis, correction, left, remainder): p - p̃ is the correction on that basis, give or
+        take what it leaves.
 
-        In coefficients at most ``left``, summed, and per radian at most ``remainder`` when solved for.
-        The residual Lp̃ - p̃ is taken with every mode that the noise lets through on twice as many nodes, and
-        the equation for the error is solved with it once more (a two-level step, Atkinson & Brakhage 1960);
-        ``remainder`` is the norm of (I - L)⁻¹ times what that leaves, the noise's tail and a rounding allowance.
-        Proved: that the error is (I - L)⁻¹ times the residual, and the tail. Measured: quadrature, rounding,
-        and the norms of the inverse.
+        In coefficients at most ``left``, summed, and per radian at most ``remainder`` when solved
+        for. The residual Lp̃ - p̃ is taken with every mode that the noise lets through on twice as
+        many nodes, and the equation for the error is solved with it once more (a two-level step,
+        Atkinson & Brakhage 1960); ``remainder`` is the norm of (I - L)⁻¹ times what that leaves,
+        the noise's tail and a rounding allowance. Proved: that the error is (I - L)⁻¹ times the
+        residual, and the tail. Measured: quadrature, rounding, and the norms of the inverse.
         """
         basis, law = self.basis, self.coefficients
         fine = basis.refined()
@@ -123,7 +128,8 @@ class FourierLaw(StationaryLaw):
         resolved = fine.padded(self._solve(fine.cut(once, basis)), basis)
         correction = defect + once + fine.cycle(resolved)
         left = float(np.sum(np.abs(fine.cycle(correction) - correction + defect)))
-        # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for rounding.
+        # And Σ over m > modes of |E e^{imθ}| after one cycle (proved), with an allowance for
+        # rounding.
         beyond = fine.noise.tail(fine.modes) + MATRIX * float(np.linalg.norm(fine.kappa))
         left += beyond * float(np.dot(fine.rule[1], np.abs(density)))
         growth = 1.0 + self._growth
@@ -131,16 +137,24 @@ class FourierLaw(StationaryLaw):
 
     @cached_property
     def density_error(self) -> float:
-        """Bound on sup|p - p̃|, per radian: on a grid so fine that Bernstein's inequality leaves 2 %."""
+        """Bound on sup|p - p̃|, per radian: on a grid so fine that Bernstein's inequality leaves 2
+        %.
+        """
         basis, correction, _, remainder = self.error
         count = _GRID_FACTOR * basis.modes
         spectrum = np.zeros(count // 2 + 1, dtype=np.complex128)
         spectrum[0] = correction[0]
-        spectrum[1 : basis.modes + 1] = correction[1 : basis.modes + 1] - 1j * correction[basis.modes + 1 :]
-        return 1.02 * float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI + remainder
+        spectrum[1 : basis.modes + 1] = (
+            correction[1 : basis.modes + 1] - 1j * correction[basis.modes + 1 :]
+        )
+        return (
+            1.02 * float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI + remainder
+        )
 
     def _dual_bound(self, moments: Array) -> float:
-        """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's higher modes."""
+        """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's
+        higher modes.
+        """
         return 2.0 * float(np.max(np.abs(self.dual(moments)), initial=1.0)) * self.error[2]
 
     def moment_error(self, order: int) -> float:
@@ -152,10 +166,11 @@ class FourierLaw(StationaryLaw):
         return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
     def map_error(self, moments: Array, direct: Any = 0.0) -> float:
-        """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to ``max_error``.
+        """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
+        ``max_error``.
 
-        ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E z(F + ξ) in F, and
-        ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
+        ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
+        z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
         basis, epsilon = self.basis, self.basis.map.max_error
         if epsilon == 0.0:
@@ -167,7 +182,8 @@ class FourierLaw(StationaryLaw):
 
     @cached_property
     def density_map_error(self) -> Array:
-        """First-order bounds on the change of the density, per radian, when F is off by up to ``max_error``.
+        """First-order bounds on the change of the density, per radian, when F is off by up to
+        ``max_error``.
 
         ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
@@ -182,11 +198,16 @@ class FourierLaw(StationaryLaw):
         return np.asarray(epsilon * (mass[held] @ slopes))
 
     def expectation(
-        self, function: Callable[[Array], Array], rules: tuple[Rule, Rule] | None = None, direct: float = 0.0
+        self,
+        function: Callable[[Array], Array],
+        rules: tuple[Rule, Rule] | None = None,
+        direct: float = 0.0,
     ) -> Estimate:
-        """E h under p̃ on the finer of two rules (default: the bases' own); their difference is in the bound.
+        """E h under p̃ on the finer of two rules (default: the bases' own); their difference is in
+        the bound.
 
-        direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error`` makes.
+        direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error``
+            makes.
         """
         basis, law, (fine, correction, _, _) = self.basis, self.coefficients, self.error
         found, rounding = [], 0.0
@@ -203,7 +224,9 @@ class FourierLaw(StationaryLaw):
         return Estimate(value, bound + self.map_error(moments, direct))
 
     def distance_from_uniform(self) -> Estimate:
-        """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told from it."""
+        """½∫|p - 1/2π|, cut where the density crosses the uniform one; 0 where it cannot be told
+        from it.
+        """
         grid, values = self.grid
         known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
@@ -211,40 +234,56 @@ class FourierLaw(StationaryLaw):
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
         excess = values - 0.5 / np.pi
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-        found = np.sort(bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1]))
+        found = np.sort(
+            bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1])
+        )
         ends = np.append(found, found[0] + TWO_PI).tolist()
         basis = self.basis
-        rules = [arc_rule(basis.map, a, b, basis.size // 2, every_sample=False) for a, b in pairwise(ends) if b > a]
-        parts = [abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules]
+        rules = [
+            arc_rule(basis.map, a, b, basis.size // 2, every_sample=False)
+            for a, b in pairwise(ends)
+            if b > a
+        ]
+        parts = [
+            abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules
+        ]
         return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
 
     def diffusion(self) -> Estimate:
-        """D = lim Var(θ_n)/2n, radians² a cycle, of the lifted path θ' = F(θ) + ξ; its bound is of rounding alone.
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the lifted path θ' = F(θ) + ξ; its bound is of
+        rounding alone.
 
-        With z - Pz = u - E u, u = F(θ) - θ the turn (Poisson's equation), z(θ') - Pz(θ) + ξ is a martingale difference
-        that adds up to the path but for what stays bounded, so D is half its mean square (Gordin & Lifsic 1978):
-        2D = E (u - Eu)² + 2 E (u - Eu) Pz + 2 E ξ z(θ') + E ξ². The third term is there because the kick ξ moves θ'
-        too; for normal noise it is 2σ² E z'(θ') (Stein's identity). inf where ξ has no variance.
+        With z - Pz = u - E u, u = F(θ) - θ the turn (Poisson's equation), z(θ') - Pz(θ) + ξ is a
+        martingale difference that adds up to the path but for what stays bounded, so D is half its
+        mean square (Gordin & Lifsic 1978): 2D = E (u - Eu)² + 2 E (u - Eu) Pz + 2 E ξ z(θ') + E ξ².
+        The third term is there because the kick ξ moves θ' too; for normal noise it is 2σ² E z'(θ')
+        (Stein's identity). inf where ξ has no variance.
 
         Raises InvalidInput unless the degree is 1, and for other noise that has a variance.
         """
         basis = self.basis
         if basis.map.degree != 1:
-            raise InvalidInput(f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1")
+            raise InvalidInput(
+                f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1"
+            )
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
         if not isinstance(basis.noise, WrappedNormal):
             raise InvalidInput(
-                f"the noise is {basis.noise!r}: a diffusion constant is computed for WrappedNormal; else "
-                "sample_staircases tells how paths spread"
+                f"the noise is {basis.noise!r}: a diffusion constant is computed for "
+                "WrappedNormal; else sample_staircases tells how paths spread"
             )
         theta, weight = basis.rule
         turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
-        later = (basis.kappa * dual) @ waves(basis.map(theta), basis.modes)  # Pz, but for a constant
+        later = (basis.kappa * dual) @ waves(
+            basis.map(theta), basis.modes
+        )  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
-        found = 0.5 * correlated + basis.noise.variance * (0.5 + float(np.dot(mass, basis.expected_slope(dual))))
+        found = 0.5 * correlated + basis.noise.variance * (
+            0.5 + float(np.dot(mass, basis.expected_slope(dual)))
+        )
         # Rounding is what the norm of (I - L)⁻¹ magnifies.
         return Estimate(found, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(found)))
 
@@ -255,5 +294,7 @@ def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:
         raise InvalidInput(f"function is {function!r}: give a callable of an array of angles")
     values = finite_array("the function's values", function(theta))
     if values.shape != theta.shape:
-        raise InvalidInput(f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry")
+        raise InvalidInput(
+            f"function turns shape {theta.shape} into {values.shape}: it must act entry by entry"
+        )
     return values

@@ -18,7 +18,9 @@ _DENSE = 320  # below this many unknowns all eigenvalues are computed at once
 _TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less
 _SAME = 1e-9  # eigenvalues nearer to each other, both well conditioned, are one that is there twice
 _WELL_CONDITIONED = 1e3
-_TRUSTED = 1.0 / 16.0  # of the distance to the next: a bound to first order up to there leaves out no second order
+_TRUSTED = (
+    1.0 / 16.0
+)  # of the distance to the next: a bound to first order up to there leaves out no second order
 _SQUARINGS = 8
 _ENOUGH = 1.01  # times a lower bound: an upper one as near as that is not sought any lower
 _SPACE = 48  # vectors after which the residuals of an Arnoldi iteration are first looked at
@@ -28,13 +30,15 @@ _COPIES = 2  # of one eigenvalue that are found
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Leading eigenvalues of a transfer operator, in falling order of modulus; the first is 1, exactly.
+    """Leading eigenvalues of a transfer operator, in falling order of modulus; the first is 1,
+    exactly.
 
-    values : (k,), complex. error_bounds : (k,), bounds on |error| to first order in the residuals of both
-        vectors; inf where that is more than a sixteenth of the distance to the next eigenvalue found, so that the
-        first order tells nothing, or where the basis cannot tell. That none was overlooked is not proved.
-    condition : (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a change of the
-        operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
+    values : (k,), complex. error_bounds : (k,), bounds on |error| to first order in the residuals
+        of both vectors; inf where that is more than a sixteenth of the distance to the next
+        eigenvalue found, so that the first order tells nothing, or where the basis cannot tell.
+        That none was overlooked is not proved.
+    condition : (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a
+        change of the operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
     right, left : (n, k), the vectors' coefficients, wᵀv = 1.
     """
 
@@ -46,7 +50,9 @@ class Spectrum:
 
 
 def leading_values(basis: Discretisation, count: int) -> Complex:
-    """The eigenvalues of largest modulus, 1 first, without vectors; fewer where the basis has fewer."""
+    """The eigenvalues of largest modulus, 1 first, without vectors; fewer where the basis has
+    fewer.
+    """
     deflated = _deflated(basis)
     if basis.size <= _DENSE or 2 * count + 10 >= basis.size:
         found = np.asarray(np.linalg.eigvals(deflated), dtype=np.complex128)
@@ -55,8 +61,12 @@ def leading_values(basis: Discretisation, count: int) -> Complex:
     return np.concatenate([[1.0 + 0.0j], found[_falling(found)]])[:count]
 
 
-def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, count: int) -> Spectrum:
-    """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer basis."""
+def leading_spectrum(
+    basis: Discretisation, finer: Discretisation, law: Array, count: int
+) -> Spectrum:
+    """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer
+    basis.
+    """
     deflated, wanted = _deflated(basis), max(count - 1, 8)
     if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
         from scipy.linalg import eig
@@ -73,11 +83,13 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
         left = _paired(values, right, *_arnoldi(deflated.T, wanted + _COPIES))
     order = _falling(values)[:wanted]
     values, right, left = values[order], right[:, order], left[:, order]
-    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them away.
+    # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them
+    # away.
     kept = np.abs(values) > _TOO_SMALL
     left[:, kept] = deflated.T @ left[:, kept] / values[kept]
     values = np.concatenate([[1.0 + 0.0j], values])
-    # A left vector of the deflated matrix is one of L but for its share of the first, which is the mass.
+    # A left vector of the deflated matrix is one of L but for its share of the first, which is the
+    # mass.
     left = left - np.multiply.outer(basis.mass, law @ left)
     right = np.column_stack([law, right])
     left = np.column_stack([basis.mass, left])
@@ -96,14 +108,17 @@ def leading_spectrum(basis: Discretisation, finer: Discretisation, law: Array, c
     apart[same] = 1.0
     bounds[bounds > _TRUSTED * np.min(apart, axis=1, initial=1.0)] = np.inf
     bounds[0] = 0.0
-    return Spectrum(values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count])
+    return Spectrum(
+        values[:count], bounds[:count], condition[:count], right[:, :count], left[:, :count]
+    )
 
 
 def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     """|λ₂|, with the bounds of every eigenvalue that could be the second largest.
 
-    Where one of those is not known, as near a defective eigenvalue, no more than that it lies between the eigenvalues
-    that are known and the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the operator without its first eigenvalue.
+    Where one of those is not known, as near a defective eigenvalue, no more than that it lies
+    between the eigenvalues that are known and the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the
+    operator without its first eigenvalue.
     """
     moduli, bounds = np.abs(spectrum.values[1:]), spectrum.error_bounds[1:]
     if moduli.size == 0:
@@ -151,8 +166,9 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
     """The leading eigenvalues and vectors by Arnoldi's iteration (1951), residuals checked.
 
     The space of v, Lv, L²v, ... grows until the residuals in it are below 1e-13, and is never
-    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a whole
-    basis end it at the latest. It grows from two v, for from one an eigenvalue is found once only.
+    restarted: noise makes eigenvalues fall so fast that some hundred vectors do, and those of a
+    whole basis end it at the latest. It grows from two v, for from one an eigenvalue is found once
+    only.
     """
     size = matrix.shape[0]
     space = np.zeros((size + _COPIES, size))
@@ -185,9 +201,11 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
 
 
 def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> Complex:
-    """The left vector (n, k) of each right one: of the nearest value; of all copies of a value, the dual basis.
+    """The left vector (n, k) of each right one: of the nearest value; of all copies of a value, the
+    dual basis.
 
-    Any vectors of such an eigenvalue's left space may come out of an iteration, some at right angles to the right one.
+    Any vectors of such an eigenvalue's left space may come out of an iteration, some at right
+    angles to the right one.
     """
     paired = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
     for value in values:
@@ -199,11 +217,18 @@ def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> 
 
 
 def _error_bounds(
-    basis: Discretisation, finer: Discretisation, values: Complex, right: Complex, left: Complex, same: Mask
+    basis: Discretisation,
+    finer: Discretisation,
+    values: Complex,
+    right: Complex,
+    left: Complex,
+    same: Mask,
 ) -> Array:
-    """How far the finer basis moves every eigenvalue, to first order where it has no further functions.
+    """How far the finer basis moves every eigenvalue, to first order where it has no further
+    functions.
 
-    same : (k, k), which values are copies of one: these move by the eigenvalues of their block, at most its row sums.
+    same : (k, k), which values are copies of one: these move by the eigenvalues of their block, at
+        most its row sums.
     """
     if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.

@@ -1,4 +1,6 @@
-"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary distribution, and what is read off it."""
+"""The transfer operator of a noisy circle map, θ' = F(θ) + ξ: its stationary distribution, and what
+is read off it.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,13 @@ from cyclemap.maps.operator.cell_law import CellLaw, cell_law
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, needed_modes
 from cyclemap.maps.operator.metastability import MetastableSet, leaving_errors, slow_chain
 from cyclemap.maps.operator.poisson_equation import FourierLaw
-from cyclemap.maps.operator.spectrum import Spectrum, leading_spectrum, leading_values, mixing_time, second_modulus
+from cyclemap.maps.operator.spectrum import (
+    Spectrum,
+    leading_spectrum,
+    leading_values,
+    mixing_time,
+    second_modulus,
+)
 from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 from cyclemap.one_thread import one_thread
@@ -30,7 +38,8 @@ Function = Callable[[Array], Array]
 
 
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
-    """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them, sorted."""
+    """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them,
+    sorted."""
     before, after = np.roll(values, 1), np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
@@ -54,14 +63,17 @@ _GRID = 16  # grid points a mode on which sets are told apart
 _LEADING = 5  # eigenvalues among which the second largest is told from the rest
 
 
-def transfer_operator(circle_map: CircleMap, noise: Noise | None, *, modes: int | None = None) -> TransferOperator:
-    """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle on.
+def transfer_operator(
+    circle_map: CircleMap, noise: Noise | None, *, modes: int | None = None
+) -> TransferOperator:
+    """The transfer (Perron-Frobenius) operator of θ' = F(θ) + ξ: it carries the law of θ one cycle
+    on.
 
     Parameters
     ----------
     noise : ξ, or None for none.
-    modes : keep this many Fourier modes, at most 2000, instead of as many as the noise lets through: fewer show what
-        the bounds are worth.
+    modes : keep this many Fourier modes, at most 2000, instead of as many as the noise lets
+        through: fewer show what the bounds are worth.
 
     Returns
     -------
@@ -69,17 +81,18 @@ def transfer_operator(circle_map: CircleMap, noise: Noise | None, *, modes: int 
 
     Raises
     ------
-    InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow that more than 2000
-    modes would be needed (for ``WrappedNormal`` below 0.0046 rad). ConvergenceError, from what is computed later, when
-    the map is too steep or too fine for the noise, so that more than 400,000 nodes or 2e12 multiplications would be
-    needed.
+    InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow
+    that more than 2000 modes would be needed (for ``WrappedNormal`` below 0.0046 rad).
+    ConvergenceError, from what is computed later, when the map is too steep or too fine for the
+    noise, so that more than 400,000 nodes or 2e12 multiplications would be needed.
 
     Notes
     -----
-    Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept as the noise lets
-    through, to where the rest of its coefficients sum to less than 1e-17 (see ``FourierDiscretisation``; Galatolo,
-    Monge & Nisoli 2020). ``UniformNoise``, whose density jumps, and None, no noise, take the masses of 512 or 1,024
-    cells, with bounds that fall with their length (see ``CellLaw``); without noise the map must expand.
+    Noise makes every law analytic or smooth, so Fourier modes are all but exact: as many are kept
+    as the noise lets through, to where the rest of its coefficients sum to less than 1e-17 (see
+    ``FourierDiscretisation``; Galatolo, Monge & Nisoli 2020). ``UniformNoise``, whose density
+    jumps, and None, no noise, take the masses of 512 or 1,024 cells, with bounds that fall with
+    their length (see ``CellLaw``); without noise the map must expand.
 
     Examples
     --------
@@ -91,16 +104,21 @@ def transfer_operator(circle_map: CircleMap, noise: Noise | None, *, modes: int 
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if noise is not None and not isinstance(noise, Noise):
-        raise InvalidInput(f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None")
+        raise InvalidInput(
+            f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"
+        )
     if noise is None or noise.jump > 0.0:
         if modes is not None:
             raise InvalidInput(
-                f"modes is {modes!r}, but with {noise!r} nothing is resolved in Fourier modes: leave it out"
+                f"modes is {modes!r}, but with {noise!r} nothing is resolved in Fourier modes: "
+                "leave it out"
             )
         return TransferOperator(circle_map, noise, cell_law(circle_map, noise))
     needed = needed_modes(noise)
     kept = needed if modes is None else whole_number("modes", modes, least=1)
-    return TransferOperator(circle_map, noise, FourierLaw(FourierDiscretisation(circle_map, noise, kept)))
+    return TransferOperator(
+        circle_map, noise, FourierLaw(FourierDiscretisation(circle_map, noise, kept))
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,9 +127,9 @@ class TransferOperator:
 
     map, noise : what it is the operator of. law : its stationary law on a basis.
 
-    Every number knows its accuracy. The bounds come from what the computed law leaves over in L p = p (see
-    ``StationaryLaw.error`` for what in them is proved and what measured); to first order they include the
-    map's own ``max_error``, except in the spectrum and the diffusion constant.
+    Every number knows its accuracy. The bounds come from what the computed law leaves over in L p =
+    p (see ``StationaryLaw.error`` for what in them is proved and what measured); to first order
+    they include the map's own ``max_error``, except in the spectrum and the diffusion constant.
     """
 
     map: CircleMap
@@ -130,7 +148,8 @@ class TransferOperator:
 
     @one_thread
     def density(self, theta: Any) -> Array:
-        """The stationary density per radian at ``theta`` (radians, any shape); see ``error_bound``."""
+        """The stationary density per radian at ``theta`` (radians, any shape);
+        see ``error_bound``."""
         angles = finite_array("theta", theta)
         return self.law.density(angles.ravel()).reshape(angles.shape)
 
@@ -147,8 +166,8 @@ class TransferOperator:
     def is_certain(self) -> bool:
         """Whether the law is known to a tenth of the uniform density, or better.
 
-        It is not where the map has several basins that the noise hardly ever connects: the weights of their parts
-        then are beyond double precision, and the law is any mixture of them.
+        It is not where the map has several basins that the noise hardly ever connects: the weights
+        of their parts then are beyond double precision, and the law is any mixture of them.
         """
         return bool(self.error_bound <= 0.1 / TWO_PI)
 
@@ -166,8 +185,8 @@ class TransferOperator:
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
         """E h(θ) under the stationary law.
 
-        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be singular, like a
-            logarithm, where F' = 0; then the nodes crowd towards those points.
+        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be
+            singular, like a logarithm, where F' = 0; then the nodes crowd towards those points.
         The bound adds to the law's the difference that twice as many nodes make (measured).
         Raises InvalidInput where h is not finite.
 
@@ -176,7 +195,11 @@ class TransferOperator:
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
         """
-        graded = (graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2)) if folds else None
+        graded = (
+            (graded_rule(self.map, self.modes), graded_rule(self.map, self.modes, 2))
+            if folds
+            else None
+        )
         return self.law.expectation(function, graded)
 
     @cached_property
@@ -184,22 +207,32 @@ class TransferOperator:
     def rotation_number(self) -> Estimate:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
         if self.map.degree != 1:
-            raise InvalidInput(f"the map has degree {self.map.degree}: its mean winding is not defined")
-        return self.law.expectation(lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI)
+            raise InvalidInput(
+                f"the map has degree {self.map.degree}: its mean winding is not defined"
+            )
+        return self.law.expectation(
+            lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI
+        )
 
     @cached_property
     @one_thread
     def diffusion(self) -> Estimate:
-        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see ``StationaryLaw.diffusion``.
+        """D = lim Var(θ_n)/2n, radians² a cycle, of the path on the line: see
+        ``StationaryLaw.diffusion``.
 
-        For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other noise is refused.
+        For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other
+        noise is refused.
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
         found = self.law.diffusion()
-        return found if np.isinf(found) else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
+        return (
+            found
+            if np.isinf(found)
+            else Estimate(found, abs(self._finer.diffusion() - found) + found.error_bound)
+        )
 
     @cached_property
     @one_thread
@@ -212,9 +245,11 @@ class TransferOperator:
 
     @one_thread
     def peaks(self) -> Array:
-        """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is uniform.
+        """Angles in [0, 2π) of the local maxima of the stationary density, sorted; none where it is
+        uniform.
 
-        Maxima that rise above their neighbouring minima by less than the error bound are not told apart.
+        Maxima that rise above their neighbouring minima by less than the error bound are not told
+        apart.
         """
         return peaks_of(self.law.slope, *self.law.grid, 4.0 * self.error_bound)
 
@@ -222,8 +257,9 @@ class TransferOperator:
     def eigenvalues(self, k: int) -> npt.NDArray[np.complex128]:
         """The k eigenvalues of largest modulus, in falling order; the first is 1.
 
-        Fewer are returned only when the basis has fewer functions. Small operators are solved whole, large ones by
-        Arnoldi's iteration, whose residuals are checked; ConvergenceError when they fail.
+        Fewer are returned only when the basis has fewer functions. Small operators are solved
+        whole, large ones by Arnoldi's iteration, whose residuals are checked; ConvergenceError when
+        they fail.
         """
         return leading_values(self._noisy_basis, whole_number("k", k, least=1))
 
@@ -235,28 +271,37 @@ class TransferOperator:
 
     @property
     def _noisy_basis(self) -> Discretisation:
-        """The basis, or InvalidInput: without noise most of the spectrum is a disc, which cells do not tell."""
+        """The basis, or InvalidInput: without noise most of the spectrum is a disc, which cells do
+        not tell.
+        """
         if self.noise is None:
-            raise InvalidInput("the noise is None: eigenvalues need noise, for example WrappedNormal(0.02)")
+            raise InvalidInput(
+                "the noise is None: eigenvalues need noise, for example WrappedNormal(0.02)"
+            )
         return self.discretisation
 
     @cached_property
     def spectral_gap(self) -> Estimate:
-        """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus; for its bound see ``spectrum.second_modulus``."""
+        """1 - |λ₂|, λ₂ the eigenvalue of second largest modulus; for its bound see
+        ``spectrum.second_modulus``.
+        """
         second = self._second
         return Estimate(max(0.0, 1.0 - second), second.error_bound)
 
     @cached_property
     def mixing_cycles(self) -> Estimate:
-        """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e; ∞ if |λ₂| = 1."""
+        """-1/ln|λ₂|: cycles in which the slowest departure from the law falls by e;
+        ∞ if |λ₂| = 1."""
         return mixing_time(self._second)
 
     @one_thread
     def metastable_sets(self) -> tuple[MetastableSet, ...]:
-        """The sets of angles among which noise rarely carries a path, the largest share first; or none.
+        """The sets of angles among which noise rarely carries a path, the largest share first; or
+        none.
 
-        Their arcs end where the slow left eigenfunctions say that a path belongs to either side alike: see
-        ``SlowChain``. Bounds: of the shares those of the density; of the chances of leaving see ``leaving_errors``.
+        Their arcs end where the slow left eigenfunctions say that a path belongs to either side
+        alike: see ``SlowChain``. Bounds: of the shares those of the density; of the chances of
+        leaving see ``leaving_errors``.
 
         >>> from cyclemap.maps.noise.noise import WrappedNormal
         >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
@@ -266,7 +311,8 @@ class TransferOperator:
         """
         if not isinstance(self.law, FourierLaw):
             raise InvalidInput(
-                f"the noise is {self.noise!r}: metastable sets need a smooth density, as WrappedNormal has"
+                f"the noise is {self.noise!r}: metastable sets need a smooth density, as "
+                "WrappedNormal has"
             )
         spectrum = self.spectrum(_LEADING)
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
@@ -275,21 +321,36 @@ class TransferOperator:
             return ()
         errors = leaving_errors(chain, spectrum, grid)
         sets = []
-        for arcs, leaving, error in zip(chain.arcs(grid), np.diag(chain.leaving), errors, strict=True):
-            rules = [arc_rule(self.map, start, end, self.modes, every_sample=False) for start, end in arcs]
+        for arcs, leaving, error in zip(
+            chain.arcs(grid), np.diag(chain.leaving), errors, strict=True
+        ):
+            rules = [
+                arc_rule(self.map, start, end, self.modes, every_sample=False)
+                for start, end in arcs
+            ]
             theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
             density = self.density(theta)
-            share = Estimate(float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL)
+            share = Estimate(
+                float(weight @ density), self.error_bound * float(weight.sum()) + INTEGRAL
+            )
             peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
             sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
         return tuple(sorted(sets, key=lambda held: -held.share))
 
-    def mean_passage_time(self, start: float, arc: tuple[float, float], *, lifted: bool = False) -> Estimate:
-        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see ``passage_times``."""
+    def mean_passage_time(
+        self, start: float, arc: tuple[float, float], *, lifted: bool = False
+    ) -> Estimate:
+        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see
+        ``passage_times``.
+        """
         return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
 
-    def hitting_probability(self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]) -> Estimate:
-        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see ``passage_times``."""
+    def hitting_probability(
+        self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]
+    ) -> Estimate:
+        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see
+        ``passage_times``.
+        """
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property

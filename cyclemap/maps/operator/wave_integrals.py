@@ -1,4 +1,6 @@
-"""Integrals of waves of F(θ) times waves of θ, all at once: nodes spread on an even grid, and fast transforms there."""
+"""Integrals of waves of F(θ) times waves of θ, all at once: nodes spread on an even grid, and fast
+transforms there.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 
-# Cells of the grid that a node is spread over, at least twice as many cells as the waves need: what the grid aliases is
-# exp(-18π/√2) = 4e-18 of the nodes' weight.
+# Cells of the grid that a node is spread over, at least twice as many cells as the waves need: what
+# the grid aliases is exp(-18π/√2) = 4e-18 of the nodes' weight.
 _SPREAD = 18
 _HALF = 0.5 * _SPREAD
 _BETA = math.pi * math.sqrt((1.5 * _HALF) ** 2 - 0.8)
@@ -20,16 +22,21 @@ _ENTRIES = 1_000_000  # values at once
 
 
 def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Array:
-    """Return ∫ (1, cos mF, sin mF) (1, cos kθ, sin kθ) dθ for m, k = 1 to `modes`, (2·modes + 1, 2·modes + 1).
+    """Return ∫ (1, cos mF, sin mF) (1, cos kθ, sin kθ) dθ for m, k = 1 to `modes`, (2·modes + 1,
+    2·modes + 1).
 
-    theta : rad, in [0, 2π], nodes (n,) at any distances. weight : their weights. image : F there, rad.
+    theta : rad, in [0, 2π], nodes (n,) at any distances. weight : their weights. image : F there,
+        rad.
 
-    Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the Kaiser-Bessel window (Fessler &
-    Sutton 2003): about n·modes multiplications, where the plain sums take n·modes². Rounding is that of the nodes.
+    Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the
+    Kaiser-Bessel window (Fessler & Sutton 2003): about n·modes multiplications, where the plain
+    sums take n·modes². Rounding is that of the nodes.
     """
-    # A power of two, for fast transforms, and so many that a block of nodes does not meet itself around the circle.
+    # A power of two, for fast transforms, and so many that a block of nodes does not meet itself
+    # around the circle.
     cells = 1 << (max(4 * modes, _BLOCK) + 2 * _SPREAD - 1).bit_length()
-    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their digits.
+    # A cell in two parts, the first so short that its multiples are exact: nodes keep all their
+    # digits.
     coarse = float(np.float32(TWO_PI / cells))
     fine = ((TWO_PI - coarse * cells) + _TWO_PI_REST) / cells
     nearest = np.rint(theta * (cells / TWO_PI))
@@ -45,7 +52,8 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     order = np.arange(modes + 1)
     bend = (_HALF * TWO_PI * order / cells) ** 2
     root = np.sqrt(_BETA**2 - bend)
-    # Of the window's transform, sinh(root) / root: by the difference from β, which rounding leaves alone.
+    # Of the window's transform, sinh(root) / root: by the difference from β, which rounding leaves
+    # alone.
     undone = np.i0(_BETA) / np.sinh(_BETA) / _SPREAD * root * np.exp(bend / (root + _BETA))
     rows = max(1, min(_ROWS, _ENTRIES // theta.size))
     powers = np.empty((theta.size, rows), dtype=np.complex128)
@@ -74,7 +82,9 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
 
 
 def _blocks(first_cell: Array, window: Array) -> list[tuple[Array, slice, Array]]:
-    """Of neighbouring nodes, by their first cells: cells (c,), the nodes, the matrix (c, nodes) that spreads them."""
+    """Of neighbouring nodes, by their first cells: cells (c,), the nodes, the matrix (c, nodes)
+    that spreads them.
+    """
     blocks = []
     first = 0
     while first < first_cell.size:

@@ -1,1 +1,3 @@
-"""Orbits: periodic ones to a stated resolution, their basins, slow passages, and how fast those of one map rotate."""
+"""Orbits: periodic ones to a stated resolution, their basins, slow passages, and how fast those of
+one map rotate.
+"""

@@ -13,7 +13,12 @@ from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.scan import INSET, Cells, iterate, monotone_cells, preimages
-from cyclemap.maps.orbits.periodic_points import Orbit, PeriodicPoints, periodic_orbits, periodic_points
+from cyclemap.maps.orbits.periodic_points import (
+    Orbit,
+    PeriodicPoints,
+    periodic_orbits,
+    periodic_points,
+)
 
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
@@ -32,12 +37,14 @@ class Basin:
     """The set of θ whose orbit tends to one stable orbit.
 
     orbit : the stable orbit.
-    immediate : (period, 2), radians: row i is the open arc (start, end) around ``orbit.points[i]``, the connected
-        part of the basin that holds it; start < end ≤ start + 2π.
-    arcs : (m, 2), radians: all arcs found, disjoint, sorted by start in [0, 2π); an end may exceed 2π.
-    measure : the share of the circle that the arcs cover; its error bound is ``undecided`` and rounding.
-    undecided : the share of the circle that no basin holds (the same number in every basin of a map): it may
-        belong to arcs not yet found, to orbits of longer periods, or to none.
+    immediate : (period, 2), radians: row i is the open arc (start, end) around ``orbit.points[i]``,
+        the connected part of the basin that holds it; start < end ≤ start + 2π.
+    arcs : (m, 2), radians: all arcs found, disjoint, sorted by start in [0, 2π); an end may exceed
+        2π.
+    measure : the share of the circle that the arcs cover; its error bound is ``undecided`` and
+        rounding.
+    undecided : the share of the circle that no basin holds (the same number in every basin of a
+        map): it may belong to arcs not yet found, to orbits of longer periods, or to none.
     """
 
     orbit: Orbit
@@ -48,25 +55,31 @@ class Basin:
 
 
 def basins(
-    circle_map: CircleMap, *, max_period: int = MAX_PERIOD, left_over: float = LEFT_OVER, max_arcs: int = MAX_ARCS
+    circle_map: CircleMap,
+    *,
+    max_period: int = MAX_PERIOD,
+    left_over: float = LEFT_OVER,
+    max_arcs: int = MAX_ARCS,
 ) -> tuple[Basin, ...]:
-    """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by angle.
+    """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by
+    angle.
 
-    Immediate basins: with G the iterate (its square where the multiplier is not positive) that fixes a point p, the arc
-    around p grows from both ends for as long as G(x) lies between x and the arc's far end; it stops at periodic points,
-    at preimages of its other end and at jumps, solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms,
-    whose basins these are; else G is looked at at its extrema, its breaks and 1,024 points between p and the next
-    points that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc, the longest first (nothing
-    is found that does not belong, down to the ends' rounding), until the share ``left_over`` is undecided or nothing
-    new comes, none shorter than a thousandth of it, about ``max_arcs`` at most. Where orbits wander long before they
-    settle much may stay undecided.
+    Immediate basins: with G the iterate (its square where the multiplier is not positive) that
+    fixes a point p, the arc around p grows from both ends for as long as G(x) lies between x and
+    the arc's far end; it stops at periodic points, at preimages of its other end and at jumps,
+    solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms, whose basins these are;
+    else G is looked at at its extrema, its breaks and 1,024 points between p and the next points
+    that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc, the longest
+    first (nothing is found that does not belong, down to the ends' rounding), until the share
+    ``left_over`` is undecided or nothing new comes, none shorter than a thousandth of it, about
+    ``max_arcs`` at most. Where orbits wander long before they settle much may stay undecided.
 
-    Saddle-nodes and neutral orbits have no basin here; what tends to them stays undecided. An attracting jump is no
-    orbit: what it gathers belongs to the stable orbits around it. (Devaney, An Introduction to Chaotic Dynamical
-    Systems, 1.11.)
+    Saddle-nodes and neutral orbits have no basin here; what tends to them stays undecided. An
+    attracting jump is no orbit: what it gathers belongs to the stable orbits around it. (Devaney,
+    An Introduction to Chaotic Dynamical Systems, 1.11.)
 
-    Raises InvalidInput for a bad request or where every point of an arc is periodic, ConvergenceError when the
-    iterates up to ``max_period`` are too steep to scan.
+    Raises InvalidInput for a bad request or where every point of an arc is periodic,
+    ConvergenceError when the iterates up to ``max_period`` are too steep to scan.
 
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.arcs.round(6).tolist(), round(only.measure, 9)
@@ -74,16 +87,27 @@ def basins(
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
-    longest, share = whole_number("max_period", max_period, least=1), positive_number("left_over", left_over)
+    longest, share = (
+        whole_number("max_period", max_period, least=1),
+        positive_number("left_over", left_over),
+    )
     most = whole_number("max_arcs", max_arcs, least=1)
     orbits, immediate = [], []
     for period in range(1, longest + 1):
         stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
-            cells, found = monotone_cells(circle_map, period, 0.0, _RESOLUTION), periodic_points(circle_map, period)
+            cells, found = (
+                monotone_cells(circle_map, period, 0.0, _RESOLUTION),
+                periodic_points(circle_map, period),
+            )
             orbits += stable
             immediate += [
-                np.array([_immediate_arc(circle_map, cells, found, orbit, float(p)) for p in orbit.points])
+                np.array(
+                    [
+                        _immediate_arc(circle_map, cells, found, orbit, float(p))
+                        for p in orbit.points
+                    ]
+                )
                 for orbit in stable
             ]
     if not orbits:
@@ -118,10 +142,15 @@ def _immediate_arc(
             theta = iterate(circle_map, theta, found.period) - TWO_PI * winding
         return theta
 
-    # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its breaks.
+    # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its
+    # breaks.
     edges = np.concatenate([cells.start - INSET * cells.cut, (cells.start + INSET)[cells.cut]])
-    nodes = np.concatenate([np.linspace(below, above, _LOCAL + 1)[1:-1], (edges + TWO_PI * laps).ravel()])
-    nodes = nodes[(np.abs(nodes - point) > _LINEAR) & (nodes > below + INSET) & (nodes < above - INSET)]
+    nodes = np.concatenate(
+        [np.linspace(below, above, _LOCAL + 1)[1:-1], (edges + TWO_PI * laps).ravel()]
+    )
+    nodes = nodes[
+        (np.abs(nodes - point) > _LINEAR) & (nodes > below + INSET) & (nodes < above - INSET)
+    ]
     nodes = np.unique(nodes)
     images = local(nodes)
     low, high = point - _LINEAR, point + _LINEAR
@@ -136,7 +165,9 @@ def _immediate_arc(
     return start, start + min(high - low, TWO_PI)
 
 
-def _reach(local: Lift, nodes: Array, images: Array, end: float, other: float, limit: float) -> float:
+def _reach(
+    local: Lift, nodes: Array, images: Array, end: float, other: float, limit: float
+) -> float:
     """How far the arc grows beyond ``end``, away from ``other``, at most to ``limit``."""
     way = 1.0 if limit > end else -1.0
     ahead = way * (nodes - end) > 0.0
@@ -161,28 +192,44 @@ def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
     return np.asarray((way * image < way * x) & (way * image >= way * other))
 
 
-def _all_preimages(circle_map: CircleMap, immediate: list[Array], left_over: float, most: int) -> tuple[Array, Whole]:
+def _all_preimages(
+    circle_map: CircleMap, immediate: list[Array], left_over: float, most: int
+) -> tuple[Array, Whole]:
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     start = np.concatenate(immediate)
-    waiting, mark = start, np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
+    waiting, mark = (
+        start,
+        np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate]),
+    )
     found, marks, covered = [start], [mark], float(np.sum(start[:, 1] - start[:, 0]))
     for _ in range(_BATCHES):
-        if waiting.size == 0 or covered >= TWO_PI * (1.0 - left_over) or sum(map(len, found)) > most:
+        if (
+            waiting.size == 0
+            or covered >= TWO_PI * (1.0 - left_over)
+            or sum(map(len, found)) > most
+        ):
             break
         order = np.argsort(waiting[:, 0] - waiting[:, 1])
         now, later = np.split(order, [max(_BATCH, order.size // 4)])
         # The arcs that F maps into those: between preimages of their ends, and breaks.
-        theta = np.mod(preimages(circle_map, cells, np.unique(np.mod(waiting[now].ravel(), TWO_PI))), TWO_PI)
+        theta = np.mod(
+            preimages(circle_map, cells, np.unique(np.mod(waiting[now].ravel(), TWO_PI))), TWO_PI
+        )
         edges = np.unique(np.concatenate([theta, circle_map.breaks]))
         new = np.stack([edges, np.append(edges[1:], edges[:1] + TWO_PI)], axis=1)
         holder = _holder(waiting[now], circle_map(np.mean(new, axis=1)))
         new, new_mark = new[holder >= 0], mark[now][holder[holder >= 0]]
-        fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (_holder(start, np.mean(new, axis=1)) < 0)
+        fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (
+            _holder(start, np.mean(new, axis=1)) < 0
+        )
         found.append(new[fresh])
         marks.append(new_mark[fresh])
         covered += float(np.sum(new[fresh, 1] - new[fresh, 0]))
-        waiting, mark = np.concatenate([waiting[later], new[fresh]]), np.append(mark[later], new_mark[fresh])
+        waiting, mark = (
+            np.concatenate([waiting[later], new[fresh]]),
+            np.append(mark[later], new_mark[fresh]),
+        )
     return np.concatenate(found), np.concatenate(marks)
 
 

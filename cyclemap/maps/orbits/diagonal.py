@@ -1,4 +1,6 @@
-"""Where an iterate crosses the diagonal: whole turns counted at cell ends, touches and breaks settled."""
+"""Where an iterate crosses the diagonal: whole turns counted at cell ends, touches and breaks
+settled.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,11 @@ from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, ite
 
 RESOLUTION = 512  # cells a turn, at least
 TANGENCY = 1e-12  # radians: extrema and ends of jumps this near a whole turn touch it
-_IDENTITY = 1e-11  # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
+# radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
+_IDENTITY = 1e-11
 _FLAT = 1e-2  # radians: on a longer arc Fⁿ = id + 2πw to rounding is an arc of periodic points
-_MATE = 1e-4  # radians: how near an extremum the image of a touch must lie to be a touch of the same orbit
+# radians: how near an extremum the image of a touch must lie to be a touch of the same orbit
+_MATE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,8 @@ class JumpCrossing:
     """A jump of F across the diagonal: no fixed point, though orbits may gather or part there.
 
     theta : the break, radians; winding : the w of the crossed line θ + 2πw.
-    attracting : True when both sides move towards the break (a downward jump): it acts as an attractor.
+    attracting : True when both sides move towards the break (a downward jump): it acts as an
+        attractor.
     """
 
     theta: float
@@ -37,8 +42,9 @@ class JumpCrossing:
 class DiagonalScan:
     """Cells with, at each end, how many whole turns lie below g: what counts as a crossing.
 
-    Beside them the points that lie at a node within the tangency: ``touch`` (g meets a whole turn without crossing
-    it), ``kink`` (a crossing on a kink) and ``border`` (g ends there at a jump), each a list of (θ, w).
+    Beside them the points that lie at a node within the tangency: ``touch`` (g meets a whole turn
+    without crossing it), ``kink`` (a crossing on a kink) and ``border`` (g ends there at a jump),
+    each a list of (θ, w).
     """
 
     cells: Cells
@@ -55,10 +61,14 @@ class DiagonalScan:
         return round(self.cells.climb / TWO_PI)
 
 
-def displacement(circle_map: CircleMap, theta: Array, period: int, winding: Whole) -> tuple[Array, Array, Array]:
-    """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted apart.
+def displacement(
+    circle_map: CircleMap, theta: Array, period: int, winding: Whole
+) -> tuple[Array, Array, Array]:
+    """(Fⁿ(θ) - θ - 2πw, (Fⁿ)'(θ), a bound on the first one's rounding); whole turns are counted
+    apart.
 
-    The bound adds up ``LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the slopes.
+    The bound adds up ``LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the
+    slopes.
     """
     image, slope = theta, np.ones_like(theta)
     turns = np.zeros(theta.shape, dtype=np.int64)
@@ -86,7 +96,10 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
     for i in np.flatnonzero(~joined):
-        before, after = int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0), int(scan.turn_start[i])
+        before, after = (
+            int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0),
+            int(scan.turn_start[i]),
+        )
         theta = float(cells.start[i])
         for w in range(min(before, after) + 1, max(before, after) + 1):
             if (theta, w) not in met:
@@ -109,36 +122,55 @@ def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
     near[near] = np.all(np.abs(residual) <= 2.0 * rounding, axis=0)
     # A touch of high order is flat as well, but on a short stretch that no breaks bound.
     stretch = np.cumsum(~near)
-    flat = near & ((np.bincount(stretch, width * near)[stretch] > _FLAT) | (cells.cut & np.roll(cells.cut, -1)))
+    flat = near & (
+        (np.bincount(stretch, width * near)[stretch] > _FLAT) | (cells.cut & np.roll(cells.cut, -1))
+    )
     if np.any(flat):
         raise InvalidInput(
-            f"every point near θ = {cells.start[flat][0]:.6g} has period {cells.period}: the map's iterate is a "
-            "rotation by whole turns there, so they cannot be listed; perturb the map or ask for its rotation number"
+            f"every point near θ = {cells.start[flat][0]:.6g} has period {cells.period}: the map's "
+            "iterate is a rotation by whole turns there, so they cannot be listed; perturb the map "
+            "or ask for its rotation number"
         )
 
 
-# -- cell ends that lie on the diagonal, within the tangency -------------------------------------------------
+# -- cell ends that lie on the diagonal, within the tangency
+# -------------------------------------------------
 
 
 def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array, Whole]:
-    """How far from a whole turn each cell end still counts as on it, and the ends where that needs settling.
+    """How far from a whole turn each cell end still counts as on it, and the ends where that needs
+    settling.
 
-    Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at extrema and breaks
-    can plain counting lose or double a root. All points of one orbit are judged alike.
+    Ends are counted 0, 1, 2, ...: the start of cell 0, its end, the start of cell 1, ... Only at
+    extrema and breaks can plain counting lose or double a root. All points of one orbit are judged
+    alike.
     """
     rising = is_rising(cells)
     special = np.flatnonzero((rising != np.roll(rising, 1)) | cells.cut)
     tolerance = np.full(2 * cells.start.size, TANGENCY)
     if special.size == 0:
         return tolerance, special
-    after, before = cells.g_start[special], np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
+    after, before = (
+        cells.g_start[special],
+        np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0),
+    )
     inside = cells.start[special] + INSET * cells.cut[special]
     _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
-    allowed = TANGENCY + rounding + LIFT * np.abs(after) + np.where(joined[special], np.abs(after - before), 0.0)
+    allowed = (
+        TANGENCY
+        + rounding
+        + LIFT * np.abs(after)
+        + np.where(joined[special], np.abs(after - before), 0.0)
+    )
     gap = np.minimum(_gap(after), _gap(before))
-    # A touch of an iterate makes touches of the extrema next to its images: their tolerances are raised.
+    # A touch of an iterate makes touches of the extrema next to its images: their tolerances are
+    # raised.
     touches, nodes, raised = gap <= allowed, cells.start[special], allowed.copy()
-    image, stretch, reach = nodes[touches], np.ones(np.count_nonzero(touches)), 4.0 * (gap + allowed)[touches]
+    image, stretch, reach = (
+        nodes[touches],
+        np.ones(np.count_nonzero(touches)),
+        4.0 * (gap + allowed)[touches],
+    )
     for _ in range(cells.period - 1 if image.size else 0):
         stretch = stretch * np.abs(circle_map.derivative(image))
         image = np.mod(circle_map(image), TWO_PI)
@@ -147,7 +179,9 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
         raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
     allowed = raised
     tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
-    ends = np.concatenate([2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1])
+    ends = np.concatenate(
+        [2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1]
+    )
     return tolerance, np.mod(ends, 2 * cells.start.size)
 
 
@@ -156,16 +190,19 @@ def _gap(g: Array) -> Array:
 
 
 def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:
-    """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the run.
+    """Judge the run of ends around ``seed`` that lie on the same whole turn as one point; list the
+    run.
 
-    Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole laps.
+    Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole
+    laps.
     """
     cells, ends = scan.cells, tolerance.size
     g = np.stack([cells.g_start, cells.g_end], axis=1).ravel()
     w = round(float(g[seed]) / TWO_PI)
 
     def reached(step: int) -> tuple[int, bool | None]:
-        """The last end of the run this way, and whether g then lies above the line; None at a jump."""
+        """The last end of the run this way, and whether g then lies above the line;
+        None at a jump."""
         e = seed
         for _ in range(ends):
             later = max(e, e + step)
@@ -185,7 +222,10 @@ def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> l
         found.append((theta, w - scan.lap * (laps + wraps)))
 
     (low, below), (high, beyond) = reached(-1), reached(1)
-    split, sides = high + 1, (below, below)  # whether g lies above the line at the ends before and from the split
+    split, sides = (
+        high + 1,
+        (below, below),
+    )  # whether g lies above the line at the ends before and from the split
     if below is None or beyond is None:
         sides = (bool(beyond), False) if below is None else (below, False)
         record(scan.border, low if below is None else high)
@@ -193,8 +233,11 @@ def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> l
         height = [float(g[e % ends]) + cells.climb * (e // ends) for e in range(low, high + 1)]
         record(scan.touch, low + int(np.argmin(height) if below else np.argmax(height)))
     else:
-        kinks = [e for e in range(low + 1, high + 1) if e % 2 == 0 and cells.cut[e // 2 % joined.size]]
-        # On no kink the root is sought in the run's middle cell: where three roots merge, the middle one.
+        kinks = [
+            e for e in range(low + 1, high + 1) if e % 2 == 0 and cells.cut[e // 2 % joined.size]
+        ]
+        # On no kink the root is sought in the run's middle cell: where three roots merge, the
+        # middle one.
         split, sides = kinks[0] if kinks else (low + high + 1) // 2 | 1, (below, beyond)
         if kinks:
             record(scan.kink, split)

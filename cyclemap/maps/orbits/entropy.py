@@ -1,4 +1,6 @@
-"""Topological entropy of folded lifts with bounds from both sides, and the itineraries of their folds."""
+"""Topological entropy of folded lifts with bounds from both sides, and the itineraries of their
+folds.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,9 @@ class Folds:
         return np.searchsorted(self.theta, own, side="right") - 1, own
 
     def itinerary(self, fold: int, length: int, push: float = 0.0) -> Itinerary:
-        """The branches that the fold's images run through, ``length`` at most, its value moved outward by ``push``."""
+        """The branches that the fold's images run through, ``length`` at most, its value moved
+        outward by ``push``.
+        """
         letters: list[int] = []
         turns: list[int] = []
         image = float(self.value[fold]) - push * self.parts[fold].direction
@@ -64,10 +68,11 @@ class Folds:
         return Itinerary(letters, turns, None, False)
 
     def orbit(self, route: Itinerary, at_end: bool) -> list[tuple[int, float]]:
-        """Points (branch, angle in its own turn) that go through the route's branches, and end at an end of the last.
+        """Points (branch, angle in its own turn) that go through the route's branches, and end at
+        an end of the last.
 
-        Pulled back from there, so that nothing grows. Where a branch's image does not reach so far, it is its own end
-        that is the last point.
+        Pulled back from there, so that nothing grows. Where a branch's image does not reach so far,
+        it is its own end that is the last point.
         """
         last = self.parts[route.letters[-1]]
         points = [(route.letters[-1], last.end if at_end else last.start)]
@@ -78,7 +83,9 @@ class Folds:
             if low < wanted < high:
                 points.insert(0, (letter, float(part.inverse(wanted))))
             else:
-                points = [(letter, part.start if (wanted <= low) == (part.direction > 0) else part.end)]
+                points = [
+                    (letter, part.start if (wanted <= low) == (part.direction > 0) else part.end)
+                ]
         return points
 
 
@@ -96,7 +103,8 @@ class Itinerary:
 
 
 def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> Estimate:
-    """The topological entropy of a continuous lift's circle map, natural logarithm a cycle, between two bounds.
+    """The topological entropy of a continuous lift's circle map, natural logarithm a cycle, between
+    two bounds.
 
     Parameters
     ----------
@@ -108,19 +116,22 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
 
     Raises
     ------
-    InvalidInput for lifts with jumps or plateaus, and where the orbits of the folds have more than 3,000 points.
+    InvalidInput for lifts with jumps or plateaus, and where the orbits of the folds have more than
+    3,000 points.
 
     Notes
     -----
-    Each fold's value is moved down to the nearest one whose orbit runs through the same branches and ends at a fold.
-    The folds and these orbits cut the circle into cells that F carries over whole cells: the logarithm of the graph's
-    largest eigenvalue is a lower bound (horseshoes: Misiurewicz 1979). Moved up instead, F's cells meet no other cells
-    than the graph says, so Fⁿ has no more laps than the graph has paths: an upper bound (Misiurewicz & Szlenk 1980).
-    The orbits are pulled back through the branches and good to rounding; proved but for that. The two bounds meet like
-    exp(-h·iterates), to where an orbit is lost in rounding. Folds are lowered and raised by the map's ``max_error``
-    before, and for the bounds alone by 1e-9 radians where an image meets a fold to rounding, but not to the last digit.
-    Without folds the entropy is ln max(1, |degree|), and never below. A kink that is a repelling fixed point opens to a
-    horseshoe however little it is moved: there bounds with ``max_error`` are wide.
+    Each fold's value is moved down to the nearest one whose orbit runs through the same branches
+    and ends at a fold. The folds and these orbits cut the circle into cells that F carries over
+    whole cells: the logarithm of the graph's largest eigenvalue is a lower bound (horseshoes:
+    Misiurewicz 1979). Moved up instead, F's cells meet no other cells than the graph says, so Fⁿ
+    has no more laps than the graph has paths: an upper bound (Misiurewicz & Szlenk 1980). The
+    orbits are pulled back through the branches and good to rounding; proved but for that. The two
+    bounds meet like exp(-h·iterates), to where an orbit is lost in rounding. Folds are lowered and
+    raised by the map's ``max_error`` before, and for the bounds alone by 1e-9 radians where an
+    image meets a fold to rounding, but not to the last digit. Without folds the entropy is ln
+    max(1, |degree|), and never below. A kink that is a repelling fixed point opens to a horseshoe
+    however little it is moved: there bounds with ``max_error`` are wide.
 
     Examples
     --------
@@ -135,8 +146,13 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
         return Estimate(least, 0.0)
 
     def bounds(pushes: Array) -> tuple[float, float]:
-        """The lower bound with every fold moved inward by so much, the upper one with them moved outward."""
-        inner, outer = ([folds.itinerary(k, most, by) for k, by in enumerate(way * pushes)] for way in (-1.0, 1.0))
+        """The lower bound with every fold moved inward by so much, the upper one with them moved
+        outward.
+        """
+        inner, outer = (
+            [folds.itinerary(k, most, by) for k, by in enumerate(way * pushes)]
+            for way in (-1.0, 1.0)
+        )
         low = max(least, _log_growth(folds, inner, up=False))
         return low, max(low, _log_growth(folds, outer, up=True))
 
@@ -144,8 +160,8 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     size = sum(len(route.letters) for route in plain)
     if size > _MOST_CELLS:
         raise InvalidInput(
-            f"iterates is {most}: the orbits of {len(plain)} folds have {size} points or more, above "
-            f"{_MOST_CELLS}; take fewer"
+            f"iterates is {most}: the orbits of {len(plain)} folds have {size} points or more, "
+            f"above {_MOST_CELLS}; take fewer"
         )
     known = np.full(len(plain), circle_map.max_error)
     nearly = np.array([route.closes is not None and not route.exactly for route in plain])
@@ -166,8 +182,8 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
     Returns
     -------
-    One sequence a fold; fold j is the start of branch j. Branches are counted as ``branches`` lists them, from 0. Empty
-    for lifts without folds.
+    One sequence a fold; fold j is the start of branch j. Branches are counted as ``branches`` lists
+    them, from 0. Empty for lifts without folds.
 
     Raises
     ------
@@ -175,8 +191,8 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
     Notes
     -----
-    A sequence ends early where an image meets a fold (with a branch beside it), or where rounding cannot tell its side
-    of one (Milnor & Thurston 1988).
+    A sequence ends early where an image meets a fold (with a branch beside it), or where rounding
+    cannot tell its side of one (Milnor & Thurston 1988).
 
     Examples
     --------
@@ -198,16 +214,20 @@ def _folds(circle_map: CircleMap) -> Folds:
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0
         if part.direction == 0 or abs(part.end_value - after.start_value - climb) > JUMP:
             raise InvalidInput(
-                f"F jumps or is constant near θ = {part.end % TWO_PI:.6g}: entropy is computed for continuous lifts "
-                "without plateaus"
+                f"F jumps or is constant near θ = {part.end % TWO_PI:.6g}: entropy is computed for "
+                "continuous lifts without plateaus"
             )
     return Folds(circle_map, parts)
 
 
 def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
-    """ln of the largest eigenvalue of the graph of cells, all folds moved outward if ``up``, else inward."""
+    """ln of the largest eigenvalue of the graph of cells, all folds moved outward if ``up``, else
+    inward.
+    """
     count, degree = len(folds.parts), folds.map.degree
-    images: dict[float, tuple[int, float]] = {}  # of base angles in their branch's own turn: whole turns and base angle
+    images: dict[
+        float, tuple[int, float]
+    ] = {}  # of base angles in their branch's own turn: whole turns and base angle
     values: list[tuple[int, float]] = []  # of the folds
     for fold, route in enumerate(routes):
         maximum = folds.parts[fold].direction < 0
@@ -218,10 +238,16 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
         placed = []
         for letter, own in chosen:
             is_fold = own == folds.parts[letter].end
-            base = float(folds.theta[(letter + 1) % count]) if is_fold else own - TWO_PI * (own >= TWO_PI)
+            base = (
+                float(folds.theta[(letter + 1) % count])
+                if is_fold
+                else own - TWO_PI * (own >= TWO_PI)
+            )
             placed.append((round((own - base) / TWO_PI), base))
         values.append((placed[0][0] + route.turns[0], placed[0][1]))
-        for (_, base), (turn, after), turns in zip(placed[:-1], placed[1:], route.turns[1:], strict=False):
+        for (_, base), (turn, after), turns in zip(
+            placed[:-1], placed[1:], route.turns[1:], strict=False
+        ):
             images[base] = (turn + turns, after)
     points = np.unique(np.concatenate([folds.theta, np.array(list(images))]))
     size = points.size
@@ -233,7 +259,9 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
 
     graph = np.zeros((size, size))
     letters = folds.branch(points)[0]
-    for cell, (base, following) in enumerate(zip(points.tolist(), np.roll(points, -1).tolist(), strict=True)):
+    for cell, (base, following) in enumerate(
+        zip(points.tolist(), np.roll(points, -1).tolist(), strict=True)
+    ):
         letter = int(letters[cell])
         start = position(values[letter] if base in fold_of else images[base])
         if following in fold_of:

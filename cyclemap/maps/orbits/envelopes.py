@@ -1,4 +1,6 @@
-"""Monotone envelopes of a degree-1 lift: the nearest nondecreasing maps above and below (water levels)."""
+"""Monotone envelopes of a degree-1 lift: the nearest nondecreasing maps above and below (water
+levels).
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
 
 
 def is_nondecreasing(circle_map: CircleMap) -> bool:
-    """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the lift.
+    """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the
+    lift.
 
     >>> is_nondecreasing(CircleMap.arnold(0.2, 0.9)), is_nondecreasing(CircleMap.arnold(0.2, 1.1))
     (True, False)
@@ -31,7 +34,8 @@ def is_nondecreasing(circle_map: CircleMap) -> bool:
 def largest_descent(circle_map: CircleMap) -> float:
     """The largest F(x) - F(y) over x < y, radians; 0 for a nondecreasing lift.
 
-    Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see ``GRAIN``).
+    Folds as wide as a tenth of a milliradian are found, narrower ones may be missed (see
+    ``GRAIN``).
     """
     if circle_map.breaks.size == 0 and circle_map.pieces is not None and circle_map.pieces.rises():
         return 0.0
@@ -51,10 +55,10 @@ def largest_descent(circle_map: CircleMap) -> float:
 def upper_envelope(circle_map: CircleMap) -> CircleMap:
     """F⁺(x) = sup of F over (-∞, x]: nondecreasing, degree 1, at or above F.
 
-    Folds and downward jumps become plateaus, whose ends are the breaks of the result. (Chenciner, Gambaudo &
-    Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics and Entropy in Dimension One, ch. 3.)
-    Levels and ends are found to a few rounding units of the angle, so its ``max_error`` is that of F plus
-    6e-15·max|F'|.
+    Folds and downward jumps become plateaus, whose ends are the breaks of the result. (Chenciner,
+    Gambaudo & Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics and Entropy in
+    Dimension One, ch. 3.) Levels and ends are found to a few rounding units of the angle, so its
+    ``max_error`` is that of F plus 6e-15·max|F'|.
 
     >>> raised = upper_envelope(CircleMap.arnold(0.0, 3.0))
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
@@ -78,12 +82,15 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one."""
     if circle_map.degree != 1:
-        raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
+        raise InvalidInput(
+            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
+        )
     return _with_plateaus(circle_map, *envelope_plateaus(circle_map, mirror))
 
 
 def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Array, Array, float]:
-    """Starts, ends and levels of one turn of the upper envelope's plateaus (``mirror`` -1: the lower one's), radians.
+    """Starts, ends and levels of one turn of the upper envelope's plateaus (``mirror`` -1: the
+    lower one's), radians.
 
     And what levels and ends may be off.
     """
@@ -91,13 +98,17 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
     if mirror > 0.0:
         start, end, level = _plateaus(circle_map, theta, value, 1.0)
     else:  # x → -F(-x) swaps infimum from the right with supremum from the left
-        end, start, level = (-part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0))
+        end, start, level = (
+            -part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
+        )
     return start, end, level, SIDE_STEP * steepest
 
 
 @lru_cache(maxsize=2)  # both envelopes and the descent of one map ask for it
 def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
-    """Points (θ, F) in order over [0, 2π], F monotone between neighbours, a jump one θ twice; the largest |F'|."""
+    """Points (θ, F) in order over [0, 2π], F monotone between neighbours, a jump one θ twice; the
+    largest |F'|.
+    """
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
     # The limits at a break, nearer than the cells read them.
@@ -111,8 +122,12 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     return theta, value, steepest
 
 
-def _plateaus(circle_map: CircleMap, nodes: Array, values: Array, mirror: float) -> tuple[Array, Array, Array]:
-    """Starts (one turn of them), ends and levels of the intervals where the running maximum exceeds F."""
+def _plateaus(
+    circle_map: CircleMap, nodes: Array, values: Array, mirror: float
+) -> tuple[Array, Array, Array]:
+    """Starts (one turn of them), ends and levels of the intervals where the running maximum exceeds
+    F.
+    """
     theta = np.concatenate([nodes + TWO_PI * k for k in (-1, 0, 1)])
     value = np.concatenate([values + TWO_PI * k for k in (-1, 0, 1)])
     highest = np.maximum.accumulate(value)
@@ -139,7 +154,9 @@ def _plateaus(circle_map: CircleMap, nodes: Array, values: Array, mirror: float)
     return theta[first], end, level
 
 
-def _with_plateaus(circle_map: CircleMap, start: Array, end: Array, level: Array, inexact: float) -> CircleMap:
+def _with_plateaus(
+    circle_map: CircleMap, start: Array, end: Array, level: Array, inexact: float
+) -> CircleMap:
     """The map with F replaced by ``level`` on each [start, end], the plateaus given for one turn.
 
     inexact : radians, what levels and ends may be off, added to the map's ``max_error``.

@@ -1,4 +1,6 @@
-"""Periodic points and orbits: every solution of Fⁿ(θ) = θ + 2πw in one turn, with multipliers and error bounds."""
+"""Periodic points and orbits: every solution of Fⁿ(θ) = θ + 2πw in one turn, with multipliers and
+error bounds.
+"""
 
 from __future__ import annotations
 
@@ -36,20 +38,24 @@ _ARRAYS = ("theta", "winding", *_SLOPES, "prime_period", "kind", "error_bound")
 
 @dataclass(frozen=True, eq=False)
 class PeriodicPoints:
-    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period; each array has shape (count,).
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period; each array has shape
+    (count,).
 
-    theta : radians, sorted. winding : w of each point. multiplier, left_multiplier : (Fⁿ)' from the right and
-        from the left; they differ only where the orbit meets a kink. multiplier_error : a bound on the error of both,
-        from that of F' (by differences where none was given) and that of the points.
+    theta : radians, sorted. winding : w of each point. multiplier, left_multiplier : (Fⁿ)' from the
+        right and from the left; they differ only where the orbit meets a kink. multiplier_error : a
+        bound on the error of both, from that of F' (by differences where none was given) and that
+        of the points.
     prime_period : the least d with F^d(θ) = θ on the circle, a divisor of n.
     kind : "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
-    error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has opposite
-        signs at the two ends, by more than rounding (so a crossing lies between them); at a saddle-node it is
-        farther from zero than 1e-12 radians on both sides. Takes the lift to be good to four units of rounding of
-        2π + |F|; the error of a sampled map is not in it. inf where no such bracket was found (at jumps).
+    error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it
+        has opposite signs at the two ends, by more than rounding (so a crossing lies between them);
+        at a saddle-node it is farther from zero than 1e-12 radians on both sides. Takes the lift to
+        be good to four units of rounding of 2π + |F|; the error of a sampled map is not in it. inf
+        where no such bracket was found (at jumps).
     image : index of the point that F maps each point to; -1 where that point is not in the list.
-    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes, allows:
-        about 1 or less when every point is as good as double precision lets it be. 0 without points.
+    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
+        allows: about 1 or less when every point is as good as double precision lets it be. 0
+        without points.
     period : n.
     """
 
@@ -72,27 +78,37 @@ class PeriodicPoints:
 
 
 def periodic_points(
-    circle_map: CircleMap, period: int, winding: int | None = None, *, proved: bool = False, slope_error: float = 0.0
+    circle_map: CircleMap,
+    period: int,
+    winding: int | None = None,
+    *,
+    proved: bool = False,
+    slope_error: float = 0.0,
 ) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
-    One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each cell's ends meets Fⁿ at
-    inner probes, and split at the extrema of Fⁿ - id. Then every sign change is bracketed and solved to rounding
-    (Chandrupatla 1997, and Newton's steps). Complete but for pairs of extrema of a hump or dent of F narrower, at half
-    its height, than a tenth of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
-    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it changes it; a curve that
-    ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit are judged alike.
+    One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each
+    cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign
+    change is bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps). Complete but
+    for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
+    milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding)
+    count as one: a "saddle-node" where the curve keeps its side, a crossing where it changes it; a
+    curve that ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit
+    are judged alike.
 
-    proved : by interval arithmetic (the extra ``proofs``) instead: number, prime periods, images, and all bounds are
-        theorems, with nothing left to a resolution, about the formula of the lift with the floats in it; of a sampled
-        map about every smooth map within ``max_error`` of its values and ``slope_error`` of its slopes. For smooth
-        lifts written with arithmetic, powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan and
-        arctan2, and for maps composed of such. Slopes come from the lift itself, not from ``derivative``. Takes
-        about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused, and with them saddle-nodes.
+    proved : by interval arithmetic (the extra ``proofs``) instead: number, prime periods, images,
+        and all bounds are theorems, with nothing left to a resolution, about the formula of the
+        lift with the floats in it; of a sampled map about every smooth map within ``max_error`` of
+        its values and ``slope_error`` of its slopes. For smooth lifts written with arithmetic,
+        powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan and arctan2, and
+        for maps composed of such. Slopes come from the lift itself, not from ``derivative``. Takes
+        about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused, and with them
+        saddle-nodes.
     slope_error : for ``proved`` and sampled maps only.
 
-    Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than 2,000,000 cells; with
-    ``proved`` InvalidInput for lifts that do not take intervals, ConvergenceError for what cannot be decided.
+    Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than
+    2,000,000 cells; with ``proved`` InvalidInput for lifts that do not take intervals,
+    ConvergenceError for what cannot be decided.
 
     >>> doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
     >>> found = periodic_points(doubling, 12)
@@ -104,7 +120,9 @@ def periodic_points(
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     if slope_error and not proved:
-        raise InvalidInput(f"slope_error is {slope_error!r}: it is a bound for proofs; give proved=True with it")
+        raise InvalidInput(
+            f"slope_error is {slope_error!r}: it is a bound for proofs; give proved=True with it"
+        )
     found = _proved(circle_map, n, slope_error) if proved else _computed(circle_map, n)
     # Those with the wanted winding, read-only; links to points left out are cut.
     keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
@@ -129,16 +147,22 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     # Stability of 0 under x → left·x (x < 0), right·x (x > 0).
     flips = (left < 0.0) & (right < 0.0)
     attracts = np.where(flips, left * right < 1.0, np.maximum(left, right) < 1.0)
-    slope_error = _multiplier_error(circle_map, roots.theta, n, np.maximum(np.abs(left), np.abs(right)), bound)
+    slope_error = _multiplier_error(
+        circle_map, roots.theta, n, np.maximum(np.abs(left), np.abs(right)), bound
+    )
     unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
     neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= unsure
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
-    return PeriodicPoints(roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual)
+    return PeriodicPoints(
+        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual
+    )
 
 
 def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints:
-    """The proved points as arrays: their periods follow from their images, their kinds from their multipliers."""
+    """The proved points as arrays: their periods follow from their images, their kinds from their
+    multipliers.
+    """
     points = proved_points(circle_map, n, slope_error)
     multipliers = [point.multiplier for point in points]
     theta = np.array([point.theta for point in points])
@@ -152,8 +176,12 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
         reached = image[reached]
         prime = np.where((reached == np.arange(theta.size)) & (prime == n), d, prime)
     size = np.abs(multiplier)
-    kind = np.where(np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")).astype("<U16")
-    return PeriodicPoints(theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n, 0.0)
+    kind = np.where(
+        np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
+    ).astype("<U16")
+    return PeriodicPoints(
+        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n, 0.0
+    )
 
 
 _CROSSING, _KINK, _TOUCH, _BORDER = range(4)
@@ -172,7 +200,8 @@ class _Roots:
 
 
 def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
-    """All roots, after Newton's steps with whole turns counted apart, as long as they help; sorted."""
+    """All roots, after Newton's steps with whole turns counted apart, as long as they help;
+    sorted."""
     cell = np.flatnonzero(scan.turn_start != scan.turn_end)
     level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
     theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
@@ -185,7 +214,9 @@ def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _
     theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
     for _ in range(_POLISH):
-        active = np.flatnonzero((role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0))
+        active = np.flatnonzero(
+            (role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0)
+        )
         moved = theta[active] - residual[active] / (slope[active] - 1.0)
         inside = (np.abs(moved - theta[active]) < 1e-6) & (moved >= 0.0) & (moved < TWO_PI)
         active, moved = active[inside], moved[inside]
@@ -194,14 +225,22 @@ def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _
         new = displacement(circle_map, moved, period, whole[active])
         better = np.abs(new[0]) < np.abs(residual[active])
         active = active[better]
-        theta[active], residual[active], slope[active] = moved[better], new[0][better], new[1][better]
+        theta[active], residual[active], slope[active] = (
+            moved[better],
+            new[0][better],
+            new[1][better],
+        )
         rounding[active] = new[2][better]
     order = np.argsort(theta, kind="stable")
-    return _Roots(theta[order], whole[order], role[order], residual[order], slope[order], rounding[order])
+    return _Roots(
+        theta[order], whole[order], role[order], residual[order], slope[order], rounding[order]
+    )
 
 
 def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
-    """The half width of the bracket around each root at whose ends g has left the line beyond doubt."""
+    """The half width of the bracket around each root at whose ends g has left the line beyond
+    doubt.
+    """
     margin = np.abs(roots.residual) + 2.0 * roots.rounding
     with np.errstate(divide="ignore"):
         half = np.minimum(1.5 * margin / np.abs(roots.slope - 1.0), 1e-8)
@@ -217,7 +256,11 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
             displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
         )
         sides = np.where(touch, low * high > 0.0, low * high < 0.0)
-        done = sides & (np.abs(low) > low_noise + TANGENCY * touch) & (np.abs(high) > high_noise + TANGENCY * touch)
+        done = (
+            sides
+            & (np.abs(low) > low_noise + TANGENCY * touch)
+            & (np.abs(high) > high_noise + TANGENCY * touch)
+        )
         bound[left[done]] = half[left[done]]
         left = left[~done]
         half[left] *= 2.0
@@ -232,12 +275,18 @@ def _images(circle_map: CircleMap, theta: Array, bound: Array) -> Whole:
     image = np.mod(circle_map(theta), TWO_PI)
     near, nearest = nearest_on_circle(theta, image)
     away = np.abs(image - near)
-    allowed = _LINKED + 4.0 * np.minimum(np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3)
+    allowed = _LINKED + 4.0 * np.minimum(
+        np.abs(circle_map.derivative(theta)) * bound + bound[nearest], 1e-3
+    )
     return np.where(away <= allowed, nearest, -1)
 
 
-def _prime_periods(circle_map: CircleMap, theta: Array, image: Whole, period: int, bound: Array) -> Whole:
-    """The least divisor d of n after which each root is back: by the links, or by iteration where they break."""
+def _prime_periods(
+    circle_map: CircleMap, theta: Array, image: Whole, period: int, bound: Array
+) -> Whole:
+    """The least divisor d of n after which each root is back: by the links, or by iteration where
+    they break.
+    """
     prime, own = np.full(theta.size, period), np.arange(theta.size)
     reached, angle = own, theta
     for d in range(1, period):
@@ -252,9 +301,11 @@ def _prime_periods(circle_map: CircleMap, theta: Array, image: Whole, period: in
 
 
 def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, side: int) -> Array:
-    """Product of the slopes on the side where a nearby orbit passes: a negative slope changes the side.
+    """Product of the slopes on the side where a nearby orbit passes: a negative slope changes the
+    side.
 
-    Taken at the roots themselves, each solved on its own, so that no digit is lost however expanding the map.
+    Taken at the roots themselves, each solved on its own, so that no digit is lost however
+    expanding the map.
     """
     slopes = _slopes(circle_map, theta)
     product, index, sides = np.ones(theta.size), np.arange(theta.size), np.full(theta.size, side)
@@ -274,9 +325,18 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
     return product
 
 
-def _multiplier_error(circle_map: CircleMap, theta: Array, period: int, size: Array, bound: Array) -> Array:
-    """What the errors of F', and of the angles at which it is read, make of multipliers of this ``size``."""
-    product, largest, angle, off = np.ones(theta.size), np.ones(theta.size), theta, np.minimum(bound, 1e-6)
+def _multiplier_error(
+    circle_map: CircleMap, theta: Array, period: int, size: Array, bound: Array
+) -> Array:
+    """What the errors of F', and of the angles at which it is read, make of multipliers of this
+    ``size``.
+    """
+    product, largest, angle, off = (
+        np.ones(theta.size),
+        np.ones(theta.size),
+        theta,
+        np.minimum(bound, 1e-6),
+    )
     for _ in range(period):
         slope, error = circle_map.derivative_and_error(angle)
         sides = [circle_map.derivative(angle + side * off) for side in (-1.0, 1.0)]
@@ -304,17 +364,20 @@ _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes 
 class Orbit:
     """A periodic orbit of a circle map.
 
-    points : shape (period,), radians in [0, 2π), in the order in which they are visited, the smallest first.
+    points : shape (period,), radians in [0, 2π), in the order in which they are visited, the
+        smallest first.
     period : prime period, cycles.
     winding : w with Fⁿ(points[0]) = points[0] + 2πw: whole turns in one period.
-    multiplier : (Fⁿ)' along the orbit; on a kink the one from the right. Its ``error_bound`` is of F' and the points.
+    multiplier : (Fⁿ)' along the orbit; on a kink the one from the right. Its ``error_bound`` is of
+        F' and the points.
     left_multiplier : the same from the left; equal to ``multiplier`` away from kinks.
     stable : whether points on both sides are attracted.
-    kind : "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a kink: two orbits
-        merged), "neutral" (crosses with | |multiplier| - 1 | ≤ 1e-7, where the derivative does not decide) or
-        "border-collision" (Fⁿ - id meets 2πw at the edge of a jump).
-    error_bound : radians, the largest over the points: each lies within it of the true one, see ``PeriodicPoints``
-        (about rounding/|multiplier - 1|; √(tangency/curvature) at a saddle-node; inf at a border collision).
+    kind : "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a
+        kink: two orbits merged), "neutral" (crosses with | |multiplier| - 1 | ≤ 1e-7, where the
+        derivative does not decide) or "border-collision" (Fⁿ - id meets 2πw at the edge of a jump).
+    error_bound : radians, the largest over the points: each lies within it of the true one, see
+        ``PeriodicPoints`` (about rounding/|multiplier - 1|; √(tangency/curvature) at a saddle-node;
+        inf at a border collision).
     """
 
     points: Array
@@ -328,19 +391,28 @@ class Orbit:
 
     def _repr_html_(self) -> str:
         around = np.linspace(0.0, TWO_PI, 91)
-        circle, points = (np.column_stack([np.cos(theta), np.sin(theta)]) for theta in (around, self.points))
+        circle, points = (
+            np.column_stack([np.cos(theta), np.sin(theta)]) for theta in (around, self.points)
+        )
         marks = Stroke(points, BLUE, DISC if self.stable else CIRCLE, 4.0)
-        caption = f"{self.kind} orbit, {self.winding}/{self.period} turns a cycle, multiplier {self.multiplier:.4g}"
+        caption = (
+            f"{self.kind} orbit, {self.winding}/{self.period} turns a cycle, multiplier "
+            f"{self.multiplier:.4g}"
+        )
         return inline_svg([Stroke(circle, GREY), marks], caption, equal=True)
 
 
-def fixed_points(circle_map: CircleMap, *, proved: bool = False, slope_error: float = 0.0) -> list[Orbit]:
+def fixed_points(
+    circle_map: CircleMap, *, proved: bool = False, slope_error: float = 0.0
+) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
-    Found and judged, with ``proved`` proved, as in ``periodic_points`` with period 1. A fixed point on a kink carries
-    both one-sided multipliers. Jumps across the diagonal are no fixed points: see ``crossings_by_jump``.
+    Found and judged, with ``proved`` proved, as in ``periodic_points`` with period 1. A fixed point
+    on a kink carries both one-sided multipliers. Jumps across the diagonal are no fixed points: see
+    ``crossings_by_jump``.
 
-    Raises InvalidInput when a whole arc is fixed (the identity), ConvergenceError when the map is too steep.
+    Raises InvalidInput when a whole arc is fixed (the identity), ConvergenceError when the map is
+    too steep.
 
     >>> [(round(float(p.points[0]), 6), p.kind) for p in fixed_points(CircleMap.arnold(0.0, 0.5))]
     [(0.0, 'stable'), (3.141593, 'unstable')]
@@ -349,14 +421,21 @@ def fixed_points(circle_map: CircleMap, *, proved: bool = False, slope_error: fl
 
 
 def periodic_orbits(
-    circle_map: CircleMap, period: int, winding: int | None = None, *, proved: bool = False, slope_error: float = 0.0
+    circle_map: CircleMap,
+    period: int,
+    winding: int | None = None,
+    *,
+    proved: bool = False,
+    slope_error: float = 0.0,
 ) -> list[Orbit]:
     """All orbits of prime period n, Fⁿ(θ) = θ + 2πw, each once, sorted by their smallest angle.
 
-    winding : keep only orbits with this w at their smallest point (for degree 1: rotation number w/n); None keeps all.
-    Orbits whose prime period is a proper divisor of n are left out; cyclic shifts are one orbit. Grouped from
-    ``periodic_points``, with its resolution, errors, accuracy and proofs. Every point is solved on its own, so all keep
-    full accuracy, about 1e-15/|multiplier - 1|, however expanding the map.
+    winding : keep only orbits with this w at their smallest point (for degree 1: rotation number
+        w/n); None keeps all.
+    Orbits whose prime period is a proper divisor of n are left out; cyclic shifts are one orbit.
+    Grouped from ``periodic_points``, with its resolution, errors, accuracy and proofs. Every point
+    is solved on its own, so all keep full accuracy, about 1e-15/|multiplier - 1|, however expanding
+    the map.
 
     >>> [o.winding for o in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
@@ -381,15 +460,20 @@ def periodic_orbits(
         if wanted is None or turns == wanted:
             off = float(found.multiplier_error[i])
             slopes = Estimate(found.multiplier[i], off), Estimate(found.left_multiplier[i], off)
-            orbits.append(Orbit(read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound))
+            orbits.append(
+                Orbit(
+                    read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound
+                )
+            )
     return orbits
 
 
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     """Where a jump of F carries the turn F - id across a multiple of 2π, sorted by angle.
 
-    A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would. A jump one side
-    of which meets 2πw within 1e-12 radians is a fixed point of kind "border-collision" instead.
+    A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would. A
+    jump one side of which meets 2πw within 1e-12 radians is a fixed point of kind
+    "border-collision" instead.
     """
     if circle_map.breaks.size == 0:
         return []

@@ -1,8 +1,10 @@
-"""Proofs of periodic points: their exact number and enclosures, by bisection and monotonicity in ball arithmetic.
+"""Proofs of periodic points: their exact number and enclosures, by bisection and monotonicity in
+ball arithmetic.
 
-A turn is cut into cells. On a cell either Fⁿ - id is proved to keep between two neighbouring multiples of 2π, or its
-slope is proved not to vanish; else the cell is halved. Between cells of the first kind the curve is strictly monotone,
-so the whole turns on its two sides count its crossings exactly, each of one point (Moore, Kearfott & Cloud 2009).
+A turn is cut into cells. On a cell either Fⁿ - id is proved to keep between two neighbouring
+multiples of 2π, or its slope is proved not to vanish; else the cell is halved. Between cells of the
+first kind the curve is strictly monotone, so the whole turns on its two sides count its crossings
+exactly, each of one point (Moore, Kearfott & Cloud 2009).
 """
 
 from __future__ import annotations
@@ -24,8 +26,17 @@ _PRECISION = RLock()  # the library's precision is one for all threads
 _BITS = 160  # of the balls: three times those of a float, for steep iterates and near tangencies
 _START_CELLS = 32
 _MOST_CELLS = 200_000
-_NARROWEST = 1e-13  # radians: a cell this narrow that decides nothing holds a tangency, or nearly one
-_CUTS = (0.0131, 1.6127, 3.1923, 4.7719, 5.5512, 2.3456)  # where a turn may be cut: no number of mathematics
+_NARROWEST = (
+    1e-13  # radians: a cell this narrow that decides nothing holds a tangency, or nearly one
+)
+_CUTS = (
+    0.0131,
+    1.6127,
+    3.1923,
+    4.7719,
+    5.5512,
+    2.3456,
+)  # where a turn may be cut: no number of mathematics
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
 _NEWTON_STEPS = 300
 
@@ -34,7 +45,8 @@ _NEWTON_STEPS = 300
 class ProvedPoint:
     """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
 
-    theta : radians in [0, 2π). winding : w. multiplier : (Fⁿ)' there. image : index of the point that F maps it to.
+    theta : radians in [0, 2π). winding : w. multiplier : (Fⁿ)' there. image : index of the point
+        that F maps it to.
     """
 
     theta: Estimate
@@ -45,7 +57,9 @@ class ProvedPoint:
 
 @dataclass(frozen=True, eq=False)
 class _Cell:
-    """[start, end] and what is proved of Fⁿ - id on it: its sign of slope, or the whole turns that it keeps above."""
+    """[start, end] and what is proved of Fⁿ - id on it: its sign of slope, or the whole turns that
+    it keeps above.
+    """
 
     start: float
     end: float
@@ -54,13 +68,15 @@ class _Cell:
 
 
 def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> list[ProvedPoint]:
-    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, sorted: that there are so many, and where, is a theorem.
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, sorted: that there are so many, and where, is a
+    theorem.
 
-    Of a formula it is one about the formula with the floats that are written in it, π being the true one where numpy's
-    functions bring it in; of a sampled map, about every smooth map within ``max_error`` and ``slope_error`` of it.
+    Of a formula it is one about the formula with the floats that are written in it, π being the
+    true one where numpy's functions bring it in; of a sampled map, about every smooth map within
+    ``max_error`` and ``slope_error`` of it.
 
-    Raises InvalidInput when the lift does not take intervals, or is no lift in exact arithmetic; ConvergenceError when
-    a tangency, or nearly one, is met, or 200,000 cells are not enough.
+    Raises InvalidInput when the lift does not take intervals, or is no lift in exact arithmetic;
+    ConvergenceError when a tangency, or nearly one, is met, or 200,000 cells are not enough.
     """
     flint = ball_library()
     with _PRECISION, flint.ctx.workprec(_BITS):
@@ -79,12 +95,16 @@ class _Proof:
     def check_lift(self) -> None:
         """Refuse constants that make F(θ + 2π) - F(θ) anything but 2π·degree."""
         for theta in _CUTS:
-            low, high = self._iterate(self.arb(theta), 1), self._iterate(theta + 2 * self.arb.pi(), 1)
+            low, high = (
+                self._iterate(self.arb(theta), 1),
+                self._iterate(theta + 2 * self.arb.pi(), 1),
+            )
             climb = (high.value - low.value) / (2 * self.arb.pi())
             if not climb.overlaps(self.arb(self.degree)):
                 raise InvalidInput(
-                    f"no proof: in exact arithmetic F(θ + 2π) - F(θ) is {climb.str(20, radius=False)} turns at "
-                    f"θ = {theta:g}, not {self.degree}: a constant of the lift, such as a rounded π, must cancel"
+                    "no proof: in exact arithmetic F(θ + 2π) - F(θ) is "
+                    f"{climb.str(20, radius=False)} turns at θ = {theta:g}, not {self.degree}: a "
+                    "constant of the lift, such as a rounded π, must cancel"
                 )
 
     def points(self) -> list[ProvedPoint]:
@@ -138,12 +158,13 @@ class _Proof:
             if cell is not None and cell.sign == 0:
                 return cut, cell.turns
         raise ConvergenceError(
-            f"no proof: Fⁿ - id cannot be told from a multiple of 2π at any of {len(_CUTS)} angles: a whole arc may be "
-            "fixed, or the errors of the map leave nothing to prove"
+            f"no proof: Fⁿ - id cannot be told from a multiple of 2π at any of {len(_CUTS)} "
+            "angles: a whole arc may be fixed, or the errors of the map leave nothing to prove"
         )
 
     def _cells(self, cut: float) -> list[_Cell]:
-        """The decided cells of the turn from ``cut``, in order; the last ends a little beyond it."""
+        """The decided cells of the turn from ``cut``, in order;
+        the last ends a little beyond it."""
         edges = np.linspace(cut, cut + TWO_PI + 0.5 * _SEAM, _START_CELLS + 1).tolist()
         waiting = list(pairwise(edges))[::-1]
         decided: list[_Cell] = []
@@ -157,20 +178,23 @@ class _Proof:
                 continue
             if end - start < _NARROWEST:
                 raise ConvergenceError(
-                    f"no proof: at θ = {start % TWO_PI:.9g} F^{self.period} - id meets a multiple of 2π and its slope "
-                    "vanishes, or both so nearly that they cannot be told apart: a tangency (saddle-node) is no matter "
-                    "of intervals; prove on either side of it"
+                    f"no proof: at θ = {start % TWO_PI:.9g} F^{self.period} - id meets a multiple "
+                    "of 2π and its slope vanishes, or both so nearly that they cannot be told "
+                    "apart: a tangency (saddle-node) is no matter of intervals; prove on either "
+                    "side of it"
                 )
             middle = 0.5 * (start + end)
             waiting += [(middle, end), (start, middle)]
         covered = waiting[-1][0] - cut
         raise ConvergenceError(
-            f"no proof within {_MOST_CELLS:,} cells, which have come {covered:.3g} of {TWO_PI:.3g} radians far: "
-            f"F^{self.period} is too steep, or the errors of the map are too large"
+            f"no proof within {_MOST_CELLS:,} cells, which have come {covered:.3g} of {TWO_PI:.3g} "
+            f"radians far: F^{self.period} is too steep, or the errors of the map are too large"
         )
 
     def _enclosed(self, run: _Cell, level: int, lap: int) -> tuple[Estimate, int, Estimate, Ball]:
-        """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball that holds it."""
+        """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball
+        that holds it.
+        """
         low, high = self.arb(run.start), self.arb(run.end)
         theta = (low + high).mid() / 2
         tolerance = self.arb(2) ** (-_BITS // 2)
@@ -211,14 +235,19 @@ class _Proof:
         return Estimate(nearest, np.nextafter(float(abs(ball - nearest).upper()), np.inf))
 
     def _image(self, ball: Ball, angles: Array, bounds: Array) -> int:
-        """The only point whose enclosure meets the image of this one, which is itself one of the points."""
+        """The only point whose enclosure meets the image of this one, which is itself one of the
+        points.
+        """
         image = self._iterate(ball, 1).value
-        centre, radius = float(image.mid()), float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid())))
+        centre, radius = (
+            float(image.mid()),
+            float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid()))),
+        )
         gaps = shorter_way(angles - centre)
         near = np.flatnonzero(np.abs(gaps) <= radius + bounds)
         if near.size != 1:
             raise ConvergenceError(
-                f"no proof: {near.size} of the {angles.size} points may be the image of one: they lie too "
-                "close together for what is known of the map"
+                f"no proof: {near.size} of the {angles.size} points may be the image of one: they "
+                "lie too close together for what is known of the map"
             )
         return int(near[0])

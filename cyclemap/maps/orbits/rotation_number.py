@@ -1,4 +1,6 @@
-"""Rotation numbers with an enclosure that holds the truth, rotation intervals of folded lifts, means along an orbit."""
+"""Rotation numbers with an enclosure that holds the truth, rotation intervals of folded lifts,
+means along an orbit.
+"""
 
 from __future__ import annotations
 
@@ -27,18 +29,19 @@ def birkhoff_average(
     iterates: int = ITERATES,
     transient: int = 0,
 ) -> Estimate:
-    """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N.
+    """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k =
+    1..N.
 
-    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls faster than any power of
-    1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity 30, 2017.) On a chaotic orbit it is about that
-    of a plain mean, 1/√N.
+    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls
+    faster than any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity
+    30, 2017.) On a chaotic orbit it is about that of a plain mean, 1/√N.
 
-    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a cycle, which needs
-        degree 1. -inf is allowed as a value and makes the mean -inf.
+    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians
+        a cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
     start : radians; iterates : N, at least 16; transient : cycles run before the averaging begins.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first and the last half of the
-    orbit, which converge like the whole at half its length, plus rounding.
+    The error bound is estimated, not proved: the larger distance from the means over the first and
+    the last half of the orbit, which converge like the whole at half its length, plus rounding.
 
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
@@ -47,23 +50,31 @@ def birkhoff_average(
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if function is None and circle_map.degree != 1:
-        raise InvalidInput(f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1")
+        raise InvalidInput(
+            f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
+        )
     count = whole_number("iterates", iterates, least=16)
     skipped = whole_number("transient", transient, least=0)
     visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
     values = np.asarray((function or circle_map.turn)(visited), dtype=np.float64)
     if values.shape != visited.shape:
-        raise InvalidInput(f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry")
+        raise InvalidInput(
+            f"function turns shape {visited.shape} into {values.shape}: it must act entry by entry"
+        )
     return weighted_mean(values)
 
 
 def orbit_angles(circle_map: CircleMap, start: float, count: int) -> Array:
-    """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within [0, 2π)."""
+    """The first ``count`` angles of the orbit of ``start``, itself included, radians, each within
+    [0, 2π).
+    """
     return np.asarray(orbits_angles(circle_map, np.array([start]), count)[0])
 
 
 def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
-    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays only."""
+    """The same of several starts, shape (m,): (m, count); together where the lift knows arrays
+    only.
+    """
     visited = np.empty((starts.size, count))
     if not circle_map.has_scalar:
         theta = starts - TWO_PI * np.floor(starts / TWO_PI)
@@ -91,7 +102,8 @@ def window(count: int) -> Array:
 
 
 def weighted_mean(values: Array) -> Estimate:
-    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time, as in ``birkhoff_average``."""
+    """The mean of ``values``, shape (n,), n ≥ 16, in the order of time,
+    as in ``birkhoff_average``."""
     if np.any(np.isneginf(values)):
         return Estimate(-np.inf, 0.0)
     sequence = finite_array("values", values, ndim=1)
@@ -109,9 +121,13 @@ def _windowed(values: Array) -> float:
 
 
 MAX_PERIOD = 2_000
-_FIRST_LOOK = 64  # iterates after which locking is tried first; then every eight times as many, or two
+_FIRST_LOOK = (
+    64  # iterates after which locking is tried first; then every eight times as many, or two
+)
 _SETTLED = 1e-9  # radians: an orbit that comes back this near has settled
-_REACH = np.pi * 4.0 ** -np.arange(0.0, 19.0)  # radians beside an orbit where the witnesses of locking are sought
+_REACH = np.pi * 4.0 ** -np.arange(
+    0.0, 19.0
+)  # radians beside an orbit where the witnesses of locking are sought
 _MARGIN = 2e-14  # radians: a gap above it is no rounding of the comparison itself
 _ZOOMS = 6  # times that the search narrows around the best angle so far
 
@@ -120,11 +136,11 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 class LockingProof:
     """Two angles that prove ρ = p/q of a nondecreasing lift.
 
-    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q, and
-        F^q(above) > above + 2πp, so ρ ≥ p/q.
+    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
+        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
 
-    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below`` lies an orbit of period
-    q and winding p: ``periodic_orbits`` gives it.
+    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
+    lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
     """
 
     ratio: Fraction
@@ -140,7 +156,8 @@ class RotationNumber:
     lower, upper : the truth lies between them (both included; rounded outward).
     locked : p/q when a periodic orbit proves the rotation number to be exactly that, else None.
     proof : the witness of ``locked``, else None.
-    estimate : the weighted Birkhoff average with its estimated (not proved) error, None when locked.
+    estimate : the weighted Birkhoff average with its estimated (not proved) error, None when
+        locked.
     """
 
     value: float
@@ -153,7 +170,9 @@ class RotationNumber:
 
 @dataclass(frozen=True)
 class RotationInterval:
-    """All rotation numbers of a lift, [lower, upper] in turns a cycle, with the enclosures of both ends."""
+    """All rotation numbers of a lift, [lower, upper] in turns a cycle, with the enclosures of both
+    ends.
+    """
 
     lower: float
     upper: float
@@ -162,27 +181,35 @@ class RotationInterval:
 
 
 def rotation_number(
-    circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD, tolerance: float = 0.0
+    circle_map: CircleMap,
+    *,
+    iterates: int = ITERATES,
+    max_period: int = MAX_PERIOD,
+    tolerance: float = 0.0,
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
-    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ implies ρ ≥ p/n, and ≤
-    likewise (Poincaré 1885). The lower bound is the best of ``iterates`` iterates of F - e, the upper one of F + e. e
-    adds up the map's ``max_error``, what a lift taken as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F
-    lies below the one or above the other, so the bounds hold however F amplifies errors, for every nondecreasing lift
-    within ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16) of 2π + max|F|: a lift
-    that is computed worse must say so by ``max_error``. Folds narrower than a tenth of a milliradian may pass unseen.
-    About 1/iterates² wide where ρ is irrational, F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being
-    locked.
+    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ
+    implies ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates``
+    iterates of F - e, the upper one of F + e. e adds up the map's ``max_error``, what a lift taken
+    as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F lies below the one or above the
+    other, so the bounds hold however F amplifies errors, for every nondecreasing lift within
+    ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16) of 2π +
+    max|F|: a lift that is computed worse must say so by ``max_error``. Folds narrower than a tenth
+    of a milliradian may pass unseen. About 1/iterates² wide where ρ is irrational, F smooth and
+    max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
 
-    Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is proved and ``locked``,
-    with the two angles as ``proof``; at the very edge of a tongue the sides cannot be told apart. Otherwise
-    ``estimate`` is ``birkhoff_average`` of the turn, and ``value`` is the same where it lies inside the bounds.
+    Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is
+    proved and ``locked``, with the two angles as ``proof``; at the very edge of a tongue the sides
+    cannot be told apart. Otherwise ``estimate`` is ``birkhoff_average`` of the turn, and ``value``
+    is the same where it lies inside the bounds.
 
-    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see ``rotation_interval``),
-    ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set only when the interval is one proved fraction.
+    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
+    ``rotation_interval``), ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set only
+    when the interval is one proved fraction.
 
-    tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further iterates are made.
+    tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
+        iterates are made.
 
     Raises InvalidInput for another degree, ConvergenceError when the bounds contradict each other.
 
@@ -197,24 +224,34 @@ def rotation_number(
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
-    interval = rotation_interval(circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance)
+    interval = rotation_interval(
+        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
+    )
     low, high = interval.lower_number, interval.upper_number
     if low.proof and high.proof and low.locked == high.locked:
         proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
         return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
     # Of n cycles a mean is good to 1/n.
-    enough = iterates if tolerance == 0.0 else min(iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
+    enough = (
+        iterates if tolerance == 0.0 else min(iterates, max(_FIRST_LOOK, ceil(1.0 / tolerance)))
+    )
     return _unlocked(circle_map, low.lower, high.upper, enough)
 
 
 def rotation_interval(
-    circle_map: CircleMap, *, iterates: int = ITERATES, max_period: int = MAX_PERIOD, tolerance: float = 0.0
+    circle_map: CircleMap,
+    *,
+    iterates: int = ITERATES,
+    max_period: int = MAX_PERIOD,
+    tolerance: float = 0.0,
 ) -> RotationInterval:
-    """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone envelopes.
+    """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone
+    envelopes.
 
-    For continuous lifts every number between is the rotation number of some orbit (Chenciner, Gambaudo &
-    Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of them. A nondecreasing
-    lift gives one point. The enclosures of both ends, and what they cover, are as in ``rotation_number``.
+    For continuous lifts every number between is the rotation number of some orbit (Chenciner,
+    Gambaudo & Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of them. A
+    nondecreasing lift gives one point. The enclosures of both ends, and what they cover, are as in
+    ``rotation_number``.
 
     >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
     >>> found.lower_number.locked, found.upper_number.locked
@@ -228,19 +265,28 @@ def rotation_interval(
     return RotationInterval(low.value, high.value, low, high)
 
 
-_Budget = tuple[int, int, float]  # at most so many iterates, periods to try, and the half-width at which to stop
+_Budget = tuple[
+    int, int, float
+]  # at most so many iterates, periods to try, and the half-width at which to stop
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if circle_map.degree != 1:
-        raise InvalidInput(f"the map has degree {circle_map.degree}: rotation is defined for degree 1")
-    count, longest = whole_number("iterates", iterates, least=16), whole_number("max_period", max_period, least=1)
+        raise InvalidInput(
+            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
+        )
+    count, longest = (
+        whole_number("iterates", iterates, least=16),
+        whole_number("max_period", max_period, least=1),
+    )
     return count, longest, non_negative_number("tolerance", tolerance)
 
 
-def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | None = None) -> RotationNumber:
+def _monotone_rotation(
+    circle_map: CircleMap, budget: _Budget, descent: float | None = None
+) -> RotationNumber:
     iterates, max_period, tolerance = budget
     # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
     push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
@@ -255,14 +301,22 @@ def _monotone_rotation(circle_map: CircleMap, budget: _Budget, descent: float | 
         low, high = under.best_ratio(), over.best_ratio()
         if low > high:
             raise ConvergenceError(
-                f"the iterates prove ρ ≥ {low} and ρ ≤ {high}: the lift is computed with errors above {push:.2g} "
-                "radians, or folds unseen; give it its max_error"
+                f"the iterates prove ρ ≥ {low} and ρ ≤ {high}: the lift is computed with errors "
+                f"above {push:.2g} radians, or folds unseen; give it its max_error"
             )
         candidate = simplest_between(low, high)
-        if candidate.denominator <= max_period and under.settles(candidate) and over.settles(candidate):
-            proof = _locking_proof(circle_map, candidate, push, (under.visited[-1], over.visited[-1]))
+        if (
+            candidate.denominator <= max_period
+            and under.settles(candidate)
+            and over.settles(candidate)
+        ):
+            proof = _locking_proof(
+                circle_map, candidate, push, (under.visited[-1], over.visited[-1])
+            )
             if proof is not None:
-                return RotationNumber(float(candidate), *_floats(candidate, candidate), candidate, proof)
+                return RotationNumber(
+                    float(candidate), *_floats(candidate, candidate), candidate, proof
+                )
         if high - low <= 2.0 * tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
@@ -288,14 +342,26 @@ class _PushedOrbit:
             laps.append(turns)
 
     def settles(self, ratio: Fraction) -> bool:
-        """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no period of it."""
+        """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no
+        period of it.
+        """
         period, last = ratio.denominator, max(2 * ratio.denominator, len(self.laps) // 2)
         if period + last > len(self.laps):
             return False
-        theta, turns = np.array(self.visited[-last - period :]), np.array(self.laps[-last - period :], dtype=float)
-        gap = np.abs(theta[period:] - theta[:-period] + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator))
+        theta, turns = (
+            np.array(self.visited[-last - period :]),
+            np.array(self.laps[-last - period :], dtype=float),
+        )
+        gap = np.abs(
+            theta[period:]
+            - theta[:-period]
+            + TWO_PI * (turns[period:] - turns[:-period] - ratio.numerator)
+        )
         near = _SETTLED + abs(self._push)
-        return bool(gap[-1] <= max(0.9 * gap[0], near) and np.all(gap[period:] <= np.maximum(gap[:-period], near)))
+        return bool(
+            gap[-1] <= max(0.9 * gap[0], near)
+            and np.all(gap[period:] <= np.maximum(gap[:-period], near))
+        )
 
     def best_ratio(self) -> Fraction:
         """The largest p/n with Fⁿ(0) ≥ 2πp if the push is down, the smallest with ≤ if it is up."""
@@ -309,7 +375,9 @@ class _PushedOrbit:
 def _locking_proof(
     circle_map: CircleMap, ratio: Fraction, push: float, near: tuple[float, float]
 ) -> LockingProof | None:
-    """Angles where F^q - id - 2πp is above 0 even for F - push, and below 0 even for F + push, if any are found."""
+    """Angles where F^q - id - 2πp is above 0 even for F - push, and below 0 even for F + push, if
+    any are found.
+    """
     side = np.array([[1.0], [-1.0]])
     beside = np.concatenate([-_REACH, [0.0], _REACH])
     start, before = np.array([near]).T + beside, np.full(2, -1e9)

@@ -1,4 +1,6 @@
-"""Slow passages: places where an iterate comes near the diagonal without reaching it ("ghosts" of saddle-nodes)."""
+"""Slow passages: places where an iterate comes near the diagonal without reaching it ("ghosts" of
+saddle-nodes).
+"""
 
 from __future__ import annotations
 
@@ -24,18 +26,21 @@ _MOST_FOLLOWED = 4_000  # iterates: a path that is not across by then does not g
 
 @dataclass(frozen=True)
 class SlowPassage:
-    """A bottleneck: near ``theta`` the n-th iterate moves by ε + a x² + ..., x the distance from ``theta``.
+    """A bottleneck: near ``theta`` the n-th iterate moves by ε + a x² + ..., x the distance from
+    ``theta``.
 
     theta : radians in [0, 2π), where |Fⁿ - id - 2πw| is least. period : n. winding : w.
     gap : ε, radians an n-fold cycle; its sign is the direction of motion. Good to rounding.
     curvature : a, per radian, of the same sign as ε. Good to about 1e-8 of itself.
     width : √(ε/a), radians: half the width of the stretch on which the move is less than doubled.
-    passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to leading order.
+    passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to
+        leading order.
     direction : 1 when the orbit moves up through it, -1 down.
-    relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84 % of the
-        passage; of order ε. Measured, not proved: the true number is the integral of dx/v, v the flow that interpolates
-        the map. What rounding leaves unknown of ε is added. inf where that stretch holds a zero of v, a break, or more
-        than a turn, and where a path across it does not get through.
+    relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that
+        takes 84 % of the passage; of order ε. Measured, not proved: the true number is the integral
+        of dx/v, v the flow that interpolates the map. What rounding leaves unknown of ε is added.
+        inf where that stretch holds a zero of v, a break, or more than a turn, and where a path
+        across it does not get through.
     """
 
     theta: float
@@ -49,19 +54,23 @@ class SlowPassage:
     relative_error: float
 
 
-def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = None) -> list[SlowPassage]:
-    """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their orbits are gone.
+def slow_passages(
+    circle_map: CircleMap, period: int = 1, winding: int | None = None
+) -> list[SlowPassage]:
+    """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their
+    orbits are gone.
 
-    A bottleneck is a smooth local extremum of the move Fⁿ - id - 2πw on its own side of zero (a least upward or a least
-    downward move), by more than 1e-12 radians (nearer it is a saddle-node, see ``periodic_points``), whose passage
-    π/√(aε) takes at least 10 cycles of F in all, and whose |ε| is at most half the mean of |Fⁿ - id - 2πw| over the
-    circle.
-    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it does not cross. A
-    passage near an orbit of period n shows at each of its n points; those of a divisor of n are left out, and so are
-    kinks and jumps, where the parabola does not hold.
+    A bottleneck is a smooth local extremum of the move Fⁿ - id - 2πw on its own side of zero (a
+    least upward or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node,
+    see ``periodic_points``), whose passage π/√(aε) takes at least 10 cycles of F in all, and whose
+    |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle.
+    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it
+        does not cross. A passage near an orbit of period n shows at each of its n points; those of
+        a divisor of n are left out, and so are kinks and jumps, where the parabola does not hold.
 
-    x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics and Chaos, 4.3).
-    The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 + ..., so that dt = dx/v.
+    x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics
+    and Chaos, 4.3). The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 +
+    ..., so that dt = dx/v.
 
     Raises InvalidInput for a bad request, ConvergenceError when Fⁿ is too steep to scan.
 
@@ -80,8 +89,11 @@ def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = 
         angle = np.mod(circle_map(angle), TWO_PI)
         near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
     passages = []
-    for place, w, least in zip(theta[near].tolist(), whole[near].tolist(), gap[near].tolist(), strict=True):
-        # Half the second derivative: fourth-order differences of the slope, twice, at a step that suits the map.
+    for place, w, least in zip(
+        theta[near].tolist(), whole[near].tolist(), gap[near].tolist(), strict=True
+    ):
+        # Half the second derivative: fourth-order differences of the slope, twice, at a step that
+        # suits the map.
         tried, step = [], _STEP
         for _ in range(6):
             nodes = place + step * np.array([-2.0, -1.0, 1.0, 2.0])
@@ -91,15 +103,22 @@ def slow_passages(circle_map: CircleMap, period: int = 1, winding: int | None = 
         curvature = tried[int(np.argmin(np.abs(np.diff(tried)))) + 1]
         if curvature * least <= 0.0 or n * np.pi / np.sqrt(curvature * least) < LEAST_CYCLES:
             continue  # too flat for a parabola, or too quick
-        width, cycles = float(np.sqrt(least / curvature)), float(n * np.pi / np.sqrt(curvature * least))
+        width, cycles = (
+            float(np.sqrt(least / curvature)),
+            float(n * np.pi / np.sqrt(curvature * least)),
+        )
         error = _relative_error(circle_map, n, place, w, width, least, curvature)
         way = 1 if least > 0.0 else -1
         passages.append(SlowPassage(place, w, n, least, curvature, width, cycles, way, error))
     return passages
 
 
-def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tuple[Array, Whole, Array]:
-    """Smooth extrema of the move that face the line 2πw, w, and their distance ε from it where that is small."""
+def _near_misses(
+    circle_map: CircleMap, cells: Cells, wanted: int | None
+) -> tuple[Array, Whole, Array]:
+    """Smooth extrema of the move that face the line 2πw, w, and their distance ε from it where that
+    is small.
+    """
     rising = is_rising(cells)
     least = rising & ~np.roll(rising, 1)
     place = np.flatnonzero((rising != np.roll(rising, 1)) & ~cells.cut)
@@ -115,7 +134,13 @@ def _near_misses(circle_map: CircleMap, cells: Cells, wanted: int | None) -> tup
 
 
 def _relative_error(
-    circle_map: CircleMap, period: int, theta: float, whole: int, width: float, gap: float, curvature: float
+    circle_map: CircleMap,
+    period: int,
+    theta: float,
+    whole: int,
+    width: float,
+    gap: float,
+    curvature: float,
 ) -> float:
     """How far the parabola's number of cycles across ±REACH widths is from the flow's."""
     if 2.0 * REACH * width >= TWO_PI:
@@ -125,7 +150,9 @@ def _relative_error(
     edge = np.arctan(REACH)
     x = width * np.append(np.tan(edge * s), [-REACH, REACH])
     angle = theta + x
-    for _ in range(period):  # a break inside the stretch, or inside one of its images before the last
+    for _ in range(
+        period
+    ):  # a break inside the stretch, or inside one of its images before the last
         low, high = float(np.min(angle)), float(np.max(angle))
         if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
             return float("inf")
@@ -146,11 +173,14 @@ def _relative_error(
     return float(abs(abs(true) / parabola - 1.0) + unknown)
 
 
-def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float) -> float:
-    """Iterates from one end of the stretch to the other, theta ± reach, by following paths to its middle and from it.
+def _followed(
+    circle_map: CircleMap, period: int, theta: float, whole: int, reach: float, gap: float
+) -> float:
+    """Iterates from one end of the stretch to the other, theta ± reach, by following paths to its
+    middle and from it.
 
-    Fractions of an iterate are those of the flow across the middle, where it is slowest and its series is good. inf
-    where a path does not get through.
+    Fractions of an iterate are those of the flow across the middle, where it is slowest and its
+    series is good. inf where a path does not get through.
     """
     way = 1.0 if gap > 0.0 else -1.0
 
@@ -159,7 +189,9 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
         return x + way * float(displacement(circle_map, place, period, np.array([whole]))[0][0])
 
     def fraction(x: float) -> float:
-        """The share of an iterate that the flow takes from the middle to ``x``, of all that it takes to ``first``."""
+        """The share of an iterate that the flow takes from the middle to ``x``, of all that it
+        takes to ``first``.
+        """
         nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
         times = []
         for end in (x, first):
@@ -168,8 +200,12 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
             bend = slope - 1.0
             # 1/v = 1/g + g'/2g - g'²/12g - g''/12, the last one as a difference.
             inverse = (1.0 + 0.5 * bend - bend**2 / 12.0) / g
-            ends = displacement(circle_map, theta + way * np.array([0.0, end]), period, np.full(2, whole))[1]
-            times.append(0.5 * end * float(weights @ inverse) - way * float(ends[1] - ends[0]) / 12.0)
+            ends = displacement(
+                circle_map, theta + way * np.array([0.0, end]), period, np.full(2, whole)
+            )[1]
+            times.append(
+                0.5 * end * float(weights @ inverse) - way * float(ends[1] - ends[0]) / 12.0
+            )
         return float(times[0] / times[1])
 
     first = moved(0.0)
@@ -193,5 +229,9 @@ def _followed(circle_map: CircleMap, period: int, theta: float, whole: int, reac
             start = moved(start)
         return start - reach
 
-    late = bracketed_root(lambda y, _: np.array([arrives(float(value)) for value in y]), np.zeros(1), np.array([first]))
+    late = bracketed_root(
+        lambda y, _: np.array([arrives(float(value)) for value in y]),
+        np.zeros(1),
+        np.array([first]),
+    )
     return cycles + steps + fraction(float(late[0]))

@@ -19,7 +19,8 @@ _ACCEPTED = 0.02  # relative error bound
 
 @dataclass(frozen=True, eq=False)
 class CellChain:
-    """The chain of the cells of some ``arcs`` until it enters an exit; ``lifted`` on the real line, else on the circle.
+    """The chain of the cells of some ``arcs`` until it enters an exit; ``lifted`` on the real line,
+    else on the circle.
 
     exits : arcs, on the line with an end at ±inf.
     """
@@ -29,7 +30,9 @@ class CellChain:
     lifted: bool
 
     def chances(self, *origins: Cells) -> tuple[Array, Array]:
-        """(m, n): of going from these cells to those of the chain; (m, exits): of leaving by each exit."""
+        """(m, n): of going from these cells to those of the chain; (m, exits): of leaving by each
+        exit.
+        """
         starts = np.concatenate([part.edges[:-1] for part in self.parts])
         ends = np.concatenate([part.edges[1:] for part in self.parts])
         low, high = np.array(self.exits).T
@@ -37,11 +40,15 @@ class CellChain:
         gone = [cells.between(low, high, self.lifted) for cells in origins]
         return np.concatenate(moves), np.concatenate(gone)
 
-    def collected(self, image: float, each: float, at: Array, off: float = 0.0) -> tuple[float, float]:
-        """What a path with F(θ) = ``image`` collects on average: ``each`` a cycle, ``at[e]`` when it leaves by exit e.
+    def collected(
+        self, image: float, each: float, at: Array, off: float = 0.0
+    ) -> tuple[float, float]:
+        """What a path with F(θ) = ``image`` collects on average: ``each`` a cycle, ``at[e]`` when
+        it leaves by exit e.
 
-        And what that changes, to first order, where every image may be ``off`` by so much, each to its own side.
-        Paths that can leave no more collect nothing further, or for ever where ``each`` is above 0.
+        And what that changes, to first order, where every image may be ``off`` by so much, each to
+        its own side. Paths that can leave no more collect nothing further, or for ever where
+        ``each`` is above 0.
         """
         moves, gone = self.chances(*self.parts)
         begin = Cells(self.parts[0].halfwidth, np.zeros(2), np.full((2, 1), image), 0.0)
@@ -63,7 +70,9 @@ class CellChain:
             return value, 0.0
         changes = []
         for way in (-off, off):
-            moved, gone_then = self.chances(*(replace(part, ends=part.ends + way) for part in (*self.parts, begin)))
+            moved, gone_then = self.chances(
+                *(replace(part, ends=part.ends + way) for part in (*self.parts, begin))
+            )
             changes.append(moved[:, kept] @ solved + gone_then @ at)
         here = np.append(moves[:, kept] @ solved + gone @ at, value - each)
         change = np.max(np.abs(np.array(changes) - here), axis=0)
@@ -89,25 +98,31 @@ def cell_passage(
     each: float,
     at: Array,
 ) -> Estimate:
-    """What a path collects on average until it leaves the arcs: of ``mean_passage_time``, ``hitting_probability``.
+    """What a path collects on average until it leaves the arcs: of ``mean_passage_time``,
+    ``hitting_probability``.
 
-    The arcs are cut into 512 cells, on each of which F is taken for straight; chances of going from cell to cell are
-    exact then, and nothing is subtracted when the chain is eliminated. ``error_bound``: twice the difference from half
-    as many cells, the error being of their second order, and what the map's ``max_error`` changes, to first order where
-    every cell's image is off to its own side, or moved up and down by it; measured. inf where a part of the arcs that
-    the path comes to is left by none of the cells' chances.
+    The arcs are cut into 512 cells, on each of which F is taken for straight; chances of going from
+    cell to cell are exact then, and nothing is subtracted when the chain is eliminated.
+    ``error_bound``: twice the difference from half as many cells, the error being of their second
+    order, and what the map's ``max_error`` changes, to first order where every cell's image is off
+    to its own side, or moved up and down by it; measured. inf where a part of the arcs that the
+    path comes to is left by none of the cells' chances.
 
-    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage hangs on a gap as
-    narrow as a cell.
+    Raises ConvergenceError where the bound, ``max_error`` apart, is above 2 %: where a passage
+    hangs on a gap as narrow as a cell.
     """
 
     def value(count: int, shift: float = 0.0, off: float = 0.0) -> tuple[float, float]:
         whole = sum(high - low for low, high in arcs)
         parts = []
         for low, high in arcs:
-            cells = cells_between(circle_map, halfwidth, low, high, max(8, round(count * (high - low) / whole)))
+            cells = cells_between(
+                circle_map, halfwidth, low, high, max(8, round(count * (high - low) / whole))
+            )
             parts.append(replace(cells, ends=cells.ends + shift))
-        return CellChain(tuple(parts), exits, lifted).collected(float(circle_map(start)) + shift, each, at, off)
+        return CellChain(tuple(parts), exits, lifted).collected(
+            float(circle_map(start)) + shift, each, at, off
+        )
 
     error = circle_map.max_error
     (few, _), (many, moved) = value(_CELLS), value(2 * _CELLS, off=error)
@@ -117,8 +132,9 @@ def cell_passage(
         bound = 2.0 * abs(many - few) + SOLUTION * many
     if not bound <= max(_ACCEPTED * many, SOLUTION):
         raise ConvergenceError(
-            f"the passage came out as {many:.6g} with error bound {bound:.2g}: it hangs on a gap as narrow as a cell "
-            f"of the arcs; raise the halfwidth {halfwidth:g} or take a noise with a smooth density"
+            f"the passage came out as {many:.6g} with error bound {bound:.2g}: it hangs on a gap "
+            f"as narrow as a cell of the arcs; raise the halfwidth {halfwidth:g} or take a noise "
+            "with a smooth density"
         )
     if error > 0.0:
         bound += max(moved, abs(value(_CELLS, error)[0] - value(_CELLS, -error)[0]))

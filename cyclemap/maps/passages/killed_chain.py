@@ -1,4 +1,6 @@
-"""A noisy map killed when it leaves some arcs: its chain on quadrature nodes (Nyström), solved without subtraction."""
+"""A noisy map killed when it leaves some arcs: its chain on quadrature nodes (Nyström), solved
+without subtraction.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,9 @@ Arc = tuple[float, float]
 
 
 def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
-    """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0, 2π]."""
+    """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0,
+    2π].
+    """
     ends = finite_array(name, arc)
     if ends.shape != (2,):
         raise InvalidInput(f"{name} is {arc!r}: give a pair (start, end) in radians")
@@ -29,7 +33,9 @@ def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
         end += TWO_PI
     length = end - start
     if not (0.0 < length < TWO_PI or (whole and length <= TWO_PI * (1 + 1e-15) and length > 0.0)):
-        raise InvalidInput(f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians")
+        raise InvalidInput(
+            f"{name} is ({ends[0]:g}, {ends[1]:g}): its length must lie between 0 and 2π radians"
+        )
     return start, end
 
 
@@ -42,7 +48,9 @@ def into_arc(theta: float, arc: tuple[float, float]) -> float | None:
 
 
 def outside_of(ends: Arc, lifted: bool) -> tuple[Arc, ...]:
-    """The exits of one arc: all that lies below it and above it on the real line, or the rest of the circle."""
+    """The exits of one arc: all that lies below it and above it on the real line, or the rest of
+    the circle.
+    """
     return ((-np.inf, ends[0]), (ends[1], np.inf)) if lifted else ((ends[1], ends[0] + TWO_PI),)
 
 
@@ -50,7 +58,9 @@ def required_inside(start: float, ends: Arc) -> float:
     """``start``, moved by whole turns into the arc, or InvalidInput."""
     inside = into_arc(finite_number("start", start), ends)
     if inside is None:
-        raise InvalidInput(f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it")
+        raise InvalidInput(
+            f"start is {start:g}, outside the arc ({ends[0]:g}, {ends[1]:g}): start inside it"
+        )
     return inside
 
 
@@ -70,7 +80,8 @@ _VISITS = 64  # cycles after which the states are ranked by how often they are v
 
 @dataclass(frozen=True, eq=False)
 class Elimination:
-    """I - q = (I - U)(D - L) on the states in ``order``; the most visited is first, and eliminated last.
+    """I - q = (I - U)(D - L) on the states in ``order``; the most visited is first, and eliminated
+    last.
 
     ``packed`` (n, n) holds -U above the diagonal, D on it and -L below it; U, L >= 0.
     """
@@ -80,12 +91,16 @@ class Elimination:
     order: Whole
 
     def solve(self, reward: Array) -> Array:
-        """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n, columns)."""
+        """(I - q)⁻¹ reward: what is collected on average until the chain leaves; shape (n,) or (n,
+        columns).
+        """
         after = _triangular(self.packed, reward[self.order], upper=True)
         return self._restored(_triangular(self.packed, after))
 
     def expected(self, reward: Array) -> tuple[Array, float, Array]:
-        """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with their own digits."""
+        """x = (I - q)⁻¹ reward; x at the most visited state; and its differences from that, with
+        their own digits.
+        """
         sources = np.stack([reward[self.order], self.out], axis=1)
         collected, gone = _triangular(self.packed, sources, upper=True).T
         if not np.all(np.diag(self.packed) > 0.0):  # some state is never left, in floating point
@@ -108,12 +123,14 @@ class Elimination:
 
 
 def eliminated(q: Array, out: Array) -> Elimination:
-    """Grassmann-Taksar-Heyman elimination (1985), in blocks: without a difference, so small chances keep their digits.
+    """Grassmann-Taksar-Heyman elimination (1985), in blocks: without a difference, so small chances
+    keep their digits.
 
-    q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every entry of what
-    it solves has a small relative error whatever the sizes (O'Cinneide 1993).
+    q : (n, n) chances of going from i to j (the diagonal is not used); out : (n,) of leaving. Every
+        entry of what it solves has a small relative error whatever the sizes (O'Cinneide 1993).
     """
-    # In falling order of visits: each state that is eliminated then has a fair chance to go to one that is not.
+    # In falling order of visits: each state that is eliminated then has a fair chance to go to one
+    # that is not.
     mass = np.full(out.size, 1.0 / out.size)
     for _ in range(_VISITS):
         mass = mass @ q
@@ -123,7 +140,8 @@ def eliminated(q: Array, out: Array) -> Elimination:
     for high in range(left.size, 0, -_BLOCK):
         low = max(0, high - _BLOCK)
         inside = slice(low, high)
-        # The states of a block among themselves, then towards those before it; all sums are of >= 0.
+        # The states of a block among themselves, then towards those before it; all sums are of >=
+        # 0.
         block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
         for k in range(high - low - 1, -1, -1):
             pivot = away[k] + np.sum(block[k, :k])
@@ -146,7 +164,9 @@ def eliminated(q: Array, out: Array) -> Elimination:
 
 
 def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
-    """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when ``values`` >= 0."""
+    """Solve with the unit upper factor, or with the lower one, in blocks; nothing cancels when
+    ``values`` >= 0.
+    """
     found = np.array(values)
     lows = range(0, packed.shape[0], _BLOCK)
     for low in reversed(lows) if upper else lows:
@@ -164,7 +184,9 @@ def _triangular(packed: Array, values: Array, *, upper: bool = False) -> Array:
 
 
 MAX_UNKNOWNS = 6_000
-NEGLECTED = 1e-6  # noise coefficients beyond the nodes' bandwidth are smaller; residuals then are rounding
+NEGLECTED = (
+    1e-6  # noise coefficients beyond the nodes' bandwidth are smaller; residuals then are rounding
+)
 _MIN_BANDWIDTH = 4
 
 
@@ -179,19 +201,28 @@ def killed_chain(
     stretch: float = 1.0,
     most: int = MAX_UNKNOWNS,
 ) -> KilledChain:
-    """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they fill the space.
+    """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they
+    fill the space.
 
-    lifted : the space is the real line, and an exit may reach to ±inf; else the circle. every_sample : panels of nodes
-    end at every sample of a sampled map. stretch : factor on the nodes' bandwidth.
+    lifted : the space is the real line, and an exit may reach to
+        ±inf; else the circle. every_sample : panels of nodes end at every sample of a sampled map.
+        stretch : factor on the
+        nodes' bandwidth.
 
-    Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density jumps.
+    Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
+    jumps.
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
     if not isinstance(noise, Noise):
-        raise InvalidInput(f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)")
+        raise InvalidInput(
+            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
+        )
     if noise.jump > 0.0:
-        raise InvalidInput(f"{noise!r} has a density that jumps, which this method cannot resolve: take a smooth law")
+        raise InvalidInput(
+            f"{noise!r} has a density that jumps, which this method cannot resolve: take a "
+            "smooth law"
+        )
     bandwidth = float(_MIN_BANDWIDTH)
     while noise.coefficients(bandwidth) > NEGLECTED and bandwidth < 1e5:
         bandwidth *= 1.05
@@ -199,15 +230,20 @@ def killed_chain(
     rules = [arc_rule(circle_map, *ends, bandwidth, every_sample=every_sample) for ends in arcs]
     theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
     if theta.size > most:
-        raise InvalidInput(f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width")
-    return KilledChain(circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight)
+        raise InvalidInput(
+            f"{noise!r} needs {theta.size} nodes on the arc, more than {most}: raise its width"
+        )
+    return KilledChain(
+        circle_map, noise, arcs, exits, lifted, every_sample, bandwidth, theta, weight
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class KilledChain:
     """θ' = F(θ) + ξ on ``theta`` (n nodes of its arcs), until it enters an exit.
 
-    Below ``images`` are values F(x), shape (m,): the same questions are asked at nodes and between them.
+    Below ``images`` are values F(x), shape (m,): the same questions are asked at nodes and between
+    them.
     """
 
     map: CircleMap
@@ -231,12 +267,16 @@ class KilledChain:
         return eliminated(self.transitions(self.images), self.departures(self.images).sum(axis=0))
 
     def distance(self, gap: Array) -> Array:
-        """How far a noise must carry the path over a gap, at least: the shorter way where it is on the circle."""
+        """How far a noise must carry the path over a gap, at least: the shorter way where it is on
+        the circle.
+        """
         return np.abs(gap if self.lifted else gap - TWO_PI * np.round(gap / TWO_PI))
 
     def finer(self) -> KilledChain:
         """The same chain on twice as many nodes."""
-        rules = [arc_rule(self.map, *ends, self.bandwidth, 2, self.every_sample) for ends in self.arcs]
+        rules = [
+            arc_rule(self.map, *ends, self.bandwidth, 2, self.every_sample) for ends in self.arcs
+        ]
         theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
         return replace(self, theta=theta, weight=weight)
 
@@ -248,29 +288,39 @@ class KilledChain:
     def departures(self, images: Array) -> Array:
         """(exits, m): P(F(x) + ξ in the exit), to full relative accuracy also where it is small."""
         if not self.lifted:
-            return np.array([self.noise.arc_probability(low - images, high - images) for low, high in self.exits])
+            return np.array(
+                [
+                    self.noise.arc_probability(low - images, high - images)
+                    for low, high in self.exits
+                ]
+            )
         # An exit is (-inf, end) or (end, inf): how far the noise must carry the image to enter it.
         gaps = [low - images if np.isinf(high) else images - high for low, high in self.exits]
         return np.array([self.noise.exceedance(gap) for gap in gaps])
 
     def departure_slopes(self, images: Array) -> Array:
         """(exits, m): d/dF of ``departures``."""
-        ends = [[self.noise.density(end - images, self.lifted) for end in ends] for ends in self.exits]
+        ends = [
+            [self.noise.density(end - images, self.lifted) for end in ends] for ends in self.exits
+        ]
         return np.array([at_low - at_high for at_low, at_high in ends])
 
     def expected(self, each: float, at: Array) -> Expectation:
-        """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on leaving by exit e."""
+        """What a path collects on average until it leaves: ``each`` a cycle, and ``at[e]`` on
+        leaving by exit e.
+        """
         reward = each + at @ self.departures(self.images)
         return Expectation(self, each, at, *self.elimination.expected(reward))
 
 
 @dataclass(frozen=True, eq=False)
 class Expectation:
-    """X(x), the solution of X = c + ∫_arcs g(y - F(x)) X(y) dy with c(x) = each + at·(chances of leaving).
+    """X(x), the solution of X = c + ∫_arcs g(y - F(x)) X(y) dy with c(x) = each + at·(chances of
+    leaving).
 
-    It is kept twice at the nodes: as ``values``, and as ``top`` + ``change``, top its value at the node visited most.
-    Values have their digits where they are small, changes have theirs where top is 1e100 and the path is most of the
-    time; each, at >= 0.
+    It is kept twice at the nodes: as ``values``, and as ``top`` + ``change``, top its value at the
+    node visited most. Values have their digits where they are small, changes have theirs where top
+    is 1e100 and the path is most of the time; each, at >= 0.
     """
 
     chain: KilledChain
@@ -293,38 +343,53 @@ class Expectation:
         return float(self.values_at(self.chain.map(np.array([theta])))[0][0])
 
     def growth(self, images: Array, chain: KilledChain) -> Array:
-        """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes of ``chain``."""
+        """How fast c + ∫ g(y - F) X dy grows with F alone, at ``images``; the integral on the nodes
+        of ``chain``.
+        """
         around = self.values_at(chain.images)[1]
         gap = chain.theta - images[:, None]
         pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
         return np.asarray((self.at - self.top) @ chain.departure_slopes(images) - pushed)
 
     def error_bounds(self, theta: float) -> tuple[float, float]:
-        """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's ``max_error``.
+        """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's
+        ``max_error``.
 
-        The operator I - K is monotone: if (I - K)Φ >= |r|, r the residual of the interpolant on a finer rule, then
-        Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
+        The operator I - K is monotone: if (I - K)Φ >= |r|, r the residual of the interpolant on a
+        finer rule, then Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
         """
         chain, fine = self.chain, self.chain.finer()
         images = np.append(chain.images, chain.map(theta))
         on_fine = self.values_at(fine.images)
-        # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the better. A constant part
-        # of X, however large, drops out of the second one exactly.
-        moves, gone, here, forms = fine.transitions(images), fine.departures(images), self.values_at(images), []
+        # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the
+        # better. A constant part of X, however large, drops out of the second one exactly.
+        moves, gone, here, forms = (
+            fine.transitions(images),
+            fine.departures(images),
+            self.values_at(images),
+            [],
+        )
         for value, around, top in zip(here, on_fine, (0.0, self.top), strict=True):
-            stay, lost = value * moves.sum(axis=1), value * gone.sum(axis=0) - (self.at - top) @ gone
+            stay, lost = (
+                value * moves.sum(axis=1),
+                value * gone.sum(axis=0) - (self.at - top) @ gone,
+            )
             terms = np.abs(lost) + np.abs(stay) + moves @ np.abs(around) + self.each
             forms.append((terms, lost + stay - moves @ around - self.each))
         (size, residual), (other_size, other) = forms
         residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
         padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
-        widened = np.maximum(np.maximum(padded[:-2], padded[2:]), padded[1:-1])  # what lies between the nodes
+        widened = np.maximum(
+            np.maximum(padded[:-2], padded[2:]), padded[1:-1]
+        )  # what lies between the nodes
         slope = np.abs(self.growth(images, fine))
         # The distances to the exits are rounded one by one, so that their slopes do not cancel.
         ruggedness = slope + np.abs(self.at - self.top) @ np.abs(chain.departure_slopes(images))
         own = widened + 2.0 * EPS * (size + ruggedness * (1.0 + np.abs(images)))
         sources = np.stack([own, slope * chain.map.max_error], axis=1)
         with np.errstate(over="ignore", invalid="ignore"):
-            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(sources[:-1])
+            bounds = sources[-1] + chain.transitions(images[-1:])[0] @ chain.elimination.solve(
+                sources[:-1]
+            )
         own_bound, from_map = np.where(np.isfinite(bounds), bounds, np.inf)
         return float(own_bound), float(from_map) if chain.map.max_error else 0.0

@@ -26,7 +26,8 @@ from cyclemap.one_thread import one_thread
 
 _STRETCH = 1.3  # bandwidth of the second solution over that of the first
 _MOST_NODES = 60_000
-_FEW = 1_000  # nodes that are solved without a wider noise first, and whose plain passage time is sought first
+# nodes that are solved without a wider noise first, and whose plain passage time is sought first
+_FEW = 1_000
 _CUT = 45.0  # moves below e^-45 of the largest one of their node are left out
 _BLOCK = 16  # neighbouring nodes that are left out together
 _ENTRIES = 4_000_000
@@ -50,20 +51,22 @@ def log10_passage_time(
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
-    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond, for
-    ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from it over the chance of
-    leaving in one, and T(start) is that times the chance of reaching that node first. The chance of leaving is sought
-    from transitions multiplied by h(y)/h(x), h(x) nearly the chance of leaving from x before the next visit (Doob's
-    transform): along the likely ways out they are of order one. Sparse sweeps over the few dozen moves that count solve
-    it; a first h comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations). Where the path
-    may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated without subtraction instead.
+    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond,
+    for ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from
+    it over the chance of leaving in one, and T(start) is that times the chance of reaching that
+    node first. The chance of leaving is sought from transitions multiplied by h(y)/h(x), h(x)
+    nearly the chance of leaving from x before the next visit (Doob's transform): along the likely
+    ways out they are of order one. Sparse sweeps over the few dozen moves that count solve it; a
+    first h comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations).
+    Where the path may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated
+    without subtraction instead.
 
-    ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and 2e-14 of ln T for
-    rounding; measured, and without the map's ``max_error``.
+    ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and
+    2e-14 of ln T for rounding; measured, and without the map's ``max_error``.
 
-    Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than 60,000
-    nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two parts of the arc are each left
-    less than once in 1e300 cycles.
+    Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where
+    more than 60,000 nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two
+    parts of the arc are each left less than once in 1e300 cycles.
 
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
@@ -82,17 +85,25 @@ def log10_passage_time(
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
         if not isinstance(noise, WrappedNormal):
-            raise InvalidInput(f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known")
+            raise InvalidInput(
+                f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known"
+            )
     for every_sample in (False, True):
-        value, again = (_log_time(chain(every_sample, stretch), inside) for stretch in (1.0, _STRETCH))
+        value, again = (
+            _log_time(chain(every_sample, stretch), inside) for stretch in (1.0, _STRETCH)
+        )
         bound = 3.0 * abs(value - again) + LOG_PASSAGE * abs(value)
         if bound <= _ACCEPTED:
             return Estimate(again / np.log(10.0), bound / np.log(10.0))
-    raise ConvergenceError(f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}")
+    raise ConvergenceError(
+        f"ln of the mean passage time came out as {again:.9g} with error bound {bound:.3g}"
+    )
 
 
 def _log_time(chain: KilledChain, start: float) -> float:
-    """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do not end."""
+    """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do
+    not end.
+    """
     out, size = _log_departures(chain), chain.theta.size
     chances, mass = _moves(chain, np.zeros(size), out), np.ones(size)
     for _ in range(64):
@@ -100,29 +111,41 @@ def _log_time(chain: KilledChain, start: float) -> float:
         mass /= max(mass.sum(), np.finfo(float).tiny)
     first = int(np.argmax(mass))
     away = _without(chances, first)
-    excursion, returns = _fixed(away, np.ones(size)), _fixed(away, chances[:, [first]].toarray().ravel())
+    excursion, returns = (
+        _fixed(away, np.ones(size)),
+        _fixed(away, chances[:, [first]].toarray().ravel()),
+    )
     log_h = None if excursion is None or returns is None else _log_chance(chain, first, out)
     if log_h is not None and excursion is not None and returns is not None:
         returns[first] = 1.0
-        return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
+        return float(
+            np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns))
+        )
     if size > MAX_UNKNOWNS:
         raise ConvergenceError(
-            f"the path stays for too long in several parts of the arc for {size} nodes: raise the noise"
+            f"the path stays for too long in several parts of the arc for {size} nodes: raise "
+            "the noise"
         )
     return _eliminated(chain, start)
 
 
-# -- sweeps over the moves that count ------------------------------------------------------------------------
+# -- sweeps over the moves that count
+# ------------------------------------------------------------------------
 
 
 def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
-    """ln h, h the chance of leaving before the next visit of node ``first``; None where the sweeps do not end."""
+    """ln h, h the chance of leaving before the next visit of node ``first``; None where the sweeps
+    do not end.
+    """
     if chain.theta.size <= _FEW:
         moves = _log_transitions(chain)
         moves[:, first] = -np.inf
         log_h = _log_leaving(moves, out)
     else:
-        noise, most = WrappedNormal(2.0 * chain.noise.variance**0.5), max(MAX_UNKNOWNS, chain.theta.size)
+        noise, most = (
+            WrappedNormal(2.0 * chain.noise.variance**0.5),
+            max(MAX_UNKNOWNS, chain.theta.size),
+        )
         settings = chain.map, noise, chain.arcs, chain.exits, chain.lifted
         wider = killed_chain(*settings, every_sample=chain.every_sample, most=most)
         if wider.theta.size >= chain.theta.size:  # as coarse as the map allows, and still too fine
@@ -161,15 +184,26 @@ def _without(moves: csr_array, column: int) -> csr_array:
 
 
 def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
-    """(n, n), sparse: chances times h(y)/h(x), but for those below e^-45 of the largest term of out + K h at x.
+    """(n, n), sparse: chances times h(y)/h(x), but for those below e^-45 of the largest term of out
+    + K h at x.
 
-    Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest distance.
+    Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest
+    distance.
     """
-    theta, images, sigma, size = chain.theta, chain.images, chain.noise.variance**0.5, chain.theta.size
+    theta, images, sigma, size = (
+        chain.theta,
+        chain.images,
+        chain.noise.variance**0.5,
+        chain.theta.size,
+    )
     value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     begin = np.arange(0, size, _BLOCK)
     last = np.minimum(begin + _BLOCK, size) - 1
-    middle, half, best = 0.5 * (theta[begin] + theta[last]), 0.5 * (theta[last] - theta[begin]), begin + _BLOCK // 2
+    middle, half, best = (
+        0.5 * (theta[begin] + theta[last]),
+        0.5 * (theta[last] - theta[begin]),
+        begin + _BLOCK // 2,
+    )
     best, top = np.minimum(best, last), np.maximum.reduceat(value, begin)
     rows, columns, entries = [], [], []
     step = max(1, _ENTRIES // begin.size)
@@ -194,18 +228,25 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
     return csr_array((np.concatenate(entries), place), shape=(size, size))
 
 
-# -- elimination of every move -------------------------------------------------------------------------------
+# -- elimination of every move
+# -------------------------------------------------------------------------------
 
 
 def _eliminated(chain: KilledChain, start: float) -> float:
-    """ln T(start) from the whole chain, eliminated without subtraction: excursions may last 1e300 cycles."""
+    """ln T(start) from the whole chain, eliminated without subtraction: excursions may last 1e300
+    cycles.
+    """
     elimination, order = chain.elimination, chain.elimination.order
     pivot = np.diag(elimination.packed)
     if not np.all(pivot[1:] > 0.0):
-        raise ConvergenceError("two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc")
+        raise ConvergenceError(
+            "two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc"
+        )
 
     def collected(shares: Array, reward: Array) -> float:
-        """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U = ``shares``."""
+        """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U =
+        ``shares``.
+        """
         left = np.eye(reward.size) - shares
         return float(solve_triangular(left, reward, unit_diagonal=True, check_finite=False)[0])
 
@@ -215,7 +256,9 @@ def _eliminated(chain: KilledChain, start: float) -> float:
     out = _log_departures(chain)[order]
     log_h = _log_leaving(moves, out)
     tilted = np.exp(moves + log_h - log_h[:, None])
-    for high in range(pivot.size, 0, -_TOGETHER):  # with known pivots: U stands above the diagonal afterwards
+    for high in range(
+        pivot.size, 0, -_TOGETHER
+    ):  # with known pivots: U stands above the diagonal afterwards
         low = max(0, high - _TOGETHER)
         for k in range(high - 1, low - 1, -1):
             tilted[:k, k] /= pivot[k]
@@ -223,7 +266,9 @@ def _eliminated(chain: KilledChain, start: float) -> float:
             tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
         tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
     leaving = np.log(collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
-    return float(np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns())))
+    return float(
+        np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns()))
+    )
 
 
 def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
@@ -234,7 +279,9 @@ def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
 
 
 def _log_leaving(moves: Array, out: Array) -> Array:
-    """ln of the chance h of leaving before the next visit of the first state: h = out + K h, iterated from out."""
+    """ln of the chance h of leaving before the next visit of the first state: h = out + K h,
+    iterated from out.
+    """
     value: Array = out
     for _ in range(_ROUNDS):
         terms = moves + value
@@ -244,7 +291,8 @@ def _log_leaving(moves: Array, out: Array) -> Array:
         if change < _SETTLED:
             return value
     raise ConvergenceError(
-        f"the chance of leaving still grows by a factor {np.exp(change):.3g} a round: raise the noise"
+        f"the chance of leaving still grows by a factor {np.exp(change):.3g} a round: raise the "
+        "noise"
     )
 
 
@@ -255,7 +303,10 @@ def _log_transitions(chain: KilledChain) -> Array:
     if chain.lifted:
         return np.asarray(height - 0.5 * (gap / sigma) ** 2)
     near = np.mod(gap, TWO_PI)
-    return np.asarray(height + np.logaddexp.reduce([-0.5 * ((near + turn) / sigma) ** 2 for turn in _TURNS], axis=0))
+    return np.asarray(
+        height
+        + np.logaddexp.reduce([-0.5 * ((near + turn) / sigma) ** 2 for turn in _TURNS], axis=0)
+    )
 
 
 def _log_departures(chain: KilledChain) -> Array:
@@ -263,7 +314,9 @@ def _log_departures(chain: KilledChain) -> Array:
     (start, end), sigma = chain.arcs[0], chain.noise.variance**0.5
     if chain.lifted:
         return np.asarray(
-            np.logaddexp(log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma))
+            np.logaddexp(
+                log_ndtr((chain.images - end) / sigma), log_ndtr((start - chain.images) / sigma)
+            )
         )
     low = np.mod(end - chain.images, TWO_PI) + _TURNS[:, None]
     high = low + start + TWO_PI - end
@@ -271,4 +324,6 @@ def _log_departures(chain: KilledChain) -> Array:
     mirrored = low + high < 0.0
     near, far = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
     most = log_ndtr(-near / sigma)
-    return np.asarray(np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0))
+    return np.asarray(
+        np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0)
+    )

@@ -29,7 +29,9 @@ from cyclemap.one_thread import one_thread
 LONGEST = 1e300  # cycles: a longer passage is given as inf
 _GOOD = 1e-9  # relative error bound with which few nodes will do
 _ACCEPTED = 1e-6  # relative error bound that is accepted at all
-_BESIDE = 0.01  # share of what the map's own error makes uncertain, below which more nodes are of no use
+_BESIDE = (
+    0.01  # share of what the map's own error makes uncertain, below which more nodes are of no use
+)
 _MORE = 1.4  # bandwidth of the second attempt over that of the first
 
 
@@ -44,19 +46,22 @@ def mean_passage_time(
 ) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
-    start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0, 2π).
-    lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows the
-        path on the real line, where the arc may be a whole turn.
+    start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0,
+        2π).
+    lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows
+        the path on the real line, where the arc may be a whole turn.
 
-    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels between the map's
-    breaks and samples (Nyström), is eliminated without subtraction from the exactly known chances of leaving
-    (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles keep their digits; inf above 1e300, where
-    ``log10_passage_time`` goes on. Under ``UniformNoise`` see ``cell_passage``.
+    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
+    between the map's breaks and samples (Nyström), is eliminated without subtraction from the
+    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles
+    keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under ``UniformNoise``
+    see ``cell_passage``.
 
-    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding included, Φ = (I - K)⁻¹|r|
-    bounds the error, since K is positive (Collatz 1952): proved; r and Φ are measured on nodes. The map's ``max_error``
-    is included to first order. Where several deep wells drown the residual in rounding, the bound is ten times the
-    difference from a solution on other nodes. ConvergenceError when it exceeds 1e-6 of the time, ``max_error`` apart.
+    ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
+    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r and Φ
+    are measured on nodes. The map's ``max_error`` is included to first order. Where several deep
+    wells drown the residual in rounding, the bound is ten times the difference from a solution on
+    other nodes. ConvergenceError when it exceeds 1e-6 of the time, ``max_error`` apart.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> stuck = CircleMap.arnold(0.1, 0.9)
@@ -82,12 +87,13 @@ def hitting_probability(
     arc_a: Arc,
     arc_b: Arc,
 ) -> Estimate:
-    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in ``arc_b``.
+    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in
+    ``arc_b``.
 
-    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start inside one of them gives
-    1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
-    ``mean_passage_time``: small chances keep their digits too. ConvergenceError also when
-    neither arc is reached within 1e300 cycles.
+    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start
+    inside one of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y)
+    dy, solved and bounded as in ``mean_passage_time``: small chances keep their digits too.
+    ConvergenceError also when neither arc is reached within 1e300 cycles.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
@@ -107,11 +113,15 @@ def hitting_probability(
         make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
         chance = _certified(make, theta, 0.0, goals, "hitting probability")
         if not np.isfinite(chance):
-            raise ConvergenceError("neither arc is reached within 1e300 cycles: raise the noise or widen the arcs")
+            raise ConvergenceError(
+                "neither arc is reached within 1e300 cycles: raise the noise or widen the arcs"
+            )
     return Estimate(min(chance, 1.0), chance.error_bound)
 
 
-def _certified(make: Callable[..., KilledChain], start: float, each: float, at: Array, name: str) -> Estimate:
+def _certified(
+    make: Callable[..., KilledChain], start: float, each: float, at: Array, name: str
+) -> Estimate:
     """The expectation at ``start``: on few nodes first, on more where their bound is not good."""
     for every_sample, stretch in (False, 1.0), (True, _MORE):
         chain = make(every_sample=every_sample, stretch=stretch)
@@ -126,21 +136,28 @@ def _certified(make: Callable[..., KilledChain], start: float, each: float, at: 
     own = min(own, 10.0 * abs(other - value) + ELIMINATION * abs(value))
     if not own <= _ACCEPTED * abs(value):
         raise ConvergenceError(
-            f"the {name} came out as {value:.9g} with error bound {own:.3g}: the map is too rough for so small a "
-            "noise; raise the noise or give the map's breaks"
+            f"the {name} came out as {value:.9g} with error bound {own:.3g}: the map is too rough "
+            "for so small a noise; raise the noise or give the map's breaks"
         )
     return Estimate(value, own + from_map)
 
 
 @one_thread
 def survival_probabilities(
-    circle_map: CircleMap, noise: Noise, start: float, arc: Arc, cycles: int, *, lifted: bool = False
+    circle_map: CircleMap,
+    noise: Noise,
+    start: float,
+    arc: Arc,
+    cycles: int,
+    *,
+    lifted: bool = False,
 ) -> Array:
-    """P(the path from ``start`` has not left ``arc`` in n cycles) for n = 0, ..., ``cycles``: shape (cycles + 1,).
+    """P(the path from ``start`` has not left ``arc`` in n cycles) for n = 0, ..., ``cycles``: shape
+    (cycles + 1,).
 
-    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for ``mean_passage_time``,
-    which is the sum of S_n over all n. Rows of transitions are scaled to the exactly known chances of staying; the
-    relative error grows with n, by about 1e-15 a cycle.
+    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for
+    ``mean_passage_time``, which is the sum of S_n over all n. Rows of transitions are scaled to the
+    exactly known chances of staying; the relative error grows with n, by about 1e-15 a cycle.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> chances = survival_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77, (0.0, 1.5), 2)

@@ -1,4 +1,6 @@
-"""The quasi-stationary distribution of an arc: where a path is that has not left it, how soon and where it does."""
+"""The quasi-stationary distribution of an arc: where a path is that has not left it, how soon and
+where it does.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,8 @@ _ACCEPTED = 1e-6  # relative error bound of the escape rate, ``max_error`` apart
 
 @dataclass(frozen=True, eq=False)
 class QuasiStationary:
-    """What becomes of a noisy path as long as it stays in an arc, however it began; made by ``quasi_stationary``.
+    """What becomes of a noisy path as long as it stays in an arc, however it began; made by
+    ``quasi_stationary``.
 
     Parameters
     ----------
@@ -44,7 +47,9 @@ class QuasiStationary:
     _mass: Array = field(repr=False)
 
     def density(self, theta: Any) -> Array:
-        """The distribution's density, per radian, at angles of the arc, any shape: one cycle on from its nodes."""
+        """The distribution's density, per radian, at angles of the arc, any shape: one cycle on
+        from its nodes.
+        """
         angles = finite_array("theta", theta)
         chain = self._chain
         gaps = angles.ravel() - chain.images[:, None]
@@ -55,7 +60,8 @@ class QuasiStationary:
 
 @one_thread
 def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStationary:
-    """Where the path θ' = F(θ) + ξ is on the line given that it has not left ``arc`` for long, and how it leaves.
+    """Where the path θ' = F(θ) + ξ is on the line given that it has not left ``arc`` for long, and
+    how it leaves.
 
     Parameters
     ----------
@@ -63,20 +69,22 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 
     Returns
     -------
-    ``escape_rate`` 1 - λ with λ the largest eigenvalue of the chain that is killed outside the arc, ``below`` and
-    ``above`` the chances of slipping out to either side, the ``density``.
+    ``escape_rate`` 1 - λ with λ the largest eigenvalue of the chain that is killed outside the arc,
+    ``below`` and ``above`` the chances of slipping out to either side, the ``density``.
 
     Raises
     ------
-    InvalidInput as ``mean_passage_time``; ConvergenceError where the rate is not known to 1e-6 of itself.
+    InvalidInput as ``mean_passage_time``; ConvergenceError where the rate is not known to 1e-6 of
+    itself.
 
     Notes
     -----
-    ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that small chances keep
-    their digits, and 1 - λ is ν's chance of leaving in a cycle, never a difference. ``error_bound``: ten times the
-    difference from other nodes, measured, and what the map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of
-    the chance of leaving and of w(F + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps
-    change that are off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
+    ν K = λ ν by repeated squaring of the chain on Nyström's nodes: sums of positive terms, so that
+    small chances keep their digits, and 1 - λ is ν's chance of leaving in a cycle, never a
+    difference. ``error_bound``: ten times the difference from other nodes, measured, and what the
+    map's ``max_error`` ε may change: to first order ε ∫ν|∂/∂F| of the chance of leaving and of w(F
+    + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps change that are
+    off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
     Quasi-Stationary Distributions, 2013.)
 
     Examples
@@ -88,7 +96,15 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     """
     ends = arc_ends(arc, "arc", whole=True)
     chain, other = (
-        killed_chain(circle_map, noise, (ends,), outside_of(ends, True), True, every_sample=every, stretch=stretch)
+        killed_chain(
+            circle_map,
+            noise,
+            (ends,),
+            outside_of(ends, True),
+            True,
+            every_sample=every,
+            stretch=stretch,
+        )
         for every, stretch in ((False, _OTHER), (True, 1.0))
     )
     mass, rates = _lasting(chain, chain.images)
@@ -97,24 +113,31 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     own = _APART * abs(float(others.sum()) - total) + ELIMINATION * total
     if not own <= _ACCEPTED * total:
         raise ConvergenceError(
-            f"the escape rate came out as {total:.9g} with error bound {own:.3g}: the map is too rough for so small a "
-            "noise; raise the noise or give the map's breaks"
+            f"the escape rate came out as {total:.9g} with error bound {own:.3g}: the map is too "
+            "rough for so small a noise; raise the noise or give the map's breaks"
         )
     shares = rates / total
     share_error = _APART * float(np.abs(others / others.sum() - shares).max()) + ELIMINATION
-    of_rate, of_share = _moved_by_map(chain, mass, rates) if circle_map.max_error > 0.0 else (0.0, 0.0)
+    of_rate, of_share = (
+        _moved_by_map(chain, mass, rates) if circle_map.max_error > 0.0 else (0.0, 0.0)
+    )
     below, above = (Estimate(float(share), share_error + of_share) for share in shares)
     return QuasiStationary(Estimate(total, own + of_rate), below, above, chain, mass)
 
 
 def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
-    """How much the escape rate and the shares of the exits may change by the map's ``max_error``."""
+    """How much the escape rate and the shares of the exits may change by the map's
+    ``max_error``."""
     epsilon, total = chain.map.max_error, rates.sum()
     slopes, shares = _slopes(chain, mass, rates), rates / total
 
     def change(slope: Array, quantity: Callable[[Array], Array]) -> float:
-        """To first order, or where maps lead that are off by the signs of ``slope``: whichever is more."""
-        moved = [_lasting(chain, chain.images + way * epsilon * np.sign(slope))[1] for way in (-1.0, 1.0)]
+        """To first order, or where maps lead that are off by the signs of ``slope``: whichever is
+        more.
+        """
+        moved = [
+            _lasting(chain, chain.images + way * epsilon * np.sign(slope))[1] for way in (-1.0, 1.0)
+        ]
         far = max(float(np.max(np.abs(quantity(after) - quantity(rates)))) for after in moved)
         return max(epsilon * float(mass @ np.abs(slope)), far)
 
@@ -127,7 +150,9 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
 
 
 def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
-    """The quasi-stationary chances of the nodes, (n,), and those of leaving in a cycle by each exit; F at the nodes."""
+    """The quasi-stationary chances of the nodes, (n,), and those of leaving in a cycle by each
+    exit; F at the nodes.
+    """
     moves = chain.transitions(images)
     power, mass = moves, np.full(chain.theta.size, 1.0 / chain.theta.size)
     for _ in range(_SQUARINGS):
@@ -138,20 +163,24 @@ def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
             break
         power = power @ power
         power /= power.sum(axis=1).max()
-    # Single cycles give the small chances their digits: a rounding is forgotten by the next ones, not squared.
+    # Single cycles give the small chances their digits: a rounding is forgotten by the next ones,
+    # not squared.
     for _ in range(_CYCLES):
         after = mass @ moves
         after /= after.sum()
         settled, mass = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING), after
         if settled:
             return mass, chain.departures(images) @ mass
-    raise ConvergenceError("the path keeps turning in the arc or stays in several parts of it: take a shorter arc")
+    raise ConvergenceError(
+        "the path keeps turning in the arc or stays in several parts of it: take a shorter arc"
+    )
 
 
 def _slopes(chain: KilledChain, mass: Array, rates: Array) -> Array:
     """(exits, n): how fast each exit's rate grows with F at the nodes, per unit of ν."""
     moves, gone = chain.transitions(chain.images), chain.departures(chain.images)
-    # (λ - K) w = gone - rate·u with ν w = 0, u the right eigenvector: bordered, so that it is regular.
+    # (λ - K) w = gone - rate·u with ν w = 0, u the right eigenvector: bordered, so that it is
+    # regular.
     size = mass.size
     bordered = np.zeros((size + 1, size + 1))
     bordered[:size, :size] = (1.0 - rates.sum()) * np.eye(size) - moves

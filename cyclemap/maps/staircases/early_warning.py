@@ -1,4 +1,5 @@
-"""Early warning: how much of an error the last cycles of a resting path have kept, on its way to 1."""
+"""Early warning: how much of an error the last cycles of a resting path have kept,
+on its way to 1."""
 
 from __future__ import annotations
 
@@ -15,7 +16,9 @@ from cyclemap.maps.estimate import ANGLE
 LAST = 100
 _LEAST = 20
 _RESTS = np.pi / 2  # radians: a path that spreads over more does not rest
-_GRID = np.append(np.linspace(-0.95, 0.95, 77), [0.97, 0.98, 0.99, 1.0])  # multipliers that are tried
+_GRID = np.append(
+    np.linspace(-0.95, 0.95, 77), [0.97, 0.98, 0.99, 1.0]
+)  # multipliers that are tried
 _PATHS, _SEED = 2_000, 1
 _LEVEL = 0.95
 
@@ -24,8 +27,9 @@ _LEVEL = 0.95
 class RestMultiplier:
     """The multiplier of the direction about which a path rests.
 
-    value : median-unbiased. lower, upper : 95 % interval, in [-1, 1]: at 1 the direction is being lost,
-        or has been. cycles : how many it comes from. theta : their mean direction, radians in [0, 2π).
+    value : median-unbiased. lower, upper : 95 % interval, in [-1, 1]: at 1 the
+        direction is being lost, or has been. cycles : how many it comes from. theta : their mean direction, radians in
+        [0, 2π).
     """
 
     value: float
@@ -36,7 +40,8 @@ class RestMultiplier:
 
 
 def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
-    """The multiplier of the rest of the last cycles of a path, with its interval; None where they do not rest.
+    """The multiplier of the rest of the last cycles of a path, with its interval; None where they
+    do not rest.
 
     Parameters
     ----------
@@ -45,8 +50,8 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
 
     Returns
     -------
-    None also where there are fewer than 20 cycles. They rest where they spread over less than a quarter of a turn
-    about their mean; a spread of 1e-13 rad is rounding.
+    None also where there are fewer than 20 cycles. They rest where they spread over less than a
+    quarter of a turn about their mean; a spread of 1e-13 rad is rounding.
 
     Raises
     ------
@@ -54,11 +59,12 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
 
     Notes
     -----
-    Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before falls short of λ by
-    some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1, so that interval and value come from
-    the λ for which the regression seen is no rarer than 2.5 % on either side, and its median (Andrews 1993), by 2,000
-    simulated paths for each of 81 λ from -0.95 to 1 and lines between. Normal kicks are taken that do not depend on
-    the past, and a map that does not bend over the rest.
+    Beside a stable point θ' = θ* + λ(θ - θ*) + ξ: the regression of each angle on the one before
+    falls short of λ by some (1 + 3λ)/n (Kendall 1954), and its distribution is skew as λ nears 1,
+    so that interval and value come from the λ for which the regression seen is no rarer than 2.5 %
+    on either side, and its median (Andrews 1993), by 2,000 simulated paths for each of 81 λ from
+    -0.95 to 1 and lines between. Normal kicks are taken that do not depend on the past, and a map
+    that does not bend over the rest.
 
     Examples
     --------
@@ -81,7 +87,9 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     seen = float(_regression(away[None])[0])
     below, median, above = _quantiles(path.size)
     value, lower, upper = (float(np.interp(seen, row, _GRID)) for row in (median, above, below))
-    return RestMultiplier(value, -1.0 if seen < above[0] else lower, upper, path.size - 1, middle % TWO_PI)
+    return RestMultiplier(
+        value, -1.0 if seen < above[0] else lower, upper, path.size - 1, middle % TWO_PI
+    )
 
 
 def _regression(paths: Array) -> Array:
@@ -92,7 +100,8 @@ def _regression(paths: Array) -> Array:
 
 @lru_cache(maxsize=8)
 def _quantiles(size: int) -> Array:
-    """(3, 81): quantiles 2.5 %, 50 % and 97.5 % of the regression for each λ, made to rise with it."""
+    """(3, 81): quantiles 2.5 %, 50 % and 97.5 % of the regression for each λ,
+    made to rise with it."""
     rng, rows = np.random.default_rng(_SEED), []
     kicks = rng.standard_normal((_PATHS, size))  # the same for every λ, so that lines are smooth
     for multiplier in _GRID.tolist():

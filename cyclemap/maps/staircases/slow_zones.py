@@ -1,4 +1,6 @@
-"""Slow zones: where a noisy path lingers, how long, and the staircase that follows, of one map or one that wears."""
+"""Slow zones: where a noisy path lingers, how long, and the staircase that follows, of one map or
+one that wears.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ _FLAT = 1e-9  # radians: a turn that varies by less has no slow zone
 _CORE = 0.5  # a visit must come this much nearer the centre than the arc's ends are
 _FINE, _COARSE = 1e-10, 1e-6  # noise coefficients neglected by the visits' law and by its check
 _MAX_BANDWIDTH, _MAX_NODES = 4_000.0, 2_000
-_LONGEST_VISIT = 1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
+_LONGEST_VISIT = (
+    1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
+)
 _TOLERANCE = 1e-2  # turns
 _PANELS = 12  # at most so many first panels when the mean turn is summed over a run
 _LINGERING = 1.5  # a ghost's mean density is at least this many times the uniform one
@@ -38,15 +42,16 @@ _LINGERING = 1.5  # a ghost's mean density is at least this many times the unifo
 class SlowZone:
     """A stretch of the circle where a path lingers.
 
-    centre : radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest point.
+    centre : radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest
+        point.
     arc : (start, end), radians, start < end: the zone, see ``predict_staircase``.
     kind : "stable", "jump" or "ghost".
-    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream end
-        ("ghost") until the path first leaves it.
+    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from
+        the upstream end ("ghost") until the path first leaves it.
     winding : whole turns that a cycle makes there; the zone is still in the frame that turns along.
-    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, maximal runs of cycles in the arc
-        that reach ``core``: how many begin per cycle, their mean length and its standard deviation, cycles; None where
-        not computed.
+    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, maximal runs of
+        cycles in the arc that reach ``core``: how many begin per cycle, their mean length and its
+        standard deviation, cycles; None where not computed.
     """
 
     centre: float
@@ -70,7 +75,9 @@ class SlowZone:
 
     @property
     def core(self) -> tuple[float, float]:
-        """The part of the arc that is at most half as far from the centre as the arc's end on that side."""
+        """The part of the arc that is at most half as far from the centre as the arc's end on that
+        side.
+        """
         low, high = self.arc
         return self.middle - _CORE * (self.middle - low), self.middle + _CORE * (high - self.middle)
 
@@ -79,7 +86,8 @@ class SlowZone:
 class StaircaseSummary:
     """What theory says of a staircase; see ``predict_staircase`` for the definitions.
 
-    mean_turn : radians a cycle. mean_residence_cycles : cycles, or None without slow zones; inf above 1e300.
+    mean_turn : radians a cycle. mean_residence_cycles : cycles, or None without slow zones; inf
+        above 1e300.
     step : radians, or None without slow zones. zones : the slow zones, sorted by centre.
     """
 
@@ -90,7 +98,8 @@ class StaircaseSummary:
 
     @property
     def cycles_a_step(self) -> float | None:
-        """Cycles in which the path climbs ``step`` on average, 0 or more; None without slow zones."""
+        """Cycles in which the path climbs ``step`` on average, 0 or more;
+        None without slow zones."""
         pace = abs(self.mean_turn - TWO_PI * (self.zones[0].winding if self.zones else 0))
         if self.step is None:
             return None
@@ -104,17 +113,20 @@ def predict_staircase(
     """Mean turn, step height and residence of the staircase that the noisy map will draw.
 
     mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound.
-    Slow zones : the stable fixed points and attracting jumps, each with the arc between the unstable points (or
-        repelling jumps, or saddle-nodes) next to it on both sides; its residence is the mean passage time from the
-        point out of that arc. With a single unstable point the arc is the whole turn between two copies of it, left on
-        the lifted line only. Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below
-        half its mean over the circle, w the whole number that makes the mean turn least, if the stationary path is
-        there at least half as long again as at an even pace. The residence is the mean passage time from the arc's
-        upstream end.
-    mean_residence_cycles : average of the zones' residences, an ``Estimate`` whose bound is the average bound.
+    Slow zones : the stable fixed points and attracting jumps, each with the arc between the
+        unstable points (or repelling jumps, or saddle-nodes) next to it on both sides; its
+        residence is the mean passage time from the point out of that arc. With a single unstable
+        point the arc is the whole turn between two copies of it, left on the lifted line only.
+        Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below
+        half its mean over the circle, w the whole number that makes the mean turn least, if the
+        stationary path is there at least half as long again as at an even pace. The residence is
+        the mean passage time from the arc's upstream end.
+    mean_residence_cycles : average of the zones' residences, an ``Estimate`` whose bound is the
+        average bound.
     step : 2π divided by the number of zones, the mean spacing of neighbouring slow zones.
-    The visits' numbers are exact for the stationary path; how they are found is said at ``_with_visits``.
-    A turn that is constant to 1e-9 rad has no slow zone: all but mean_turn are None.
+    The visits' numbers are exact for the stationary path; how they are found is said at
+    ``_with_visits``. A turn that is constant to 1e-9 rad has no slow zone: all but mean_turn are
+    None.
 
     ``operator`` may pass a ``transfer_operator(circle_map, noise)`` that is already there.
 
@@ -158,7 +170,9 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
         below = centre - float(np.min(np.mod(centre - edges, TWO_PI)))
         whole = above - below > TWO_PI - 1e-9
         arc = (above - TWO_PI, above) if whole else (below, above)
-        residence = mean_passage_time(shifted(circle_map, -winding), noise, centre, arc, lifted=whole)
+        residence = mean_passage_time(
+            shifted(circle_map, -winding), noise, centre, arc, lifted=whole
+        )
         zones.append(SlowZone(centre, arc, kind, residence, winding))
     return zones
 
@@ -183,19 +197,24 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
         )
         start, end = float(begin - step * before), float(begin + step * (length - 1) + step * after)
         slowest = int(np.argmin(slowness[:length]))
-        residence = mean_passage_time(still, noise, start if ahead[slowest] >= 0.0 else end, (start, end))
+        residence = mean_passage_time(
+            still, noise, start if ahead[slowest] >= 0.0 else end, (start, end)
+        )
         centre = float((begin + step * slowest) % TWO_PI)
         zones.append(SlowZone(centre, (start, end), "ghost", residence, winding))
     return sorted(zones, key=lambda zone: zone.centre)
 
 
-def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator) -> SlowZone:
+def _with_visits(
+    zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator
+) -> SlowZone:
     """The zone with its visits by the stationary path.
 
-    π the stationary density, B the arc, K the noisy map's kernel on B, lifted, ν = π - πK the law of run starts:
-    moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never reach the core (renewal theory: Kemeny
-    & Snell 1960, ch. 3). The length's bound is measured, from coarser nodes. Beyond 1e5 cycles visits are exponential
-    with the residence as mean and spread, with a bound of inf: a few relaxation times are not computed.
+    π the stationary density, B the arc, K the noisy map's kernel on B, lifted, ν = π - πK the law
+    of run starts: moments of a run are ν·(I - K)⁻¹1 and the like, less those of runs that never
+    reach the core (renewal theory: Kemeny & Snell 1960, ch. 3). The length's bound is measured,
+    from coarser nodes. Beyond 1e5 cycles visits are exponential with the residence as mean and
+    spread, with a bound of inf: a few relaxation times are not computed.
     """
     residence, still = float(zone.residence_cycles), shifted(circle_map, -zone.winding)
     if residence > _LONGEST_VISIT:
@@ -212,14 +231,21 @@ def _with_visits(zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: 
 
 
 def _visit_moments(
-    zone: SlowZone, circle_map: CircleMap, noise: Noise, operator: TransferOperator, neglected: float
+    zone: SlowZone,
+    circle_map: CircleMap,
+    noise: Noise,
+    operator: TransferOperator,
+    neglected: float,
 ) -> tuple[float, float, float] | None:
     """Visits begun per cycle, E length, E length²; None where it takes too many nodes."""
     bandwidth = 4.0
     while noise.tail(int(bandwidth)) > neglected and bandwidth <= _MAX_BANDWIDTH:
         bandwidth *= 1.1
     edges = (zone.arc[0], *zone.core, zone.arc[1])
-    rules = [arc_rule(circle_map, low, high, bandwidth, every_sample=False) for low, high in pairwise(edges)]
+    rules = [
+        arc_rule(circle_map, low, high, bandwidth, every_sample=False)
+        for low, high in pairwise(edges)
+    ]
     theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
     if bandwidth > _MAX_BANDWIDTH or theta.size > _MAX_NODES:
         return None
@@ -232,7 +258,9 @@ def _visit_moments(
     missed = _run_moments((kernel * weight)[np.ix_(ring, ring)], out[ring])
     whole = _run_moments(kernel * weight, out)
     rate = float(np.sum(starts) - starts[ring] @ missed[0])
-    length, square = (float(starts @ w - starts[ring] @ m) for w, m in zip(whole[1:], missed[1:], strict=True))
+    length, square = (
+        float(starts @ w - starts[ring] @ m) for w, m in zip(whole[1:], missed[1:], strict=True)
+    )
     return (rate, length / rate, square / rate) if rate > 0.0 else None
 
 
@@ -248,10 +276,13 @@ def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
 class DriftSummary:
     """The staircase of a slowly drifting map, as if each cycle's map had been there for ever.
 
-    cycles : shape (k,), where the frozen map was analysed; summaries : one ``StaircaseSummary`` each.
-    turns : whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not the lag.
-    lag_turns : Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the size, not a bound,
-        of what the adiabatic picture leaves out. Trust ``turns`` no better than that.
+    cycles : shape (k,), where the frozen map was analysed; summaries : one ``StaircaseSummary``
+        each.
+    turns : whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not
+        the lag.
+    lag_turns : Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the
+        size, not a bound, of what the adiabatic picture leaves out. Trust ``turns`` no better than
+        that.
     """
 
     cycles: Array
@@ -261,20 +292,25 @@ class DriftSummary:
 
     @property
     def steps(self) -> float | None:
-        """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is none."""
+        """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is
+        none.
+        """
         height = np.array([one.step for one in self.summaries], dtype=np.float64)
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 
 @one_thread
-def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5) -> DriftSummary:
+def predict_drift(
+    drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5
+) -> DriftSummary:
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 
-    At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the frozen map; and the
-    expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until halving
-    changes the sum by less than a hundredth of a turn, that change being the bound (measured). The law lags behind a
-    drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the
-    start's own approach adds up to a turn.
+    At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the
+    frozen map; and the expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive
+    Simpson rules over the run until halving changes the sum by less than a hundredth of a turn,
+    that change being the bound (measured). The law lags behind a drifting map (Gardiner, Stochastic
+    Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the start's own
+    approach adds up to a turn.
 
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
@@ -282,7 +318,9 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
     20.0
     """
     if not isinstance(drifting, DriftingMap):
-        raise InvalidInput(f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map")
+        raise InvalidInput(
+            f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map"
+        )
     count, many = whole_number("cycles", cycles, least=2), whole_number("points", points, least=2)
     chosen = np.linspace(0.0, count - 1.0, many)
     operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
@@ -294,23 +332,46 @@ def predict_drift(drifting: DriftingMap, noise: Noise, cycles: int, points: int 
         theta, weight = operator.discretisation.rule
         return float((weight * operator.density(theta)) @ operator.map.turn(theta)) / TWO_PI
 
-    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by Simpson's rule.
+    # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by
+    # Simpson's rule.
     low, high, rho = -0.5, count - 0.5, winding
     inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
-    edges = np.concatenate([[low], inner, [high]]) if inner.size < _PANELS else np.linspace(low, high, _PANELS + 1)
+    edges = (
+        np.concatenate([[low], inner, [high]])
+        if inner.size < _PANELS
+        else np.linspace(low, high, _PANELS + 1)
+    )
     allowed = _TOLERANCE / count
-    panels = [_simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0) for a, b in pairwise(edges)]
-    turns = Estimate(float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels)))
+    panels = [
+        _simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0)
+        for a, b in pairwise(edges)
+    ]
+    turns = Estimate(
+        float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels))
+    )
     change = np.abs(np.diff([one.rotation_number for one in operators]))
-    forgetting = np.array([1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators])
-    lag = float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:]))) if np.any(change) else 0.0
+    forgetting = np.array(
+        [1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators]
+    )
+    lag = (
+        float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:])))
+        if np.any(change)
+        else 0.0
+    )
     return DriftSummary(read_only(chosen), summaries, turns, lag)
 
 
 def _simpson(
-    rho: Callable[[float], float], a: float, b: float, at: tuple[float, float, float], allowed: float, depth: int
+    rho: Callable[[float], float],
+    a: float,
+    b: float,
+    at: tuple[float, float, float],
+    allowed: float,
+    depth: int,
 ) -> tuple[float, float]:
-    """The integral over [a, b] and how much the last halving changed it; ``at``: values at a, the middle and b."""
+    """The integral over [a, b] and how much the last halving changed it; ``at``: values at a, the
+    middle and b.
+    """
     middle, width = 0.5 * (a + b), b - a
     left, right = rho(0.5 * (a + middle)), rho(0.5 * (middle + b))
     once = width / 6.0 * (at[0] + 4.0 * at[1] + at[2])

@@ -25,7 +25,9 @@ _DRAWS = 1 << 18  # noise draws made at a time for many paths
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Cycles first, ..., last - 1, in which F_n = (1 - share) before + share after; ``share`` has one entry a cycle."""
+    """Cycles first, ..., last - 1, in which F_n = (1 - share) before + share after; ``share`` has
+    one entry a cycle.
+    """
 
     first: int
     last: int
@@ -38,13 +40,16 @@ class Stretch:
 class DriftingMap:
     """A map that changes with the cycle: cycle n (0, 1, ...) carries θ_n to F_n(θ_n) + ξ_n.
 
-    F_n is given at some cycles and blended linearly between them, F_n = (1 - s) F_a + s F_b, s = (n - a)/(b - a): a
-    lift again, since the degrees agree. Before the first of these cycles F_n is the first map, after the last the last.
+    F_n is given at some cycles and blended linearly between them, F_n = (1 - s) F_a + s F_b, s =
+    (n - a)/(b - a): a lift again, since the degrees agree. Before the first of these cycles F_n is the
+    first map, after the last the last.
 
     cycles : shape (k,), increasing. maps : the k maps, all of degree 1.
-    max_error : radians, how far the blend is from the family it stands for, as measured; 0 for a blend as such.
+    max_error : radians, how far the blend is from the family it stands for, as measured; 0 for a
+        blend as such.
 
-    Raises InvalidInput for cycles that do not increase, another number of maps, or a degree other than 1.
+    Raises InvalidInput for cycles that do not increase, another number of maps, or a degree other
+    than 1.
 
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (100, CircleMap.rigid(0.3))])
     >>> round(float(worn.at(50).turn(0.0)) / (2 * np.pi), 12)
@@ -58,12 +63,18 @@ class DriftingMap:
     def __post_init__(self) -> None:
         knots = finite_array("cycles", self.cycles, ndim=1)
         if knots.size == 0 or np.any(np.diff(knots) <= 0.0):
-            raise InvalidInput(f"cycles is {knots.tolist()}: give one cycle or more, each above the one before")
+            raise InvalidInput(
+                f"cycles is {knots.tolist()}: give one cycle or more, each above the one before"
+            )
         if len(self.maps) != knots.size:
-            raise InvalidInput(f"{len(self.maps)} maps for {knots.size} cycles: give one map a cycle")
+            raise InvalidInput(
+                f"{len(self.maps)} maps for {knots.size} cycles: give one map a cycle"
+            )
         for given in self.maps:
             if not isinstance(given, CircleMap) or given.degree != 1:
-                raise InvalidInput(f"one of the maps is {given!r}: a path drifts under CircleMaps of degree 1")
+                raise InvalidInput(
+                    f"one of the maps is {given!r}: a path drifts under CircleMaps of degree 1"
+                )
         object.__setattr__(self, "cycles", read_only(knots))
 
     @classmethod
@@ -71,21 +82,26 @@ class DriftingMap:
         """The linear blend of maps given as (cycle, map) pairs, in order of the cycles."""
         if not len(knots) or any(len(pair) != 2 for pair in knots):
             raise InvalidInput("knots must be a list of pairs (cycle, map), at least one")
-        return cls(np.array([pair[0] for pair in knots], dtype=float), tuple(pair[1] for pair in knots))
+        return cls(
+            np.array([pair[0] for pair in knots], dtype=float), tuple(pair[1] for pair in knots)
+        )
 
     @classmethod
     def of_family(
         cls, family: Callable[[Any], CircleMap], schedule: Any, cycles: int, tolerance: float = 1e-6
     ) -> DriftingMap:
-        """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen to fit.
+        """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen
+        to fit.
 
-        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one entry (or row) a cycle.
-            A stretch of cycles is halved until the blend of its ends lies within ``tolerance`` (radians, at 512 angles)
-            of the family at its quarter points, or has no cycle inside: a schedule that jumps costs nothing.
-            ``max_error`` is the largest difference that was accepted; what moves only between the quarter points of a
-            long stretch can escape it.
+        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one
+            entry (or row) a cycle. A stretch of cycles is halved until the blend of its ends lies
+            within ``tolerance`` (radians, at 512 angles) of the family at its quarter points, or
+            has no cycle inside: a schedule that jumps costs nothing. ``max_error`` is the largest
+            difference that was accepted; what moves only between the quarter points of a long
+            stretch can escape it.
 
-        Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what they reach.
+        Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what
+        they reach.
 
         >>> worn = DriftingMap.of_family(lambda omega: CircleMap.arnold(omega, 0.9), lambda n: 0.1 + 1e-5 * n, 1000)
         >>> worn.cycles.size < 12, worn.max_error < 1e-12
@@ -93,15 +109,24 @@ class DriftingMap:
         """
         count = whole_number("cycles", cycles, least=1)
         if not callable(family):
-            raise InvalidInput(f"family is {family!r}: give a callable that turns a parameter into a CircleMap")
+            raise InvalidInput(
+                f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
+            )
         given = schedule
         if not callable(schedule):
             values = finite_array("schedule", schedule)
             if values.ndim == 0 or values.shape[0] < count:
-                raise InvalidInput(f"schedule has shape {values.shape}: it needs one entry for each of {count} cycles")
+                raise InvalidInput(
+                    f"schedule has shape {values.shape}: it needs one entry for each of {count} "
+                    "cycles"
+                )
             given = values.__getitem__
-        knots, error = _fitted(lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance))
-        return cls(np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error)
+        knots, error = _fitted(
+            lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance)
+        )
+        return cls(
+            np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error
+        )
 
     def at(self, cycle: float) -> CircleMap:
         """The map frozen at ``cycle`` (any real number)."""
@@ -115,11 +140,16 @@ class DriftingMap:
         return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
 
     def images(self, theta: Array, cycle: Array) -> Array:
-        """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of ``theta``."""
+        """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of
+        ``theta``.
+        """
         found = np.empty_like(theta)
         for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
             here = (cycle >= part.first) & (cycle < part.last)
-            before, share = part.before(theta[..., here]), part.share[cycle[here].astype(np.int64) - part.first]
+            before, share = (
+                part.before(theta[..., here]),
+                part.share[cycle[here].astype(np.int64) - part.first],
+            )
             found[..., here] = before + share * (part.after(theta[..., here]) - before)
         return found
 
@@ -130,12 +160,17 @@ class DriftingMap:
         for low, high in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
             after = min(int(np.searchsorted(self.cycles, low, side="right")), self.cycles.size - 1)
             before = max(after - 1, 0) if low < self.cycles[after] else after
-            a, width = self.cycles[before], self.cycles[after] - self.cycles[before] if after > before else 1.0
+            a, width = (
+                self.cycles[before],
+                self.cycles[after] - self.cycles[before] if after > before else 1.0,
+            )
             share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
 
-def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> tuple[dict[int, CircleMap], float]:
+def _fitted(
+    at: Callable[[int], CircleMap], last: int, tolerance: float
+) -> tuple[dict[int, CircleMap], float]:
     """The maps at the chosen cycles, and the largest difference that was accepted."""
     ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
     knots, worst, waiting = {n: at(n) for n in ends}, 0.0, list(pairwise(ends))
@@ -150,7 +185,9 @@ def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> tupl
         if error <= tolerance:
             worst = max(worst, error)
         elif len(knots) >= MAX_KNOTS:
-            raise ConvergenceError(f"{MAX_KNOTS} maps still leave {error:.3g} rad: raise tolerance above {tolerance:g}")
+            raise ConvergenceError(
+                f"{MAX_KNOTS} maps still leave {error:.3g} rad: raise tolerance above {tolerance:g}"
+            )
         else:
             middle = (a + b) // 2
             knots[middle] = tried[middle]
@@ -171,13 +208,16 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
 
 @dataclass(frozen=True)
 class LocalNoise:
-    """Kicks ξ_n = σ(θ_n) z_n of sampled paths; z_n standard normal, with z_{n+1} = ρ z_n + √(1 - ρ²) ε_n.
+    """Kicks ξ_n = σ(θ_n) z_n of sampled paths; z_n standard normal, with z_{n+1} = ρ z_n + √(1 -
+    ρ²) ε_n.
 
-    log_sigma : (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in radians.
+    log_sigma : (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in
+        radians.
     correlation : ρ in [0, 1), of the kicks of successive cycles.
 
-    It has no transfer operator: with a memory the angle alone is no state. `white` is what stands for it there.
-    Raises InvalidInput for an even number of coefficients, or a correlation outside [0, 1).
+    It has no transfer operator: with a memory the angle alone is no state. `white` is what stands
+    for it there. Raises InvalidInput for an even number of coefficients, or a correlation outside
+    [0, 1).
 
     >>> LocalNoise((math.log(0.02), 0.5, 0.0), 0.7).sigma(math.pi / 2).round(12)
     np.float64(0.02)
@@ -189,9 +229,15 @@ class LocalNoise:
     def __post_init__(self) -> None:
         coefficients = finite_array("log_sigma", self.log_sigma, ndim=1)
         if coefficients.size % 2 == 0:
-            raise InvalidInput(f"log_sigma has {coefficients.size} coefficients: a constant and pairs of cos and sin")
+            raise InvalidInput(
+                f"log_sigma has {coefficients.size} coefficients: a constant and pairs of cos "
+                "and sin"
+            )
         if not 0.0 <= finite_number("correlation", self.correlation) < 1.0:
-            raise InvalidInput(f"the correlation of successive kicks is {self.correlation:g}: it must lie in [0, 1)")
+            raise InvalidInput(
+                f"the correlation of successive kicks is {self.correlation:g}: it must lie in "
+                "[0, 1)"
+            )
         object.__setattr__(self, "log_sigma", tuple(coefficients.tolist()))
 
     def sigma(self, theta: Array | float) -> Array:
@@ -202,14 +248,21 @@ class LocalNoise:
         return np.asarray(np.exp(c[0] + np.cos(angle) @ c[1::2] + np.sin(angle) @ c[2::2]))
 
     def white(self, theta: float) -> float:
-        """Return σ of the white noise that carries an angle about θ as far over many cycles, radians.
+        """Return σ of the white noise that carries an angle about θ as far over many cycles,
+        radians.
 
         The sum of n kicks has the variance n σ² (1 + ρ)/(1 - ρ), less a constant.
         """
-        return float(self.sigma(theta)) * math.sqrt((1.0 + self.correlation) / (1.0 - self.correlation))
+        return float(self.sigma(theta)) * math.sqrt(
+            (1.0 + self.correlation) / (1.0 - self.correlation)
+        )
 
-    def units(self, rng: np.random.Generator, shape: tuple[int, int], before: Array | None = None) -> Array:
-        """Return z, shape (cycles, paths), of the next cycles; before : (paths,), that of the last one."""
+    def units(
+        self, rng: np.random.Generator, shape: tuple[int, int], before: Array | None = None
+    ) -> Array:
+        """Return z, shape (cycles, paths), of the next cycles; before : (paths,), that of the last
+        one.
+        """
         rho, fresh = self.correlation, rng.standard_normal(shape)
         z = np.empty_like(fresh)
         last = rng.standard_normal(shape[1]) if before is None else before
@@ -222,7 +275,8 @@ class LocalNoise:
 class Staircase:
     """One path θ_{n+1} = F(θ_n) + ξ_n of the lifted orientation.
 
-    theta : shape (cycles + 1,), radians, not wrapped, the start first; seed : of the noise; start : radians.
+    theta : shape (cycles + 1,), radians, not wrapped, the start first; seed : of the noise; start :
+        radians.
     """
 
     theta: Array
@@ -244,9 +298,9 @@ def sample_staircase(
 ) -> Staircase:
     """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
 
-    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million cycles a second for
-    sampled and textbook maps, a few hundred thousand for maps given by numpy callables. Kicks of a ``LocalNoise`` have
-    the size that it has where the cycle starts.
+    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million
+    cycles a second for sampled and textbook maps, a few hundred thousand for maps given by numpy
+    callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle starts.
 
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
@@ -281,12 +335,18 @@ def sample_staircase(
 
 
 def sample_staircases(
-    circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None, cycles: int, starts: Any, seed: int = 0
+    circle_map: CircleMap | DriftingMap,
+    noise: Noise | LocalNoise | None,
+    cycles: int,
+    starts: Any,
+    seed: int = 0,
 ) -> Array:
-    """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped, read-only.
+    """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped,
+    read-only.
 
-    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone gives the path of
-        ``sample_staircase`` to rounding, and a hundred paths are followed ten times as fast together.
+    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone
+        gives the path of ``sample_staircase`` to rounding, and a hundred paths are followed ten
+        times as fast together.
 
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)
@@ -306,7 +366,11 @@ def sample_staircases(
         if isinstance(noise, LocalNoise):  # in its own σ, each like the one before
             kicks = noise.units(rng, (size, begin.size), kicks[-1] if at else None)
         else:
-            kicks = np.zeros((size, begin.size)) if noise is None else noise.sample(rng, (size, begin.size))
+            kicks = (
+                np.zeros((size, begin.size))
+                if noise is None
+                else noise.sample(rng, (size, begin.size))
+            )
         visited = np.empty((size, begin.size))
         for part in _stretches(circle_map, at, at + size):
             for n in range(part.first, part.last):
@@ -326,7 +390,9 @@ def _check(circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None
     if not isinstance(circle_map, CircleMap | DriftingMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap or a DriftingMap")
     if noise is not None and not isinstance(noise, Noise | LocalNoise):
-        raise InvalidInput(f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None")
+        raise InvalidInput(
+            f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None"
+        )
 
 
 def _stretches(circle_map: CircleMap | DriftingMap, first: int, last: int) -> Iterator[Stretch]:

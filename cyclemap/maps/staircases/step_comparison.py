@@ -1,4 +1,6 @@
-"""Measured steps beside predicted ones: lengths with censoring, heights, their number, and tests of each."""
+"""Measured steps beside predicted ones: lengths with censoring, heights, their number, and tests of
+each.
+"""
 
 from __future__ import annotations
 
@@ -18,17 +20,20 @@ _FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
 
 @dataclass(frozen=True)
 class VisitComparison:
-    """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was seen or predicted.
+    """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was
+    seen or predicted.
 
     zone : the zone; exits : visits whose end was seen.
-    mean, standard_error : measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
-        exposure (cycles seen inside, censored visits and the one that the path begins in too) over the exits, the
-        maximum-likelihood value of an exponential law, its error mean/√exits; for a ghost the Kaplan-Meier mean.
+    mean, standard_error : measured mean length of a visit. For a zone that is escaped from
+        ("stable", "jump") the exposure (cycles seen inside, censored visits and the one that the
+        path begins in too) over the exits, the maximum-likelihood value of an exponential law, its
+        error mean/√exits; for a ghost the Kaplan-Meier mean.
     spread : measured standard deviation of the complete visits.
     predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
-    mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent with the predicted
-        mean and spread: a renewal process of gamma-distributed visits, mid-p value. Over some 15 visits it is measured
-        to reject a true prediction at the 5 % level in 3.5 % of runs (a ghost) and in 6.3 % (a stable point).
+    mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent
+        with the predicted mean and spread: a renewal process of gamma-distributed visits, mid-p
+        value. Over some 15 visits it is measured to reject a true prediction at the 5 % level in
+        3.5 % of runs (a ghost) and in 6.3 % (a stable point).
     """
 
     zone: SlowZone
@@ -43,16 +48,21 @@ class VisitComparison:
 
 @dataclass(frozen=True)
 class StepComparison:
-    """Measured steps against a ``StaircaseSummary``; see ``compare_steps``. None where no comparison is possible.
+    """Measured steps against a ``StaircaseSummary``; see ``compare_steps``. None where no
+    comparison is possible.
 
-    mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
+    mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard
+        error.
     predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
-    net_steps, expected_steps, net_error : climb of the path in units of the predicted step, the prediction's for as
-        many cycles, and the standard error of their difference: from one dwell to the next, height less predicted turn
-        is a reward of mean 0, so the difference has their variance times the number of periods (Ross 1996, sec. 3.6).
-    pace_p_value : two-sided, Student's law for that difference over its error; None below 8 periods. Over 12 to 18
-        periods it is measured to reject a true prediction in 3.5 % of runs at the 5 % level, in 8 % at 10 %.
-    visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own zones.
+    net_steps, expected_steps, net_error : climb of the path in units of the predicted step, the
+        prediction's for as many cycles, and the standard error of their difference: from one dwell
+        to the next, height less predicted turn is a reward of mean 0, so the difference has their
+        variance times the number of periods (Ross 1996, sec. 3.6).
+    pace_p_value : two-sided, Student's law for that difference over its error; None below 8
+        periods. Over 12 to 18 periods it is measured to reject a true prediction in 3.5 % of runs
+        at the 5 % level, in 8 % at 10 %.
+    visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own
+        zones.
     """
 
     steps: int
@@ -70,10 +80,11 @@ class StepComparison:
 def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     """Compare the steps found in a path with those predicted for a map and its noise.
 
-    Dwells found without zones have lengths that depend on the window: their ratio to the predicted residence is a rough
-    one, without p-value. Heights, pace and number of steps do not depend on it. Steps found with
-    ``zones=prediction.zones`` also compare the visits, whose prediction is exact for the stationary path, with p-values
-    that are uniform if it holds (as far as the path forgets between visits).
+    Dwells found without zones have lengths that depend on the window: their ratio to the predicted
+    residence is a rough one, without p-value. Heights, pace and number of steps do not depend on
+    it. Steps found with ``zones=prediction.zones`` also compare the visits, whose prediction is
+    exact for the stationary path, with p-values that are uniform if it holds (as far as the path
+    forgets between visits).
 
     Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
 
@@ -90,8 +101,12 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     (True, True)
     """
     if not isinstance(steps, Steps) or not isinstance(prediction, StaircaseSummary):
-        raise InvalidInput("give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order")
-    length, length_error = kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
+        raise InvalidInput(
+            "give Steps (find_steps) and a StaircaseSummary (predict_staircase), in this order"
+        )
+    length, length_error = (
+        kaplan_meier_mean(steps.lengths, steps.censored) if steps.lengths.size else (None, None)
+    )
     net = expected = error = pace = None
     if prediction.step is not None:
         turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
@@ -121,17 +136,21 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     )
 
 
-def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[float | None, float | None]:
+def kaplan_meier_mean(
+    lengths: npt.ArrayLike, censored: npt.ArrayLike
+) -> tuple[float | None, float | None]:
     """Mean and standard error of lengths of which some are only known to be at least so long.
 
-    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function (Kaplan & Meier 1958) up
-        to the longest length, with Greenwood's (1926) variance. Where the longest is censored the mean is too small.
-        (None, None) where every length is censored; the error is None for one alone.
+    lengths, censored : shape (n,), n ≥ 1. The integral of the product-limit survival function
+        (Kaplan & Meier 1958) up to the longest length, with Greenwood's (1926) variance. Where the
+        longest is censored the mean is too small. (None, None) where every length is censored; the
+        error is None for one alone.
     """
     values, open_ended = finite_array("lengths", lengths, ndim=1), np.asarray(censored, dtype=bool)
     if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
         raise InvalidInput(
-            f"lengths has shape {values.shape}, censored {open_ended.shape}: give n ≥ 1 of each, none < 0"
+            f"lengths has shape {values.shape}, censored {open_ended.shape}: give n ≥ 1 of each, "
+            "none < 0"
         )
     if np.all(open_ended):
         return None, None
@@ -147,11 +166,17 @@ def kaplan_meier_mean(lengths: npt.ArrayLike, censored: npt.ArrayLike) -> tuple[
 
 
 def _ratio(measured: float | None, predicted: float | None) -> float | None:
-    return None if measured is None or predicted is None or not predicted > 0.0 else float(measured / predicted)
+    return (
+        None
+        if measured is None or predicted is None or not predicted > 0.0
+        else float(measured / predicted)
+    )
 
 
 def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
-    """One zone: the visit that the path begins in is of unknown age, which only an exponential law forgives."""
+    """One zone: the visit that the path begins in is of unknown age, which only an exponential law
+    forgives.
+    """
     escaped = zone.kind != "ghost"
     mine = (steps.visit_zone == index) & (escaped | (steps.visit_start > 0))
     lengths = (steps.visit_end - steps.visit_start + 1)[mine].astype(float)
@@ -161,10 +186,17 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
     expected, spread, chance = zone.visit_cycles, zone.visit_spread, None
-    if expected is not None and spread is not None and spread > 0.0 and np.isfinite(expected) and exposure > 0.0:
+    if (
+        expected is not None
+        and spread is not None
+        and spread > 0.0
+        and np.isfinite(expected)
+        and exposure > 0.0
+    ):
         from scipy.special import gammainc
 
-        # P(at least so many exits) = P(that many visits take less than the exposure), with gamma-distributed sums.
+        # P(at least so many exits) = P(that many visits take less than the exposure), with
+        # gamma-distributed sums.
         shape, scale = (expected / spread) ** 2, spread * (spread / expected)
         as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
         middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))

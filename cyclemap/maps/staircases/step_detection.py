@@ -19,23 +19,29 @@ _SLOW = 2.0  # a dwell is at least this much slower than the path is on average 
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
 _WIDEST = np.pi / 4  # radians: half the height that the widest window tried lets a dwell cover
 _HALVINGS = 7  # windows tried: the widest, and so many halves of it
-_CONTRAST = 0.47  # share of the time less share of the height in dwells: drifts and random walks stay below 0.44
+# share of the time less share of the height in dwells: drifts and random walks stay below 0.44
+_CONTRAST = 0.47
 _ALIKE = 0.03  # of windows whose contrasts differ by less, the widest is taken
 _JITTERS = 1.5  # windows narrower than this many median changes of one cycle are not tried
 _SPAN = 3.3  # standard deviations from the 5th to the 95th percentile
-_TRIM = 4.45  # dwells are trimmed to so many median deviations: three standard deviations of a normal law
+# dwells are trimmed to so many median deviations: three standard deviations of a normal law
+_TRIM = 4.45
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """Dwells of a path in order, and the steps between them; m dwells, v visits, cycles counted from 0.
+    """Dwells of a path in order, and the steps between them; m dwells, v visits, cycles counted
+    from 0.
 
     start, end : shape (m,), first and last cycle of each dwell.
-    levels, scatter : shape (m,), mean and standard deviation of the angle during its visits, radians, lifted.
-    visit_start, visit_end : shape (v,), the uninterrupted stays that make up the dwells: a dwell has more than one
-        where the path left and came back before it dwelt elsewhere.
-    visit_dwell, visit_zone : shape (v,), which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
-    cycles, climb : last cycle of the path, and its last angle less its first, radians (less the zones' turns 2πwn).
+    levels, scatter : shape (m,), mean and standard deviation of the angle during its visits,
+        radians, lifted.
+    visit_start, visit_end : shape (v,), the uninterrupted stays that make up the dwells: a dwell
+        has more than one where the path left and came back before it dwelt elsewhere.
+    visit_dwell, visit_zone : shape (v,), which dwell a visit belongs to, and which of ``zones`` it
+        is in (-1: none).
+    cycles, climb : last cycle of the path, and its last angle less its first, radians (less the
+        zones' turns 2πwn).
     zones : those looked for, else ().
     """
 
@@ -52,7 +58,14 @@ class Steps:
     zones: tuple[SlowZone, ...] = ()
 
     def __post_init__(self) -> None:
-        for array in (self.start, self.end, self.visit_start, self.visit_end, self.visit_dwell, self.visit_zone):
+        for array in (
+            self.start,
+            self.end,
+            self.visit_start,
+            self.visit_end,
+            self.visit_dwell,
+            self.visit_zone,
+        ):
             array.setflags(write=False)
 
     @property
@@ -62,7 +75,9 @@ class Steps:
 
     @property
     def lengths(self) -> Whole:
-        """Shape (m,), cycles that each dwell lasts, both ends included; too short where ``censored``."""
+        """Shape (m,), cycles that each dwell lasts, both ends included; too short where
+        ``censored``.
+        """
         return self.end - self.start + 1
 
     @property
@@ -79,23 +94,26 @@ class Steps:
 def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
-    theta : shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts angles mod 2π where
-        no cycle turns by half a turn).
+    theta : shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts
+        angles mod 2π where no cycle turns by half a turn).
 
-    zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside one copy of a zone's arc
-        that reaches the zone's core, so jitter at the arc's edge makes none (milestones: Buchete & Hummer 2008).
-        Successive visits to one copy are one dwell. All zones must have the same winding w; levels are those of θ_n -
-        2πwn.
-    zones None: for a window h, a cycle dwells if it lies in some number of successive cycles whose angles span at most
-        2h: twice what the path takes for a height 2h at its mean pace over height (3 at least). Runs of such cycles,
-        trimmed to three robust deviations from their median, are dwells, and neighbours whose means differ by at most
-        2h are one (the dispersion rule of Salvucci & Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven
-        halvings, h is the window whose dwells hold the largest share of the cycles less their share of the height
-        travelled; no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a thousand
-        cycles). A path that spans less than π/2 and whose halves differ in mean by less than its scatter is one dwell.
-        Shifting, mirroring or reversing the path shifts, mirrors or reverses its dwells.
+    zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside one
+        copy of a zone's arc that reaches the zone's core, so jitter at the arc's edge makes none
+        (milestones: Buchete & Hummer 2008). Successive visits to one copy are one dwell. All zones
+        must have the same winding w; levels are those of θ_n - 2πwn. zones None: for a window h, a
+        cycle dwells if it lies in some number of successive cycles whose angles span at most 2h:
+        twice what the path takes for a height 2h at its mean pace over height (3 at least). Runs of
+        such cycles, trimmed to three robust deviations from their median, are dwells, and
+        neighbours whose means differ by at most 2h are one (the dispersion rule of Salvucci &
+        Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven halvings, h is the window
+        whose dwells hold the largest share of the cycles less their share of the height travelled;
+        no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a
+        thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less
+        than its scatter is one dwell. Shifting, mirroring or reversing the path shifts, mirrors or
+        reverses its dwells.
 
-    Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones of several windings.
+    Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones of several
+    windings.
 
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> found = find_steps(stairs)
@@ -117,12 +135,24 @@ def _best_window(path: Array) -> Steps:
     jitter = float(np.median(np.abs(np.diff(path))))
     windows = [widest * 0.5**halving for halving in range(_HALVINGS + 1)]
     found = [_within(path, window) for window in windows if window >= _JITTERS * jitter]
-    contrast = []  # share of the cycles in dwells, less that of their scatter in the height travelled
+    # share of the cycles in dwells, less that of their scatter in the height travelled
+    contrast = []
     for steps in found:
-        ends = [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])] if steps.start.size else [0.0]
-        travelled, covered = float(np.sum(np.abs(steps.heights)) + np.sum(ends)), _SPAN * float(np.sum(steps.scatter))
+        ends = (
+            [abs(steps.levels[0] - path[0]), abs(path[-1] - steps.levels[-1])]
+            if steps.start.size
+            else [0.0]
+        )
+        travelled, covered = (
+            float(np.sum(np.abs(steps.heights)) + np.sum(ends)),
+            _SPAN * float(np.sum(steps.scatter)),
+        )
         share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
-        contrast.append(share - min(1.0, covered / travelled if travelled > 0.0 else 1.0) if steps.start.size else 0.0)
+        contrast.append(
+            share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
+            if steps.start.size
+            else 0.0
+        )
     if max(contrast, default=0.0) < _CONTRAST:
         return _made(path, [], widest)
     return found[int(np.argmax(np.array(contrast) >= max(contrast) - _ALIKE))]
@@ -133,10 +163,16 @@ def _within(path: Array, window: float) -> Steps:
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
     cycle = np.arange(path.size)
     length, back = reach - cycle + 1, cycle - np.searchsorted(reach, cycle) + 1
-    # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height they cover.
-    whole, shortest = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float), _SHORTEST
+    # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height
+    # they cover.
+    whole, shortest = (
+        np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float),
+        _SHORTEST,
+    )
     if whole.size:
-        shortest = max(_SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))))
+        shortest = max(
+            _SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2)))
+        )
     # Runs of cycles in which each neighbouring pair lies in one of the long windows.
     long, cover = np.flatnonzero(length >= shortest), np.zeros(path.size + 1)
     np.add.at(cover, long, 1.0)
@@ -179,16 +215,21 @@ def _made(path: Array, runs: list[tuple[int, int]], window: float) -> Steps:
     """Steps from runs in order: neighbours less than the window's height apart are one dwell."""
     start, end = (np.array([run[side] for run in runs], dtype=np.int64) for side in (0, 1))
     level = np.array([path[a : b + 1].mean() for a, b in runs])
-    dwell = np.cumsum(np.r_[0, np.abs(np.diff(level)) > 2.0 * window])[: start.size].astype(np.int64)
+    dwell = np.cumsum(np.r_[0, np.abs(np.diff(level)) > 2.0 * window])[: start.size].astype(
+        np.int64
+    )
     return _gathered(path, start, end, dwell, np.full(start.size, -1), ())
 
 
 def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
     windings = {zone.winding for zone in zones if isinstance(zone, SlowZone)}
     if len(windings) != 1 or not all(isinstance(zone, SlowZone) for zone in zones):
-        raise InvalidInput(f"zones is {zones!r}: give one SlowZone or more, all of the same winding")
+        raise InvalidInput(
+            f"zones is {zones!r}: give one SlowZone or more, all of the same winding"
+        )
     still = path - TWO_PI * windings.pop() * np.arange(path.size)
-    found = []  # first and last cycle, turns of the copy and zone of each run in an arc that reaches its core
+    # first and last cycle, turns of the copy and zone of each run in an arc that reaches its core
+    found = []
     for i, zone in enumerate(zones):
         copy = np.floor((still - zone.arc[0]) / TWO_PI).astype(np.int64)
         place = still - TWO_PI * copy
@@ -206,12 +247,18 @@ def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
     return _gathered(still, start, end, dwell, index, zones)
 
 
-def _gathered(path: Array, start: Whole, end: Whole, dwell: Whole, zone: Whole, zones: tuple[SlowZone, ...]) -> Steps:
+def _gathered(
+    path: Array, start: Whole, end: Whole, dwell: Whole, zone: Whole, zones: tuple[SlowZone, ...]
+) -> Steps:
     """Steps from visits and the dwell each belongs to."""
     many = int(dwell[-1]) + 1 if dwell.size else 0
-    first, last = np.searchsorted(dwell, np.arange(many)), np.searchsorted(dwell, np.arange(many), side="right") - 1
+    first, last = (
+        np.searchsorted(dwell, np.arange(many)),
+        np.searchsorted(dwell, np.arange(many), side="right") - 1,
+    )
     stays = [
-        np.concatenate([path[start[v] : end[v] + 1] for v in range(a, b + 1)]) for a, b in zip(first, last, strict=True)
+        np.concatenate([path[start[v] : end[v] + 1] for v in range(a, b + 1)])
+        for a, b in zip(first, last, strict=True)
     ]
     levels, scatter = (read_only([float(f(stay)) for stay in stays]) for f in (np.mean, np.std))
     whole = (path.size - 1, float(path[-1] - path[0]), zones)

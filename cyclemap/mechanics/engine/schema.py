@@ -92,8 +92,8 @@ PIECE = Columns("PIECE_COLUMNS", "PIECE_", "kind geometry:5 low high before afte
 MOTION = Columns(
     "PARAMETERS",
     "",
-    f"direction radius smu {LAW.entries} geometry:5 low high "
-    "cos_direction sin_direction cos_phi sin_phi",
+    f"direction radius smu {LAW.entries} geometry:5 low high cos_direction sin_direction cos_phi "
+    "sin_phi",
 )
 # Those by which a motion is differentiated, after its state: of the geometry, the first four
 # numbers.

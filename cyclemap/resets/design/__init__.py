@@ -1,1 +1,3 @@
-"""What the robot does otherwise, what that leaves of the orientations, and the search for the best of it."""
+"""What the robot does otherwise, what that leaves of the orientations, and the search for the best
+of it.
+"""

@@ -1,4 +1,6 @@
-"""Cycles of many actions on many materials: how far they turn the object over its orientation, and what they cost."""
+"""Cycles of many actions on many materials: how far they turn the object over its orientation, and
+what they cost.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,11 @@ from cyclemap.resets.design.material_range import on_material
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5
-# Equally spaced orientations from which contact and room are looked at, and samples of a push over which the reach of
-# the object is taken: some 8 mm of rod travel apart.
+# Equally spaced orientations from which contact and room are looked at, and samples of a push over
+# which the reach of the object is taken: some 8 mm of rod travel apart.
 _CONTACT_STARTS, _ROOM_STARTS, _COURSE = 12, 8, 20
-# How fast the robot works. Speed of the rod in contact, m/s; s a cycle for all else: into the ring, out of it, to the
-# next push; s more in a cycle in which a gripper turns the object.
+# How fast the robot works. Speed of the rod in contact, m/s; s a cycle for all else: into the ring,
+# out of it, to the next push; s more in a cycle in which a gripper turns the object.
 ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
 
 
@@ -31,7 +33,8 @@ ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
 class SampledTurns:
     """Turns of cycles on equal steps of the orientation.
 
-    turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn included.
+    turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn
+        included.
     drag_length : (materials, actions), m, mean over the samples.
     """
 
@@ -40,13 +43,17 @@ class SampledTurns:
 
     @property
     def steepest(self) -> Array:
-        """The largest slope of the turn, (actions,), over all materials, between neighbouring samples."""
+        """The largest slope of the turn, (actions,), over all materials, between neighbouring
+        samples.
+        """
         around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
         steps = np.abs(np.diff(around, axis=-1)) * (self.turn.shape[-1] / TWO_PI)
         return np.asarray(steps.max(axis=(0, 2)))
 
     def refined(self, samples: int) -> Array:
-        """Return the turns at `samples` orientations (materials, actions, samples), by a periodic cubic spline."""
+        """Return the turns at `samples` orientations (materials, actions, samples), by a periodic
+        cubic spline.
+        """
         from scipy.interpolate import CubicSpline
 
         around = np.concatenate([self.turn, self.turn[..., :1]], axis=-1)
@@ -56,11 +63,16 @@ class SampledTurns:
 
 
 def sample_turns(
-    loop: CollectionLoop, actions: Sequence[CycleAction], materials: Sequence[Material], samples: int = 36
+    loop: CollectionLoop,
+    actions: Sequence[CycleAction],
+    materials: Sequence[Material],
+    samples: int = 36,
 ) -> SampledTurns:
-    """Return the turns of one cycle of every action on every material from `samples` equally spaced orientations.
+    """Return the turns of one cycle of every action on every material from `samples` equally spaced
+    orientations.
 
-    loop : prepared by the strategy (its ring's place). Actions that differ in a gripper's turn alone are run once.
+    loop : prepared by the strategy (its ring's place). Actions that differ in a gripper's turn
+        alone are run once.
     About 0.3 ms a cycle and core. Raises what a cycle raises that leads out of the mechanics.
 
     >>> from cyclemap.mechanics import load_material
@@ -74,7 +86,11 @@ def sample_turns(
     still = [replace(action, turn=0.0) for action in actions]
     distinct = list(dict.fromkeys(still))
     rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    loops = [action.on(surface) for surface in [on_material(rough, m) for m in materials] for action in distinct]
+    loops = [
+        action.on(surface)
+        for surface in [on_material(rough, m) for m in materials]
+        for action in distinct
+    ]
     run = run_cycles(loops, theta)
     shape = (len(materials), len(distinct), len(theta))
     places = [distinct.index(action) for action in still]
@@ -89,9 +105,11 @@ def strategy_maps(
     tolerance: float = 1e-4,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[CircleMap, ...]:
-    """Return the cycle map of each of a strategy's actions, its gripper's turn included, within `tolerance` (rad).
+    """Return the cycle map of each of a strategy's actions, its gripper's turn included, within
+    `tolerance` (rad).
 
-    The error holds wherever a map does not jump (see `CollectionLoop.circle_map`); wear is left out.
+    The error holds wherever a map does not jump (see `CollectionLoop.circle_map`); wear is left
+    out.
 
     >>> quarters = ResetStrategy((CycleAction(), CycleAction(turn=math.pi / 2.0)))
     >>> first, second = strategy_maps(CollectionLoop.mit(), quarters, tolerance=1e-2)
@@ -121,7 +139,8 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
 
 
 def seconds(travel: Array, turned: Array) -> Array:
-    """Return the time (s) of cycles whose push and drag are `travel` (m) long, a gripper in the share `turned` of them.
+    """Return the time (s) of cycles whose push and drag are `travel` (m) long, a gripper in the
+    share `turned` of them.
 
     >>> seconds(np.array([0.25, 0.25]), np.array([0.0, 1.0])).tolist()
     [22.5, 32.5]
@@ -130,23 +149,27 @@ def seconds(travel: Array, turned: Array) -> Array:
 
 
 def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Array:
-    """Return how far (m) the rod goes in contact at least, in the push of each action, over twelve orientations.
+    """Return how far (m) the rod goes in contact at least, in the push of each action, over twelve
+    orientations.
 
     >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
     [0.132]
     """
     rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
     for push in {action.push or loop.push for action in actions}:
-        poses = [rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)]
+        poses = [
+            rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)
+        ]
         found[push] = min(rough.model.push(pose, push).travel for pose in poses)
     return np.array([found[action.push or loop.push] for action in actions])
 
 
 def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
-    """Return the largest distance (m) from the target of any point of rod and object, over eight orientations.
+    """Return the largest distance (m) from the target of any point of rod and object, over eight
+    orientations.
 
-    The rod goes to the end of its push, whether or not it has lost the object by then. The object's reach is that at
-    samples some 8 mm of rod travel apart.
+    The rod goes to the end of its push, whether or not it has lost the object by then. The object's
+    reach is that at samples some 8 mm of rod travel apart.
 
     >>> round(room_needed(CollectionLoop.mit(), CycleAction()), 3)
     0.186
@@ -162,5 +185,7 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
         courses = [course, drag.trajectory] if acted.reset.way_points else [course]
         rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
         places = [placed(one.pose.T[..., None], outline) for one in courses]
-        reach = max(reach, rod + loop.pusher.radius, *(float(np.hypot(*one.T).max()) for one in places))
+        reach = max(
+            reach, rod + loop.pusher.radius, *(float(np.hypot(*one.T).max()) for one in places)
+        )
     return reach

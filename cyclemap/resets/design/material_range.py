@@ -1,4 +1,6 @@
-"""The materials that a reset must serve: about a nominal one, as far as nobody can know its friction."""
+"""The materials that a reset must serve: about a nominal one, as far as nobody can know its
+friction.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,8 @@ from cyclemap.mechanics import EllipseFriction, Material
 from cyclemap.mechanics.plate_footprint import plate_footprint
 
 AXES, OFFSETS = 0.10, 0.50
-# Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of which the worst is
-# worse than 95 % of the posterior, as surely (.95^59 < .05).
+# Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of
+# which the worst is worse than 95 % of the posterior, as surely (.95^59 < .05).
 SEARCHED_SAMPLES, JUDGED_SAMPLES = 12, 59
 # What is promised of a posterior: this share of it, as surely.
 PROMISED = 0.95
@@ -31,10 +33,13 @@ TRIED_INSIDE = 4
 class MaterialRange:
     """Materials about a nominal one.
 
-    nominal : the first. others : with it, those that a reset is searched on. told : in words, where they came from.
-    tried : those that what is found is tried on besides; None: four between the others, weighted means of three drawn
-    ones, the same each time. sampled : whether those tried are samples, each as likely as another, of what nobody knows
-    better: what is told of the worst then holds for 95 % of all that they stand for, else for all materials.
+    nominal : the first. others : with it, those that a reset is searched on. told : in words, where
+        they came from.
+    tried : those that what is found is tried on besides; None: four between the others, weighted
+        means of three drawn
+    ones, the same each time. sampled : whether those tried are samples, each as likely as another,
+        of what nobody knows better: what is told of the worst then holds for 95 % of all that they
+        stand for, else for all materials.
     """
 
     nominal: Material
@@ -47,7 +52,10 @@ class MaterialRange:
         object.__setattr__(self, "others", tuple(self.others))
         for material in (self.nominal, *self.others, *(self.tried or ())):
             if not isinstance(material, Material):
-                raise InvalidInput(f"a range is made of materials, as load_material returns them, not of {material!r}")
+                raise InvalidInput(
+                    "a range is made of materials, as load_material returns them, not of "
+                    f"{material!r}"
+                )
         if self.tried is None:
             object.__setattr__(self, "tried", tuple(_between(self.searched)) if self.others else ())
 
@@ -62,11 +70,12 @@ class MaterialRange:
         return (*self.searched, *(self.tried or ()))
 
     def worst(self, values: Array) -> int:
-        """Return which of `materials` has the worst of their values (n,), of each how far it leaves uniform.
+        """Return which of `materials` has the worst of their values (n,), of each how far it leaves
+        uniform.
 
-        Of a range that is sampled: an order statistic of those tried, below which 95 % of all that they are samples of
-        lie with the `confidence` of 95 % (S. S. Wilks, Annals of Mathematical Statistics 12 (1941), 91-96); where they
-        are too few for that, the largest of all.
+        Of a range that is sampled: an order statistic of those tried, below which 95 % of all that
+        they are samples of lie with the `confidence` of 95 % (S. S. Wilks, Annals of Mathematical
+        Statistics 12 (1941), 91-96); where they are too few for that, the largest of all.
         """
         rank = _safe_rank(len(self.tried or ())) if self.sampled else 0
         if not rank:
@@ -85,29 +94,40 @@ class MaterialRange:
         from scipy.stats import binom
 
         count = len(self.tried or ())
-        return float(binom.cdf((_safe_rank(count) or count) - 1, count, PROMISED)) if self.sampled else 1.0
+        return (
+            float(binom.cdf((_safe_rank(count) or count) - 1, count, PROMISED))
+            if self.sampled
+            else 1.0
+        )
 
 
 @cache
 def _safe_rank(count: int) -> int:
-    """The least rank of so many values above which the 95th percentile lies in at most 5 % of all draws; 0: none."""
+    """The least rank of so many values above which the 95th percentile lies in at most 5 % of all
+    draws; 0: none.
+    """
     from scipy.stats import binom
 
     rank = int(binom.ppf(PROMISED, count, PROMISED)) + 1
     return rank if rank <= count else 0
 
 
-def material_range(material: Material, axes: float | None = None, offsets: float | None = None) -> MaterialRange:
-    """Return the nominal material with samples of its posterior, where it has one, else with the corners of a range.
+def material_range(
+    material: Material, axes: float | None = None, offsets: float | None = None
+) -> MaterialRange:
+    """Return the nominal material with samples of its posterior, where it has one, else with the
+    corners of a range.
 
-    It is searched on 12 samples, evenly spaced through the posterior, and tried on 59 others (or as many as there are),
-    of one that wears at times evenly spaced through its wear. Corners are made where `axes` or `offsets` is given, too;
-    of a surface that wears the worn one is among them. Its direction needs no corners: turning it turns the law of the
-    orientations, and no more.
+    It is searched on 12 samples, evenly spaced through the posterior, and tried on 59 others (or as
+    many as there are), of one that wears at times evenly spaced through its wear. Corners are made
+    where `axes` or `offsets` is given, too; of a surface that wears the worn one is among them. Its
+    direction needs no corners: turning it turns the law of the orientations, and no more.
 
-    axes : share by which one half axis may be longer or shorter against the other, in [0, 1), None: 0.1. The ratio runs
-    from nominal / (1 + axes) to nominal (1 + axes); their geometric mean, on which no quasi-static motion depends, is
-    kept. offsets : share by which m0 and n0 vary, each by itself, None: 0.5; one that is zero stays zero.
+    axes : share by which one half axis may be longer or shorter against the other, in [0, 1), None:
+        0.1. The ratio runs from nominal / (1 + axes) to nominal (1 + axes); their geometric mean,
+        on which no quasi-static motion depends, is
+    kept. offsets : share by which m0 and n0 vary, each by itself, None: 0.5; one that is zero stays
+        zero.
 
     Raises InvalidInput for shares outside these, or where a corner is no friction ellipse.
 
@@ -119,12 +139,16 @@ def material_range(material: Material, axes: float | None = None, offsets: float
     if axes is None and offsets is None and material.posterior is not None:
         return _posterior_range(material)
     by_axes = non_negative_number("range of the axes", AXES if axes is None else axes)
-    by_offsets = non_negative_number("range of the offsets", OFFSETS if offsets is None else offsets)
+    by_offsets = non_negative_number(
+        "range of the offsets", OFFSETS if offsets is None else offsets
+    )
     if by_axes >= 1.0:
         raise InvalidInput(f"the axes may vary by less than 100 %, not by {100.0 * by_axes:g} %")
     nominal, law = replace(material, wear=None, posterior=None), material.friction
     ratios = (1.0 / (1.0 + by_axes), 1.0 + by_axes) if by_axes else (1.0,)
-    shares = [(-by_offsets, by_offsets) if by_offsets and value else (0.0,) for value in (law.m0, law.n0)]
+    shares = [
+        (-by_offsets, by_offsets) if by_offsets and value else (0.0,) for value in (law.m0, law.n0)
+    ]
     corners = []
     for ratio, m0, n0 in product(ratios, *shares):
         told = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
@@ -132,11 +156,19 @@ def material_range(material: Material, axes: float | None = None, offsets: float
         if told:
             root = math.sqrt(ratio)
             friction = replace(
-                law, mu_a=law.mu_a * root, mu_b=law.mu_b / root, m0=law.m0 * (1 + m0), n0=law.n0 * (1 + n0)
+                law,
+                mu_a=law.mu_a * root,
+                mu_b=law.mu_b / root,
+                m0=law.m0 * (1 + m0),
+                n0=law.n0 * (1 + n0),
             )
-            corners.append(replace(nominal, name=f"{material.name} ({', '.join(told)})", friction=friction))
+            corners.append(
+                replace(nominal, name=f"{material.name} ({', '.join(told)})", friction=friction)
+            )
     if material.wear is not None:
-        corners.append(replace(nominal, name=f"{material.name} (worn)", friction=material.wear.friction))
+        corners.append(
+            replace(nominal, name=f"{material.name} (worn)", friction=material.wear.friction)
+        )
     words = f"axis ratio ± {100.0 * by_axes:g} %, offsets ± {100.0 * by_offsets:g} %, any direction"
     return MaterialRange(nominal, tuple(corners), words)
 
@@ -144,26 +176,37 @@ def material_range(material: Material, axes: float | None = None, offsets: float
 def _posterior_range(material: Material) -> MaterialRange:
     assert material.posterior is not None
     count = len(material.posterior)
-    rows = np.unique(np.linspace(0, count - 1, min(SEARCHED_SAMPLES + JUDGED_SAMPLES, count)).round().astype(int))
+    rows = np.unique(
+        np.linspace(0, count - 1, min(SEARCHED_SAMPLES + JUDGED_SAMPLES, count)).round().astype(int)
+    )
     samples = []
     for place, row in enumerate(rows.tolist()):
         one = material.sample(row)
         worn = 0.0 if one.wear is None else one.wear.cycles * place / max(len(rows) - 1, 1)
         name = f"{material.name} (sample {row} of its posterior)"
         samples.append(replace(one, name=name, friction=one.friction_after(worn), wear=None))
-    chosen = np.linspace(0, len(rows) - 1, min(SEARCHED_SAMPLES, -(-len(rows) // 2))).round().astype(int).tolist()
+    chosen = (
+        np.linspace(0, len(rows) - 1, min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
+        .round()
+        .astype(int)
+        .tolist()
+    )
     others = tuple(samples[place] for place in chosen)
     tried = tuple(one for place, one in enumerate(samples) if place not in chosen)
-    told = f"{len(rows)} of the {count} samples of its posterior{'' if material.wear is None else ', fresh to worn'}"
+    told = (
+        f"{len(rows)} of the {count} samples of its "
+        f"posterior{'' if material.wear is None else ', fresh to worn'}"
+    )
     nominal = replace(material, wear=None, posterior=None)
     return MaterialRange(nominal, others, told, tried, sampled=True)
 
 
 def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on another material, which brings what the loop has from its own: `FoundWith` and pressure.
+    """Return the loop on another material, which brings what the loop has from its own: `FoundWith`
+    and pressure.
 
-    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled and turned as it is from
-    the one material to the other, wherever the ring is.
+    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled and
+    turned as it is from the one material to the other, wherever the ring is.
 
     >>> from cyclemap.mechanics import FoundWith, load_material
     >>> slate = replace(load_material("plywood"), name="slate", found_with=FoundWith(pusher_friction=0.2))
@@ -181,15 +224,26 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     if footprint == plate_footprint(loop.material, loop.slider):
         footprint = plate_footprint(material, loop.slider)
     # Their numbers kept to the last bit where the lever is the same.
-    slider = loop.slider if own.slider == other.slider else replace(loop.slider, hitch=(lever.real, lever.imag))
-    return replace(loop, material=material, slider=slider, pusher=pusher, reset=reset, footprint=footprint)
+    slider = (
+        loop.slider
+        if own.slider == other.slider
+        else replace(loop.slider, hitch=(lever.real, lever.imag))
+    )
+    return replace(
+        loop, material=material, slider=slider, pusher=pusher, reset=reset, footprint=footprint
+    )
 
 
 def _between(materials: Sequence[Material]) -> Iterator[Material]:
-    """Materials between some: axes weighed by their logarithms, offsets as they are, the direction of one of them."""
+    """Materials between some: axes weighed by their logarithms, offsets as they are, the direction
+    of one of them.
+    """
     random = np.random.default_rng(0)
     for number in range(1, TRIED_INSIDE + 1):
-        laws = [materials[k].friction for k in random.choice(len(materials), min(3, len(materials)), replace=False)]
+        laws = [
+            materials[k].friction
+            for k in random.choice(len(materials), min(3, len(materials)), replace=False)
+        ]
         shares = random.dirichlet(np.ones(len(laws)))
         a, b = np.exp(shares @ np.log([(law.mu_a, law.mu_b) for law in laws])).tolist()
         m0, n0 = (shares @ [(law.m0, law.n0) for law in laws]).tolist()

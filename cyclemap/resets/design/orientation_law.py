@@ -1,8 +1,10 @@
-"""The distribution of the orientations that a strategy leaves: in the long run, and after n pushes from any start.
+"""The distribution of the orientations that a strategy leaves: in the long run, and after n pushes
+from any start.
 
-An orientation's probability density p(theta)/2 pi is kept as its Fourier coefficients p_m = E exp(-i m theta), m = 1 to
-M. A cycle theta -> theta + t(theta) + noise takes them to p'_m = kappa_m sum_k T_mk p_k with T_mk the k-th coefficient
-of exp(-i m (theta + t)) and kappa_m that of the noise: an affine map of (Re p, Im p), for p_0 = 1.
+An orientation's probability density p(theta)/2 pi is kept as its Fourier coefficients p_m = E
+exp(-i m theta), m = 1 to M. A cycle theta -> theta + t(theta) + noise takes them to p'_m = kappa_m
+sum_k T_mk p_k with T_mk the k-th coefficient of exp(-i m (theta + t)) and kappa_m that of the
+noise: an affine map of (Re p, Im p), for p_0 = 1.
 """
 
 from __future__ import annotations
@@ -28,10 +30,11 @@ _MOST_SETS = 2_000
 
 
 def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
-    """Return the affine maps (..., 2M + 1, 2M + 1) of cycles that turn by `turn` (..., n) rad at n equal steps.
+    """Return the affine maps (..., 2M + 1, 2M + 1) of cycles that turn by `turn` (..., n) rad at n
+    equal steps.
 
-    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. They act on (Re p, Im p, 1), so
-    that one after another is their product.
+    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. They act on
+        (Re p, Im p, 1), so that one after another is their product.
 
     >>> rigid = affine_kernels(np.full(8, 0.5), 1, 0.0)   # a rotation by half a radian
     >>> (rigid.round(4) + 0.0).tolist()
@@ -40,7 +43,10 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
     count = turn.shape[-1]
     orders = np.arange(1, modes + 1)
     end = TWO_PI * np.arange(count) / count + turn
-    waves = np.exp(-1j * orders[:, None] * end[..., None, :]) * np.exp(-0.5 * (orders * sigma) ** 2)[:, None]
+    waves = (
+        np.exp(-1j * orders[:, None] * end[..., None, :])
+        * np.exp(-0.5 * (orders * sigma) ** 2)[:, None]
+    )
     rows = np.fft.ifft(waves, axis=-1)  # ... the k-th entry multiplies p_k
     up, down = rows[..., 1 : modes + 1], rows[..., : -modes - 1 : -1]
     total, difference = up + down, up - down
@@ -58,12 +64,18 @@ def long_run(kernel: Array) -> Array:
 
 
 def total_variation(coefficients: Array, samples: int = DENSITY_SAMPLES) -> Array:
-    """Return the total variation (...) from uniform of densities with Fourier coefficients (..., 2M)."""
-    return np.asarray(0.5 * np.abs(coefficients @ _waves(coefficients.shape[-1] // 2, samples)).mean(axis=-1))
+    """Return the total variation (...) from uniform of densities with Fourier coefficients (...,
+    2M).
+    """
+    return np.asarray(
+        0.5 * np.abs(coefficients @ _waves(coefficients.shape[-1] // 2, samples)).mean(axis=-1)
+    )
 
 
 def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES) -> Array:
-    """Return the largest total variation (...) from uniform that an affine map leaves of any known start."""
+    """Return the largest total variation (...) from uniform that an affine map leaves of any known
+    start.
+    """
     modes = kernel.shape[-1] // 2
     theta = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(starts) / starts)
     known = np.concatenate([np.cos(theta), -np.sin(theta)])
@@ -73,7 +85,9 @@ def farthest(kernel: Array, starts: int = STARTS, samples: int = DENSITY_SAMPLES
 
 @lru_cache(maxsize=16)
 def _waves(modes: int, samples: int) -> Array:
-    """The matrix (2M, samples) from coefficients to 2 pi times the density, less one, at equal steps."""
+    """The matrix (2M, samples) from coefficients to 2 pi times the density, less one, at equal
+    steps.
+    """
     angle = np.arange(1, modes + 1)[:, None] * (TWO_PI * np.arange(samples) / samples)
     return np.asarray(2.0 * np.concatenate([np.cos(angle), -np.sin(angle)]))
 
@@ -82,9 +96,10 @@ def _waves(modes: int, samples: int) -> Array:
 class OrientationLaw:
     """How the orientations of a strategy are distributed.
 
-    total_variation : from uniform, in the long run, over all places of a period or block. after : the largest left of
-    any start after `pushes` pushes. modes : of Fourier. error : how far both may be off for their number, from half as
-    many; nan where that was not looked at. density : (360,) per rad, at whole degrees.
+    total_variation : from uniform, in the long run, over all places of a period or block. after :
+        the largest left of any start after `pushes` pushes. modes : of Fourier. error : how far
+        both may be off for their number, from half as many; nan
+        where that was not looked at. density : (360,) per rad, at whole degrees.
     """
 
     total_variation: float
@@ -98,12 +113,15 @@ class OrientationLaw:
 def orientation_law(
     turn: Array, strategy: ResetStrategy, sigma: float, pushes: int = 50, modes: int | None = None
 ) -> OrientationLaw:
-    """Return the law of a strategy whose actions turn by `turn` (actions, n) rad at n equal steps of theta.
+    """Return the law of a strategy whose actions turn by `turn` (actions, n) rad at n equal steps
+    of theta.
 
-    sigma : noise of a cycle, rad, above zero. modes : of Fourier, below n/2; None: doubled until both distances change
-    by less than 5e-4, up to 192 or a quarter of n; what is left is the law's `error`.
+    sigma : noise of a cycle, rad, above zero. modes : of Fourier, below n/2; None: doubled until
+        both distances change by less than 5e-4, up to 192 or a quarter of n; what is left is the
+        law's `error`.
 
-    Raises InvalidInput for a shuffled order with too many different sets of actions on the way through a block.
+    Raises InvalidInput for a shuffled order with too many different sets of actions on the way
+    through a block.
 
     >>> from cyclemap.protocol.strategy import CycleAction
     >>> even = orientation_law(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5)
@@ -112,7 +130,11 @@ def orientation_law(
     """
     positive_number("sigma", sigma)
     count = whole_number("pushes", pushes, least=1)
-    sizes = [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])] if modes is None else [modes]
+    sizes = (
+        [size for size in _MODES if size <= max(turn.shape[-1] // 4, _MODES[0])]
+        if modes is None
+        else [modes]
+    )
     found, error = (math.nan, math.nan), math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
@@ -130,7 +152,8 @@ def orientation_law(
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
-    """Return |lambda|, by which the slowest departure from the long run falls a push, with so many Fourier modes.
+    """Return |lambda|, by which the slowest departure from the long run falls a push, with so many
+    Fourier modes.
 
     >>> from cyclemap.protocol.strategy import CycleAction
     >>> round(slowest_factor(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5), 4)
@@ -141,7 +164,9 @@ def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: in
 
 
 def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:
-    """The affine maps from the start of a period to after each of its pushes, averaged over what is drawn."""
+    """The affine maps from the start of a period to after each of its pushes, averaged over what is
+    drawn.
+    """
     if strategy.order == RANDOM:
         return [np.tensordot(strategy.shares, kernels, axes=1)]
     if strategy.order == IN_TURN:
@@ -154,10 +179,15 @@ def _steps(kernels: Array, strategy: ResetStrategy) -> list[Array]:
 
 
 def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
-    """Averages over all orders of a block: after j pushes a set of actions is done, each order of it alike."""
+    """Averages over all orders of a block: after j pushes a set of actions is done, each order of
+    it alike.
+    """
     sets = math.prod(count + 1 for count in counts)
     if sets > _MOST_SETS:
-        raise InvalidInput(f"a block of {sum(counts)} pushes passes through {sets} sets of actions: use smaller blocks")
+        raise InvalidInput(
+            f"a block of {sum(counts)} pushes passes through {sets} sets of actions: use smaller "
+            "blocks"
+        )
     done = {(0,) * len(counts): (1.0, np.eye(kernels.shape[-1]))}
     steps = []
     for left in range(sum(counts), 0, -1):

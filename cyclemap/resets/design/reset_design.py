@@ -1,4 +1,6 @@
-"""The design of a reset: what to do, what that leaves and what it costs, beside a few others to ask about."""
+"""The design of a reset: what to do, what that leaves and what it costs, beside a few others to ask
+about.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,13 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
-from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, room_needed, sample_turns, seconds
+from cyclemap.resets.design.action_cycles import (
+    SampledTurns,
+    contact_lengths,
+    room_needed,
+    sample_turns,
+    seconds,
+)
 from cyclemap.resets.design.material_range import MaterialRange, material_range
 from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.design.reset_ranking import (
@@ -66,11 +74,13 @@ _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
 class ResetRow:
     """A strategy with what it leaves and costs.
 
-    roles : why it is told. nominal : law on the nominal material. worst, worst_after : total variations at the worst of
-    the materials, each, as `MaterialRange.worst` takes it; worst_material : of the latter. drag, room, contact : m.
-    seconds : of a cycle. histogram : (2,), mean and standard deviation over 200 runs of the histogram distance of the
-    pushes to be collected, nominal; worst_histogram : the same where that is worst. misses : demands missed; a
-    histogram that lies no further from uniform at worst than that of independent pushes misses none about uniformity.
+    roles : why it is told. nominal : law on the nominal material. worst, worst_after : total
+        variations at the worst of the materials, each, as `MaterialRange.worst` takes
+        it; worst_material : of the latter. drag, room, contact : m.
+    seconds : of a cycle. histogram : (2,), mean and standard deviation over 200 runs of the
+        histogram distance of the pushes to be collected, nominal; worst_histogram :
+        the same where that is worst. misses : demands missed; a histogram that lies no further from uniform at
+        worst than that of independent pushes misses none about uniformity.
     lacking : abilities.
     """
 
@@ -94,13 +104,16 @@ class ResetRow:
 class ResetDesign:
     """The answer of `design_reset`.
 
-    rows : the chosen one first, as it is last where it is not chosen, seven at most. met : whether the chosen one meets
-    every demand. binding : where not, what the demands it misses could be at least. about : the range.
-    independent : mean histogram distance of independent uniform pushes. orders : histogram distance of the chosen
-    actions by order, and "steered" by the monitor.
-    ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
-    simplest where the ratio of the axes is off by so much.
-    before, after : (runs, 36), histograms of the pushes as shares, of the loop as it is and of the chosen one.
+    rows : the chosen one first, as it is last where it is not chosen, seven at most. met : whether
+        the chosen one meets
+    every demand. binding : where not, what the demands it misses could be at least. about : the
+        range.
+    independent : mean histogram distance of independent uniform pushes. orders : histogram distance
+        of the chosen actions by order, and "steered" by the monitor.
+    ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the
+        chosen row and of the simplest where the ratio of the axes is off by so much.
+    before, after : (runs, 36), histograms of the pushes as shares, of the loop as it is and of the
+        chosen one.
     """
 
     loop: CollectionLoop
@@ -138,29 +151,36 @@ def design_reset(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> ResetDesign:
-    """Return the reset to use: the most uniform at the worst of a range of materials, then cheap, then simple.
+    """Return the reset to use: the most uniform at the worst of a range of materials, then cheap,
+    then simple.
 
-    Candidates are pushes on any side at several places and slants, in every mixture of up to four; the loop's own push
-    dragged back by a leg in a random direction, or followed by a gripper's turn; the ring elsewhere, where the robot
-    can put it there. Those whose total variations differ by less than a fifth of `independent_distance` are equally
-    uniform: `demands.pushes` pushes cannot tell them apart. Of those the cheapest (time) within 5 %, of those the one
-    of the fewest actions, equal weights, and pushes most like the loop's own. Where the loop as it is leaves, at the
-    worst of the range, a histogram of `demands.pushes` pushes nearer to uniform than that, it is left as it is.
+    Candidates are pushes on any side at several places and slants, in every mixture of up to four;
+    the loop's own push dragged back by a leg in a random direction, or followed by a gripper's
+    turn; the ring elsewhere, where the robot can put it there. Those whose total variations differ
+    by less than a fifth of `independent_distance` are equally uniform: `demands.pushes` pushes
+    cannot tell them apart. Of those the cheapest (time) within 5 %, of those the one of the fewest
+    actions, equal weights, and pushes most like the loop's own. Where the loop as it is leaves, at
+    the worst of the range, a histogram of `demands.pushes` pushes nearer to uniform than that, it
+    is left as it is.
 
     Parameters
     ----------
-    sigma : noise of a cycle, rad. materials : a `MaterialRange`, or materials that are as likely as the loop's own,
-        such as draws from an identification; None: `material_range`. given : a strategy to rank with them.
+    sigma : noise of a cycle, rad. materials : a `MaterialRange`, or materials that are as likely as
+        the loop's own, such as draws from an identification; None: `material_range`. given : a
+        strategy to rank with them.
     progress : called with the fraction done.
 
-    Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that make no sense.
+    Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that
+    make no sense.
     """
     wanted, report = demands or ResetDemands(), progress or (lambda done: None)
     report(0.0)
     if materials is None:
         materials = material_range(loop.material)
     elif not isinstance(materials, MaterialRange):
-        materials = MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
+        materials = MaterialRange(
+            replace(loop.material, wear=None, posterior=None), tuple(materials)
+        )
     about = materials
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
@@ -171,12 +191,23 @@ def design_reset(
             break
         # A closer look, on all materials.
         best = picks[0][1]
-        turns = sample_turns(best.prepared(nominal), best.actions, about.materials, _SAMPLES).refined(_REFINED)
-        laws = [orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns]
-        if _worst(about, laws, TV)[0] <= wanted.allow_tv and _worst(about, laws, AFTER)[0] <= wanted.allow_after:
+        turns = sample_turns(
+            best.prepared(nominal), best.actions, about.materials, _SAMPLES
+        ).refined(_REFINED)
+        laws = [
+            orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns
+        ]
+        if (
+            _worst(about, laws, TV)[0] <= wanted.allow_tv
+            and _worst(about, laws, AFTER)[0] <= wanted.allow_after
+        ):
             break
     roles: dict[ResetStrategy, list[str]] = {}
-    for role, strategy in (*picks, *(((GIVEN, given),) if given is not None else ()), (AS_IT_IS, OWN)):
+    for role, strategy in (
+        *picks,
+        *(((GIVEN, given),) if given is not None else ()),
+        (AS_IT_IS, OWN),
+    ):
         roles.setdefault(strategy, []).append(role)
     if len(roles) > MOST_ROWS:
         # One's own strategy is told in place of what a gripper could do.
@@ -197,7 +228,11 @@ def design_reset(
 
 
 def _pool(
-    loop: CollectionLoop, demands: ResetDemands, about: MaterialRange, sigma: float, report: Callable[[float], None]
+    loop: CollectionLoop,
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    report: Callable[[float], None],
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
     parts = own_pushes(loop, about, sigma, demands.within)
@@ -206,7 +241,11 @@ def _pool(
         x, y = loop.slider.hitch
         places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
     # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
-    least = [demands.contact] * 2 if demands.contact else [share * loop.push.distance for share in CONTACTS]
+    least = (
+        [demands.contact] * 2
+        if demands.contact
+        else [share * loop.push.distance for share in CONTACTS]
+    )
     for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
         if hitch == places[0]:
             pool = gathered(loop, demands, tuple(parts))
@@ -228,17 +267,26 @@ def _assessed(
     seed: int,
     report: Callable[[float], None],
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
-    """The rows, from more samples and on all materials of the range, and what is drawn beside them."""
+    """The rows, from more samples and on all materials of the range,
+    and what is drawn beside them."""
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
         report(0.4 + 0.4 * len(cycles) / len(roles))
-        cycles[strategy] = sample_turns(strategy.prepared(loop), strategy.actions, about.materials, _SAMPLES)
+        cycles[strategy] = sample_turns(
+            strategy.prepared(loop), strategy.actions, about.materials, _SAMPLES
+        )
     rows: list[ResetRow] = []
     for strategy, told in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
-        rows.append(_row(loop, strategy, told, cycles[strategy], limits, demands, about, sigma, seed))
+        rows.append(
+            _row(loop, strategy, told, cycles[strategy], limits, demands, about, sigma, seed)
+        )
     own = next(row for row in rows if AS_IT_IS in row.roles)
-    if own is not rows[0] and not own.misses and own.worst_histogram[0] <= rows[0].worst_histogram[0]:
+    if (
+        own is not rows[0]
+        and not own.misses
+        and own.worst_histogram[0] <= rows[0].worst_histogram[0]
+    ):
         best = tuple(role for role in rows[0].roles if role != CHOSEN) or (RESET,)
         leave = replace(own, roles=(CHOSEN, *own.roles))
         rows = [leave, replace(rows[0], roles=best), *(row for row in rows[1:] if row is not own)]
@@ -257,7 +305,9 @@ def _assessed(
         for one in (own.strategy, chosen)
     )
     return tuple(rows), {
-        "orders": _by_order(cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, sigma, seed),
+        "orders": _by_order(
+            cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, sigma, seed
+        ),
         "ratio_errors": np.array(_RATIO_STEPS),
         "ratio_tv": np.array(curves),
         "before": before,
@@ -279,13 +329,22 @@ def _row(
     turns = cycles.refined(_REFINED)
     nominal = orientation_law(turns[0], strategy, sigma, demands.within)
     modes = min(nominal.modes, _ENOUGH_MODES)
-    laws = [nominal, *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:])]
+    laws = [
+        nominal,
+        *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:]),
+    ]
     (worst, _), (worst_after, where) = (_worst(about, laws, of) for of in (TV, AFTER))
-    lengths, pushes = cycles.drag_length[0], [(action.push or loop.push).distance for action in strategy.actions]
+    lengths, pushes = (
+        cycles.drag_length[0],
+        [(action.push or loop.push).distance for action in strategy.actions],
+    )
     drag = float(strategy.shares @ lengths)
     turned = np.array([action.turn != 0.0 for action in strategy.actions])
     time = float(strategy.shares @ seconds(lengths + np.array(pushes), turned))
-    prepared, actions = strategy.prepared(loop), dict.fromkeys(replace(one, turn=0.0) for one in strategy.actions)
+    prepared, actions = (
+        strategy.prepared(loop),
+        dict.fromkeys(replace(one, turn=0.0) for one in strategy.actions),
+    )
     room = max(room_needed(prepared, action) for action in actions)
     contact = float(contact_lengths(prepared, list(actions)).min())
     values = {
@@ -298,15 +357,21 @@ def _row(
     }
     # Contact is demanded at least, all else at most.
     sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}
-    rough = [_histograms(turn, strategy, demands.pushes, sigma, seed, _ROUGH_RUNS) for turn in turns]
+    rough = [
+        _histograms(turn, strategy, demands.pushes, sigma, seed, _ROUGH_RUNS) for turn in turns
+    ]
     peak = about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
     spread = []
     for material in (0, peak):
-        found = histogram_distances(_histograms(turns[material], strategy, demands.pushes, sigma, seed))
+        found = histogram_distances(
+            _histograms(turns[material], strategy, demands.pushes, sigma, seed)
+        )
         spread.append((float(found.mean()), float(found.std(ddof=1))))
     unseen = (TV, AFTER) if spread[1][0] <= independent_distance(demands.pushes) else ()
     misses = tuple(
-        name for name, limit in limits.items() if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
+        name
+        for name, limit in limits.items()
+        if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
     )
     lacking = tuple(need for need in strategy.needs if need not in demands.abilities)
     return ResetRow(
@@ -334,14 +399,18 @@ def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tup
     return float(values[where]), where
 
 
-def _histograms(turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int, most: int = _RUNS) -> Array:
+def _histograms(
+    turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int, most: int = _RUNS
+) -> Array:
     """The histograms (runs, 36) of simulated collections."""
     runs = max(2, min(most, _MOST_SIMULATED // pushes))
     return histogram_shares(sampled_orientations(turn, strategy, pushes, runs, sigma, seed))
 
 
 def _by_order(turn: Array, row: ResetRow, pushes: int, sigma: float, seed: int) -> dict[str, float]:
-    """The mean histogram distance of the same actions in other orders, and chosen from the orientation seen."""
+    """The mean histogram distance of the same actions in other orders, and chosen from the
+    orientation seen.
+    """
     told, strategy = {RANDOM: row.histogram[0]}, row.strategy
     if len(strategy.actions) == 1:
         return told
@@ -351,4 +420,7 @@ def _by_order(turn: Array, row: ResetRow, pushes: int, sigma: float, seed: int) 
             found[order] = _histograms(turn, replace(strategy, order=order), pushes, sigma, seed)
     runs = max(2, min(_RUNS, _MOST_SIMULATED // pushes))
     found[STEERED] = histogram_shares(steered_orientations(turn, pushes, runs, sigma, seed))
-    return {**told, **{order: float(histogram_distances(shares).mean()) for order, shares in found.items()}}
+    return {
+        **told,
+        **{order: float(histogram_distances(shares).mean()) for order, shares in found.items()},
+    }

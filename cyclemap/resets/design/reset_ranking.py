@@ -1,4 +1,6 @@
-"""The ranking: what is demanded of a reset, which of many candidates meets it, and which of those to take."""
+"""The ranking: what is demanded of a reset, which of many candidates meets it, and which of those
+to take.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +33,11 @@ OWN = ResetStrategy((CycleAction(),))
 # Demands by name.
 TV, AFTER, DRAG, SECONDS, REACH, CONTACT = "tv", "after", "drag", "seconds", "reach", "contact"
 
-# Two resets are equally uniform where they differ by less than this share of what independent pushes miss it by.
+# Two resets are equally uniform where they differ by less than this share of what independent
+# pushes miss it by.
 _TELL_APART = 0.2
-# Shares of what is allowed that the search's numbers keep to, one after the other, until a closer look agrees.
+# Shares of what is allowed that the search's numbers keep to, one after the other, until a closer
+# look agrees.
 FIRM = (0.9, 0.8, 0.7, 0.6)
 # Costs within this of each other are alike.
 _SAME_COST = 1.05
@@ -49,14 +53,15 @@ class ResetDemands:
 
     Parameters
     ----------
-    allow_tv : most total variation from uniform in the long run, in (0, 1). extra_tv : how much more, at most, after
-        `within` pushes from the worst start.
+    allow_tv : most total variation from uniform in the long run, in (0, 1). extra_tv : how much
+        more, at most, after `within` pushes from the worst start.
     drag_ratio : most mean drag, in mean drags of the loop as it is.
-    seconds : most mean time of a cycle, s. reach : most distance (m) of rod or object from the target. contact : least
-        way (m) of the rod in contact, in every push. None: any; of contact two thirds of the push, or one where none
-        holds two.
-    abilities : what the robot can do besides: "gripper", "ring" (another place of it). keep_push : every push stays
-        the loop's own. pushes : how many will be collected.
+    seconds : most mean time of a cycle, s. reach : most distance (m)
+        of rod or object from the target. contact : least way (m) of the rod in contact, in every
+        push. None: any; of contact
+        two thirds of the push, or one where none holds two.
+    abilities : what the robot can do besides: "gripper", "ring" (another place of it). keep_push :
+        every push stays the loop's own. pushes : how many will be collected.
 
     Raises InvalidInput for a value out of its range.
     """
@@ -75,17 +80,24 @@ class ResetDemands:
     def __post_init__(self) -> None:
         for name in ("allow_tv", "extra_tv"):
             if not 0.0 < finite_number(name, getattr(self, name)) < 1.0:
-                raise InvalidInput(f"{name} is {getattr(self, name):g}: a total variation allowed lies between 0 and 1")
+                raise InvalidInput(
+                    f"{name} is {getattr(self, name):g}: a total variation allowed lies between "
+                    "0 and 1"
+                )
         for name in ("within", "pushes"):
             object.__setattr__(self, name, whole_number(name, getattr(self, name), least=1))
             if getattr(self, name) > MOST_PUSHES:
-                raise InvalidInput(f"{name} is {getattr(self, name)}: more than {MOST_PUSHES} are not simulated")
+                raise InvalidInput(
+                    f"{name} is {getattr(self, name)}: more than {MOST_PUSHES} are not simulated"
+                )
         for name in ("drag_ratio", "seconds", "reach", "contact"):
             if getattr(self, name) is not None:
                 positive_number(name, getattr(self, name))
         for ability in self.abilities:
             if ability not in ABILITIES:
-                raise InvalidInput(f"ability {ability!r} is not known: give {' or '.join(map(repr, ABILITIES))}")
+                raise InvalidInput(
+                    f"ability {ability!r} is not known: give {' or '.join(map(repr, ABILITIES))}"
+                )
 
     @property
     def allow_after(self) -> float:
@@ -95,7 +107,9 @@ class ResetDemands:
 
 @dataclass(frozen=True)
 class Limit:
-    """A demand that binds: the least (of contact the most) that any reset considered reaches of it, and which does."""
+    """A demand that binds: the least (of contact the most) that any reset considered reaches of it,
+    and which does.
+    """
 
     demand: str
     value: float
@@ -106,11 +120,15 @@ class Limit:
 class Pool:
     """All candidates in one list, n of them.
 
-    parts : their sets. part, number : (n,), the set of each and its number there. family : (n,), the set's.
-    able : (n,), whether the robot can do it. values : (n,) of all that demands or ranks are about. limits : what is
-    demanded. excess : (n,), by how many e-foldings a value lies on the wrong side of its limit, negative on the right
-    one. missed : (n,), the sum of those on the wrong side. actions : (n,), how many. untidy : (n,), how far from simple
-    a mixture of so many actions is: unequal weights, then places not the loop's own.
+    parts : their sets. part, number : (n,), the set of each and its number there. family : (n,),
+        the set's.
+    able : (n,), whether the robot can do it. values : (n,) of
+        all that demands or ranks are about. limits : what is
+    demanded. excess : (n,), by how many e-foldings a value lies on the wrong side of its limit,
+        negative on the right
+    one. missed : (n,), the sum of those on the wrong side. actions : (n,), how many. untidy : (n,),
+        how far from simple a mixture of so many actions is: unequal weights, then places not the
+        loop's own.
     """
 
     parts: tuple[Candidates, ...]
@@ -132,7 +150,10 @@ class Pool:
 
 def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
     """Return the candidates with their values; the second part starts with the loop's own drag."""
-    own_drag, own = float(parts[1].source.turns.drag_length[0, 0]), (loop.push.fraction, loop.push.angle)
+    own_drag, own = (
+        float(parts[1].source.turns.drag_length[0, 0]),
+        (loop.push.fraction, loop.push.angle),
+    )
     limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
@@ -149,16 +170,32 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
             still = [replace(action, turn=0.0) for action in actions]
             rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
             row[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
-        places = [(action.push.fraction, action.push.angle) if action.push else own for action in actions]
+        places = [
+            (action.push.fraction, action.push.angle) if action.push else own for action in actions
+        ]
         kinds = sorted(set(places) - {own})
-        strange = [used[:, [place == kind for place in places]].any(axis=1).astype(float) for kind in kinds]
+        strange = [
+            used[:, [place == kind for place in places]].any(axis=1).astype(float) for kind in kinds
+        ]
         equal = np.abs(one.shares.sum(axis=1) - sizes * one.shares.max(axis=1)) < 1e-9
         untidy = 100.0 * ~equal + sum(strange, start=np.zeros(len(used)))
         family = np.full(len(used), one.source.family)
-        rows.append({**row, "number": np.arange(len(used)), "sizes": sizes, "untidy": untidy, "family": family})
+        rows.append(
+            {
+                **row,
+                "number": np.arange(len(used)),
+                "sizes": sizes,
+                "untidy": untidy,
+                "family": family,
+            }
+        )
     values = {name: np.concatenate([row[name] for row in rows]) for name in rows[0]}
-    number, counts, untidy, family = (values.pop(name) for name in ("number", "sizes", "untidy", "family"))
-    excess = {name: np.log(np.maximum(values[name], 1e-9) / limit) for name, limit in limits.items()}
+    number, counts, untidy, family = (
+        values.pop(name) for name in ("number", "sizes", "untidy", "family")
+    )
+    excess = {
+        name: np.log(np.maximum(values[name], 1e-9) / limit) for name, limit in limits.items()
+    }
     if CONTACT in excess:
         excess[CONTACT] = -excess[CONTACT]
     missed = np.maximum(np.array(list(excess.values())), 0.0).sum(axis=0)
@@ -170,7 +207,8 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
 def picked(
     pool: Pool, demands: ResetDemands, firm: float = FIRM[0]
 ) -> tuple[list[tuple[str, ResetStrategy]], tuple[Limit, ...]]:
-    """The rows to tell, by role, the chosen one first, and the demands that it misses by the search's numbers.
+    """The rows to tell, by role, the chosen one first, and the demands that it misses by the
+    search's numbers.
 
     Of these demands the best that any candidate without a gripper reaches.
     """
@@ -179,9 +217,15 @@ def picked(
     simple = pool.actions + 1e-3 * pool.untidy
     if meets.any():
         # A closer look may find a little more: what is well within is taken where there is some.
-        sure = meets & (after <= firm * demands.allow_after) & (pool.values[TV] <= firm * demands.allow_tv)
+        sure = (
+            meets
+            & (after <= firm * demands.allow_after)
+            & (pool.values[TV] <= firm * demands.allow_tv)
+        )
         best = (
-            _ranked(np.flatnonzero(sure), pool, demands) if sure.any() else int(np.argmin(np.where(meets, after, 2.0)))
+            _ranked(np.flatnonzero(sure), pool, demands)
+            if sure.any()
+            else int(np.argmin(np.where(meets, after, 2.0)))
         )
         meets = sure if sure.any() else meets
     else:
@@ -193,13 +237,17 @@ def picked(
         roles.append((SIMPLEST, min(nearly.tolist(), key=lambda i: (simple[i], after[i]))))
     roles.append((EVENEST, min(np.flatnonzero(able).tolist(), key=lambda i: after[i])))
     if meets.any():
-        roles.append((CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: pool.values[SECONDS][i])))
+        roles.append(
+            (CHEAPEST, min(np.flatnonzero(meets).tolist(), key=lambda i: pool.values[SECONDS][i]))
+        )
     for role, name in ((WAY_BACK, "way back"), (WITH_GRIPPER, GRIPPER)):
         ones = np.flatnonzero(pool.family == name)
         if ones.size:
             # Of those that meet the demands the fewest actions, else the most uniform.
             within = ones[excess[ones] == 0.0]
-            ones = within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
+            ones = (
+                within[pool.actions[within] == pool.actions[within].min()] if within.size else ones
+            )
             roles.append((role, min(ones.tolist(), key=lambda i: after[i])))
     limits = []
     for name in (name for name, excess_of in pool.excess.items() if excess_of[best] > 0.0):
@@ -209,7 +257,9 @@ def picked(
 
 
 def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
-    """The best of those that meet the demands: evenness as far as the pushes can tell, then cost, then simplicity."""
+    """The best of those that meet the demands: evenness as far as the pushes can tell, then cost,
+    then simplicity.
+    """
     after, time = pool.values[AFTER], pool.values[SECONDS]
     tell = _TELL_APART * independent_distance(demands.pushes)
     chosen = chosen[after[chosen] <= after[chosen].min() + tell]

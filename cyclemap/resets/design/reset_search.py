@@ -1,4 +1,6 @@
-"""The search: every subset of at most four actions with equal weights, then weights, at the worst of a range."""
+"""The search: every subset of at most four actions with equal weights, then weights, at the worst
+of a range.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,36 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
-from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy, gripper_turns, legs
+from cyclemap.protocol.strategy import (
+    GRIPPER,
+    RING,
+    CycleAction,
+    ResetStrategy,
+    gripper_turns,
+    legs,
+)
 from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
 from cyclemap.resets.design.material_range import MaterialRange
-from cyclemap.resets.design.orientation_law import affine_kernels, farthest, long_run, total_variation
+from cyclemap.resets.design.orientation_law import (
+    affine_kernels,
+    farthest,
+    long_run,
+    total_variation,
+)
 
 FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
 # Slants (rad) of pushes that are looked at first, and where those do not do.
 SLANTS = (-math.radians(10.0), 0.0, math.radians(10.0))
 MORE_SLANTS = tuple(math.radians(10.0 * step) for step in range(-3, 4))
-# In eight equal directions a leg leaves the same whichever way the surface lies, but for its eighth harmonic.
+# In eight equal directions a leg leaves the same whichever way the surface lies, but for its eighth
+# harmonic.
 LEG_LENGTHS, LEG_DIRECTIONS = (0.10, 0.20), 8
 MOST_TOGETHER = 4
 # Of an object with more sides than this only straight pushes are considered, and not on every side.
 _MANY_SIDES, _MOST_SIDES = 4, 8
 SAMPLES, _REFINED = 36, 256
-# A slope of the turn above this jumps where friction is a little different: such pushes are not certain.
+# A slope of the turn above this jumps where friction is a little different: such pushes are not
+# certain.
 STEEPEST = 2.5
 _ROUGH_MODES, _MODES, _AT_ONCE = 8, 12, 2_000
 # Starts and places at which the search compares densities of twelve harmonics with uniform.
@@ -45,7 +61,8 @@ _MATERIALS_FIRST = 3
 class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
-    family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the loop's. turns : on all
+    family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the
+        loop's. turns : on all
     materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M + 1, 2M + 1).
     """
 
@@ -61,8 +78,8 @@ class ActionSet:
 class Candidates:
     """Mixtures of the actions of a set, n of them.
 
-    shares : (n, k), how often each action comes. tv, after : (n,), total variation from uniform at the worst of the
-    range, in the long run and after the pushes asked for from the worst start.
+    shares : (n, k), how often each action comes. tv, after : (n,), total variation from uniform at
+        the worst of the range, in the long run and after the pushes asked for from the worst start.
     """
 
     source: ActionSet
@@ -78,17 +95,21 @@ class Candidates:
         return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
 
 
-def own_pushes(loop: CollectionLoop, about: MaterialRange, sigma: float, within: int) -> list[Candidates]:
+def own_pushes(
+    loop: CollectionLoop, about: MaterialRange, sigma: float, within: int
+) -> list[Candidates]:
     """Return what can be done with the loop's own push.
 
-    It is dragged back by legs of two lengths, each in eight directions drawn at random; or followed by a gripper's
-    turn, of half, quarter or 10° turns.
+    It is dragged back by legs of two lengths, each in eight directions drawn at random; or followed
+    by a gripper's turn, of half, quarter or 10° turns.
     """
     actions = tuple(leg for length in LEG_LENGTHS for leg in legs(length, LEG_DIRECTIONS))
     dragged = _action_set("way back", loop, actions, about.searched, sigma)
     each = np.kron(np.eye(len(LEG_LENGTHS)), np.full((1, LEG_DIRECTIONS), 1.0 / LEG_DIRECTIONS))
     turned = _action_set(GRIPPER, loop, gripper_turns(36), about.searched, sigma)
-    shares = np.array([[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)])
+    shares = np.array(
+        [[float(step % (36 // count) == 0) / count for step in range(36)] for count in (2, 4, 36)]
+    )
     return [scored(dragged, each, within), scored(turned, shares, within)]
 
 
@@ -100,22 +121,34 @@ def push_set(
     slants: tuple[float, ...] = SLANTS,
     hitch: tuple[float, float] | None = None,
 ) -> ActionSet | None:
-    """Return the pushes of the loop's length on all sides that keep the object for `least_contact` (m) and never jump.
+    """Return the pushes of the loop's length on all sides that keep the object for `least_contact`
+    (m) and never jump.
 
-    slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant. None where none does.
+    slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant.
+        None where none does.
     """
     prepared = ResetStrategy((CycleAction(),), hitch=hitch).prepared(loop)
-    # The loop's push at several places and slants of every side; those of the loop itself among them.
+    # The loop's push at several places and slants of every side; those of the loop itself among
+    # them.
     straight = hitch is not None
     outline, own = loop.slider.outline, loop.push
     many = outline.sides > _MANY_SIDES
-    sides = sorted({round(number) for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))})
-    fractions = sorted({*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7})
+    sides = sorted(
+        {
+            round(number)
+            for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))
+        }
+    )
+    fractions = sorted(
+        {*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7}
+    )
     if not isinstance(outline, Polygon):
         fractions = [step / 12.0 for step in range(12)]
     angles = (own.angle,) if straight or many else sorted({*slants, own.angle})
     near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
-    places = product(sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles)
+    places = product(
+        sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles
+    )
     actions = [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
     possible = []
     for action in actions:
@@ -124,17 +157,27 @@ def push_set(
             action.on(prepared).cycle(0.0)
             possible.append(action)
     held = contact_lengths(prepared, possible)
-    kept = [action for action, contact in zip(possible, held, strict=True) if contact >= least_contact]
+    kept = [
+        action for action, contact in zip(possible, held, strict=True) if contact >= least_contact
+    ]
     if not kept:
         return None
     nominal = sample_turns(prepared, kept, [about.nominal], SAMPLES)
-    calm = [action for action, slope in zip(kept, nominal.steepest, strict=True) if slope <= STEEPEST]
+    calm = [
+        action for action, slope in zip(kept, nominal.steepest, strict=True) if slope <= STEEPEST
+    ]
     if not calm:
         return None
-    made = _action_set("pushes" if hitch is None else RING, prepared, tuple(calm), about.searched, sigma, hitch)
+    made = _action_set(
+        "pushes" if hitch is None else RING, prepared, tuple(calm), about.searched, sigma, hitch
+    )
     steepest = made.turns.steepest
     # Where every push jumps somewhere in the range, the one that is least steep.
-    chosen = np.flatnonzero(steepest <= STEEPEST) if steepest.min() <= STEEPEST else np.argsort(steepest)[:1]
+    chosen = (
+        np.flatnonzero(steepest <= STEEPEST)
+        if steepest.min() <= STEEPEST
+        else np.argsort(steepest)[:1]
+    )
     turns = SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen])
     least_steep = tuple(made.actions[number] for number in chosen.tolist())
     contact, kernels = made.contact[chosen], made.kernels[:, chosen]
@@ -144,9 +187,9 @@ def push_set(
 def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:
     """Return the best mixtures of at most four actions, over the whole range.
 
-    Every subset is looked at with equal weights: roughly on the materials farthest apart, then all of one or two
-    actions and the best 150 of three and of four on all materials; then the best 40 of two or three with all weights
-    of one to three parts.
+    Every subset is looked at with equal weights: roughly on the materials farthest apart, then all
+    of one or two actions and the best 150 of three and of four on all materials; then the best 40
+    of two or three with all weights of one to three parts.
     """
     # Roughly: on the nominal material and the two farthest away, with fewer harmonics.
     turn, chosen = source.turns.turn, [0]
@@ -166,24 +209,39 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
         progress(0.8 * size / MOST_TOGETHER)
     few = [one for size, one in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
     if few:
-        shares, after = (np.concatenate([getattr(one, name) for one in few]) for name in ("shares", "after"))
-        found.append(scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within))
-    stacked = (np.concatenate([getattr(one, name) for one in found]) for name in ("shares", "tv", "after"))
+        shares, after = (
+            np.concatenate([getattr(one, name) for one in few]) for name in ("shares", "after")
+        )
+        found.append(
+            scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within)
+        )
+    stacked = (
+        np.concatenate([getattr(one, name) for one in found]) for name in ("shares", "tv", "after")
+    )
     return Candidates(source, *stacked)
 
 
 def scored(source: ActionSet, shares: Array, within: int | None = None) -> Candidates:
-    """Return mixtures with the given shares (n, k) and their total variations at the worst of the range.
+    """Return mixtures with the given shares (n, k) and their total variations at the worst of the
+    range.
 
     Without `within` those after so many pushes are not looked at.
     """
     tv, after = np.zeros(len(shares)), np.zeros(len(shares))
     for kernels in source.kernels:
-        for rows in np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE)) if len(shares) else ():
+        for rows in (
+            np.array_split(np.arange(len(shares)), -(-len(shares) // _AT_ONCE))
+            if len(shares)
+            else ()
+        ):
             mixed = np.tensordot(shares[rows], kernels, axes=1)
-            tv[rows] = np.maximum(tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0))
+            tv[rows] = np.maximum(
+                tv[rows], np.minimum(total_variation(long_run(mixed), _PLACES), 1.0)
+            )
             if within is not None:
-                after[rows] = np.maximum(after[rows], farthest(np.linalg.matrix_power(mixed, within), _STARTS, _PLACES))
+                after[rows] = np.maximum(
+                    after[rows], farthest(np.linalg.matrix_power(mixed, within), _STARTS, _PLACES)
+                )
     return Candidates(source, shares, tv, after)
 
 

@@ -1,4 +1,6 @@
-"""What comes of a strategy: collections by the full mechanics or from known turns, and how uniform they are."""
+"""What comes of a strategy: collections by the full mechanics or from known turns, and how uniform
+they are.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,8 @@ from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.monitor.coverage import Crowding
 
 BINS = 36
-# The noise's stream of random numbers, beside that of what is drawn, which starts from the seed itself.
+# The noise's stream of random numbers, beside that of what is drawn, which starts from the seed
+# itself.
 _NOISE_STREAM = 1 << 20
 
 
@@ -25,7 +28,8 @@ _NOISE_STREAM = 1 << 20
 class StrategyRun:
     """Collections of n cycles each, run by the full mechanics.
 
-    theta : (runs, n + 1), rad, not wrapped, the start first. action : (runs, n), number of the strategy's action.
+    theta : (runs, n + 1), rad, not wrapped, the start first. action : (runs, n), number of the
+        strategy's action.
     """
 
     theta: Array
@@ -46,7 +50,8 @@ def run_strategy(
     """Run `runs` collections of `cycles` cycles each by the full mechanics, some 0.3 ms a cycle.
 
     start : rad, of all runs or one each. sigma : noise of a cycle, rad. The first run does what
-    `strategy.run(cycles, seed)` says, so that a robot can be given the very same. A surface that wears does so.
+        `strategy.run(cycles, seed)` says, so that a robot can be given the very same. A surface
+        that wears does so.
 
     Raises InvalidInput for a bad value, and what a cycle raises that leads out of the mechanics.
 
@@ -58,7 +63,10 @@ def run_strategy(
     count, many = whole_number("cycles", cycles, least=1), whole_number("runs", runs, least=1)
     chosen = drawn_actions(strategy, count, many, seed)
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
-    turns, report = np.array([action.turn for action in strategy.actions]), progress or (lambda fraction: None)
+    turns, report = (
+        np.array([action.turn for action in strategy.actions]),
+        progress or (lambda fraction: None),
+    )
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
@@ -94,16 +102,21 @@ def sampled_orientations(
     seed: int = 0,
     start: float | None = None,
 ) -> Array:
-    """Return theta0 (runs, cycles) of collections whose actions turn by `turn` (actions, n) rad at n equal steps.
+    """Return theta0 (runs, cycles) of collections whose actions turn by `turn` (actions, n) rad at
+    n equal steps.
 
-    Between the steps turns are interpolated linearly. start : rad; None: drawn evenly, one a run. On the lift.
+    Between the steps turns are interpolated linearly. start : rad; None: drawn evenly, one a run.
+    On the lift.
     """
     chosen = drawn_actions(strategy, cycles, runs, seed)
-    return _followed(turn, chosen.shape, sigma, seed, start, lambda number, theta, ends: chosen[:, number])
+    return _followed(
+        turn, chosen.shape, sigma, seed, start, lambda number, theta, ends: chosen[:, number]
+    )
 
 
 def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed: int = 0) -> Array:
-    """Return theta0 (runs, cycles) where each cycle is the action that leads to where least was recorded so far.
+    """Return theta0 (runs, cycles) where each cycle is the action that leads to where least was
+    recorded so far.
 
     That is `next_action` with exact maps; the noise of the cycle is not known beforehand.
     """
@@ -128,7 +141,11 @@ def _followed(
     kicks, rows = noise_of_runs(sigma, cycles, runs, seed), np.arange(runs)
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM, 1)))
     theta = np.empty((runs, cycles))
-    now = random.uniform(0.0, TWO_PI, runs) if start is None else np.full(runs, finite_number("start", start))
+    now = (
+        random.uniform(0.0, TWO_PI, runs)
+        if start is None
+        else np.full(runs, finite_number("start", start))
+    )
     around = np.concatenate([turn, turn[:, :1]], axis=1)
     for number in range(cycles):
         theta[:, number] = now
@@ -142,12 +159,15 @@ def _followed(
 def histogram_shares(theta: Array) -> Array:
     """Return the shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0."""
     cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
-    counts = np.bincount((cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells))
+    counts = np.bincount(
+        (cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells)
+    )
     return np.asarray(counts.reshape(len(cells), BINS) / theta.shape[-1])
 
 
 def histogram_distances(shares: Array) -> Array:
-    """Return the total variation (runs,) between histograms with shares (runs, bins) and the uniform one.
+    """Return the total variation (runs,) between histograms with shares (runs, bins) and the
+    uniform one.
 
     >>> even, locked = np.arange(36) * math.radians(10.0) + 0.1, np.zeros(36)
     >>> histogram_distances(histogram_shares(np.array([even, locked]))).round(4).tolist()
@@ -157,7 +177,8 @@ def histogram_distances(shares: Array) -> Array:
 
 
 def independent_distance(pushes: int) -> float:
-    """Return the mean histogram distance of that many independent uniform orientations: de Moivre's mean deviation.
+    """Return the mean histogram distance of that many independent uniform orientations: de Moivre's
+    mean deviation.
 
     >>> round(independent_distance(500), 4)
     0.1053

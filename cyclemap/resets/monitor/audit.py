@@ -1,4 +1,6 @@
-"""A data set that exists already, looked at for what its reset did to it: cover, lock-in, worth, and what to change."""
+"""A data set that exists already, looked at for what its reset did to it: cover, lock-in, worth,
+and what to change.
+"""
 
 from __future__ import annotations
 
@@ -29,8 +31,8 @@ class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
     push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
-    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a reset's turn on its
-    push's, -1 where it undoes each push, 0 where it knows none.
+    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a
+        reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
     """
 
     push_turn: Array
@@ -43,10 +45,13 @@ class ResetEffect:
 class Audit:
     """What a data set is worth.
 
-    name : of the data. theta : its orientations, rad, in order. reports : of the monitor after each, its chance of a
-    false alarm being `alarm_rate`. ordered : whether their order is known. covered : arcs
-    (from, to), rad, with no gap of 20 degrees. reset : None where the data do not tell poses before and after pushes.
-    others : pushes of other sets in the data, left out. posed : whether poses after pushes are there, at least.
+    name : of the data. theta : its orientations, rad, in order. reports : of the monitor after
+        each, its chance of a false alarm being `alarm_rate`. ordered
+        : whether their order is known. covered : arcs (from, to), rad, with no gap of 20 degrees.
+        reset : None where the
+        data do not tell poses before and after pushes.
+    others : pushes of other sets in the data, left out. posed : whether poses after pushes are
+        there, at least.
     """
 
     name: str
@@ -79,18 +84,27 @@ class Audit:
 
     @property
     def gathered(self) -> float:
-        """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0 without one."""
+        """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0
+        without one.
+        """
         alarm, start = self.report.alarm, self.locked_from
         if alarm is None or start is None:
             return 0.0
-        away = [np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta)))) for theta in alarm.directions]
+        away = [
+            np.abs(np.angle(np.exp(1j * (np.array(self.theta[start:]) - theta))))
+            for theta in alarm.directions
+        ]
         return float(np.mean(np.min(away, axis=0) < _NEAR))
 
     @property
     def is_good(self) -> bool:
-        """Whether nothing speaks for another reset: no lock-in, the circle covered, pushes worth half their number."""
+        """Whether nothing speaks for another reset: no lock-in, the circle covered, pushes worth
+        half their number.
+        """
         covers_all = len(self.covered) == 1 and self.covered[0][1] - self.covered[0][0] > 6.28
-        return self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
+        return (
+            self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
+        )
 
 
 def audit(
@@ -102,10 +116,11 @@ def audit(
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 
-    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several sets pushed alike
-    the one of most pushes is taken. loop : that made them, where it is known: the sense of angles is tested by it, else
-    by whether pushes alike move the object alike. Raises OtherConvention where it is another,
-    InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
+        sets pushed alike the one of most pushes is taken. loop : that made them, where it is known:
+        the sense of angles is tested by it, else by whether pushes alike move the object alike.
+        Raises OtherConvention where it is another, InvalidInput for fewer than 10 pushes,
+        DataFileError for a bad file.
 
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as place:
@@ -124,16 +139,30 @@ def audit(
         if progress is not None:
             progress(done / theta.size)
     covered = covered_arcs(theta)
-    return Audit(Path(name).name, monitor.path, tuple(reports), alarm_rate, ordered, covered, reset, others, posed)
+    return Audit(
+        Path(name).name,
+        monitor.path,
+        tuple(reports),
+        alarm_rate,
+        ordered,
+        covered,
+        reset,
+        others,
+        posed,
+    )
 
 
 def _orientations(
     data: str | Path | PushTable, loop: CollectionLoop | None
 ) -> tuple[Array, bool, ResetEffect | None, int, bool]:
-    """The orientations of the largest set, whether in order, what its resets did, the number of other pushes, and
-    whether poses after pushes are there.
+    """The orientations of the largest set, whether in order, what its resets did, the number of
+    other pushes, and whether poses after pushes are there.
     """
-    if isinstance(data, (str, Path)) and Path(data).is_file() and Path(data).suffix.lower() == ".csv":
+    if (
+        isinstance(data, (str, Path))
+        and Path(data).is_file()
+        and Path(data).suffix.lower() == ".csv"
+    ):
         header = read_csv_table(data).header
         if not {"x0", "x1"} <= set(header):
             pairs = read_theta0_pairs(data)
@@ -144,23 +173,35 @@ def _orientations(
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
-        why = f": {given.unreadable[0].path}: {given.unreadable[0].reason}" if given.unreadable else ""
+        why = (
+            f": {given.unreadable[0].path}: {given.unreadable[0].reason}"
+            if given.unreadable
+            else ""
+        )
         raise InvalidInput(f"{data}: no push with an orientation in it{why}")
     check_pushes(given, loop)
     columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
     sets = table.groupby(columns, dropna=False, sort=False)
     largest = max((rows for _, rows in sets), key=len)
-    ordered = bool(largest["repetition"].notna().all()) and len(set(largest["repetition"])) == len(largest)
+    ordered = bool(largest["repetition"].notna().all()) and len(set(largest["repetition"])) == len(
+        largest
+    )
     rows = largest.sort_values("repetition", kind="stable") if ordered else largest
     # A table of one file is in the order in which it was written.
     ordered = ordered or rows["path"].nunique() == 1
     followed = rows.dropna(subset=["theta1", "theta_next"])
     reset = None
     if len(followed) >= FEWEST:
-        before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
+        before, after, then = (
+            followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next")
+        )
         push_turn, reset_turn = after - before, then - after
         spread = float(np.var(push_turn, ddof=1))
-        slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
-        reset = ResetEffect(push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope)
+        slope = (
+            float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
+        )
+        reset = ResetEffect(
+            push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope
+        )
     posed = bool(rows["theta1"].notna().any())
     return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed

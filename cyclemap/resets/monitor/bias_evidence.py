@@ -1,4 +1,6 @@
-"""Evidence that orientations lock in: that theta0 rests where it was, or that visits gather over many pushes."""
+"""Evidence that orientations lock in: that theta0 rests where it was, or that visits gather over
+many pushes.
+"""
 
 from __future__ import annotations
 
@@ -30,9 +32,11 @@ _PEAK_KERNEL = math.radians(25.0)
 
 @dataclass(frozen=True)
 class RestRule:
-    """What counts as a rest. A steady climb slower than 2 half_width / (window + 1) a push, 1.2°, lingers, too.
+    """What counts as a rest. A steady climb slower than 2 half_width / (window + 1) a push, 1.2°,
+    lingers, too.
 
-    half_width : rad, below π/4. window : how many pushes a rest must have lasted before it is betted on.
+    half_width : rad, below π/4. window : how many pushes a rest must have lasted before it is
+        betted on.
     longest_period : rests on cycles of up to this many directions are looked for.
     """
 
@@ -44,15 +48,16 @@ class RestRule:
 class RestEvidence:
     """A bet against the chance of coming back, whose gains are the evidence.
 
-    For each period p up to ``rule.longest_period`` look at the ``window`` pushes p, 2p, ..., back. Where they lie close
-    together (mean resultant length at least cos(half_width)) a bet is placed that θ0 comes within ``half_width`` of
-    their mean direction. The bet is fair for a chance of ½: a hit multiplies the stake by 2r, a miss by 2(1 - r), for
-    three rates r > ½. Stakes are spread over the rates, over the periods (in proportion to 1/p²) and over the bet at
-    which the rest begins (1/s(s + 1) on the s-th).
+    For each period p up to ``rule.longest_period`` look at the ``window`` pushes p, 2p, ..., back.
+    Where they lie close together (mean resultant length at least cos(half_width)) a bet is placed
+    that θ0 comes within ``half_width`` of their mean direction. The bet is fair for a chance of ½:
+    a hit multiplies the stake by 2r, a miss by 2(1 - r), for three rates r > ½. Stakes are spread
+    over the rates, over the periods (in proportion to 1/p²) and over the bet at which the rest
+    begins (1/s(s + 1) on the s-th).
 
-    The wealth is a non-negative supermartingale that starts at 1 whenever, given the past, each betted chance is at
-    most ½. So P(it ever exceeds c) ≤ 1/c, over a collection without end (Ville 1939; testing by betting: Shafer 2021;
-    Ramdas, Grünwald, Vovk & Shafer 2023).
+    The wealth is a non-negative supermartingale that starts at 1 whenever, given the past, each
+    betted chance is at most ½. So P(it ever exceeds c) ≤ 1/c, over a collection without end (Ville
+    1939; testing by betting: Shafer 2021; Ramdas, Grünwald, Vovk & Shafer 2023).
     """
 
     def __init__(self, rule: RestRule, first: int = 0) -> None:
@@ -64,7 +69,8 @@ class RestEvidence:
         self._bets = np.zeros(periods.size, dtype=np.int64)
         self._recent: list[complex] = []
         self._pushes = first
-        # Of each period the push at which the rest under way began, and a path for each of its directions.
+        # Of each period the push at which the rest under way began, and a path for each of its
+        # directions.
         self._runs: list[tuple[int, list[DirectionTrack]] | None] = [None] * periods.size
 
     @property
@@ -74,7 +80,9 @@ class RestEvidence:
 
     @property
     def rest(self) -> Rest | None:
-        """The rest that θ0 is in just now, of the period with the most evidence; None where it is in none."""
+        """The rest that θ0 is in just now, of the period with the most evidence; None where it is
+        in none.
+        """
         active = [index for index, run in enumerate(self._runs) if run is not None]
         if not active:
             return None
@@ -82,7 +90,10 @@ class RestEvidence:
         run = self._runs[max(active, key=lambda index: float(wealth[index]))]
         assert run is not None
         began, tracks = run
-        present, limits = ([getattr(one, name) % TWO_PI % TWO_PI for one in tracks] for name in ("present", "limit"))
+        present, limits = (
+            [getattr(one, name) % TWO_PI % TWO_PI for one in tracks]
+            for name in ("present", "limit")
+        )
         return Rest(began, tuple(present), tuple(limits))
 
     def add(self, theta: float) -> None:
@@ -112,7 +123,10 @@ class RestEvidence:
             return
         if run is None:
             reach = self.rule.window * period
-            run = self._runs[index] = self._pushes - reach, [DirectionTrack(_WANDER) for _ in range(period)]
+            run = self._runs[index] = (
+                self._pushes - reach,
+                [DirectionTrack(_WANDER) for _ in range(period)],
+            )
             fresh = [*self._recent[-reach:], point]
         began, tracks = run
         for number, one in enumerate(fresh, self._pushes + 1 - len(fresh)):
@@ -128,7 +142,8 @@ class RestEvidence:
 class Rest:
     """Where θ0 rests, rad in [0, 2π), one direction for each push of the period.
 
-    began : push at which it began, counted from the first one fed, to within the window of the rule. directions : where
+    began : push at which it began, counted from the first one fed, to
+        within the window of the rule. directions : where
     it is by now. towards : where its last steps lead.
     """
 
@@ -139,11 +154,12 @@ class Rest:
 
 @dataclass
 class DirectionTrack:
-    """A path that settles: its present place, and the limit of the linear law θ' = θ + s·(limit - θ) fitted to it.
+    """A path that settles: its present place, and the limit of the linear law θ' = θ + s·(limit -
+    θ) fitted to it.
 
-    The pull s is fitted by least squares, with a prior of no pull as strong as points spread over ``scatter`` (rad),
-    and kept in [0.1, 1]. The path from the stable point of plywood's map is told to 3° (median) after twenty pushes
-    under 1.1° of noise, where the place reached is still 5° off.
+    The pull s is fitted by least squares, with a prior of no pull as strong as points spread over
+    ``scatter`` (rad), and kept in [0.1, 1]. The path from the stable point of plywood's map is told
+    to 3° (median) after twenty pushes under 1.1° of noise, where the place reached is still 5° off.
 
     >>> track = DirectionTrack(0.1)
     >>> for step in range(30):
@@ -156,7 +172,8 @@ class DirectionTrack:
     present: float = 0.0
     start: float | None = None
     last: float = 0.0
-    # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from the start.
+    # Weighted sums over steps: their number, places x, steps y, x·x and x·y, places counted from
+    # the start.
     sums: tuple[float, ...] = (0.0,) * 5
 
     def add(self, theta: float) -> None:
@@ -183,7 +200,9 @@ class DirectionTrack:
 
 
 class VisitLaw:
-    """The law of the visits so far: a Gaussian kernel estimate as a Fourier series, mixed with the uniform law."""
+    """The law of the visits so far: a Gaussian kernel estimate as a Fourier series, mixed with the
+    uniform law.
+    """
 
     def __init__(self, kernel: float) -> None:
         """``kernel`` : rad, the kernel's standard deviation."""
@@ -194,40 +213,55 @@ class VisitLaw:
         self.visits = 0.0
 
     def add(self, theta: Array, kept: float = 1.0) -> None:
-        """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older ones."""
+        """Take visits ``theta`` (n,) rad, after forgetting all but the share ``kept`` of the older
+        ones.
+        """
         order = np.arange(1, self._moments.size + 1)
-        self._moments = kept * self._moments + np.exp(-1j * np.multiply.outer(order, theta)).sum(axis=1)
+        self._moments = kept * self._moments + np.exp(-1j * np.multiply.outer(order, theta)).sum(
+            axis=1
+        )
         self.visits = kept * self.visits + theta.size
 
     def ratio(self, theta: Any) -> Array:
-        """The density at ``theta`` (rad, any shape) over that of the uniform law; at least about 0.1."""
+        """The density at ``theta`` (rad, any shape) over that of the uniform law; at least about
+        0.1.
+        """
         point = np.exp(1j * np.asarray(theta, dtype=np.float64))
         series = polyval(point, np.append(0.0, self._weights * self._moments)).real
         learned = (_PRIOR + self.visits + 2.0 * series) / (_PRIOR + self.visits)
         return np.asarray(_FLOOR + (1.0 - _FLOOR) * np.maximum(learned, 0.0), dtype=np.float64)
 
     def peak(self) -> float:
-        """Where the density is highest, rad in [0, 2π), under a kernel of 25° at least: narrower ones follow chance."""
+        """Where the density is highest, rad in [0, 2π), under a kernel of 25° at least: narrower
+        ones follow chance.
+        """
         order = np.arange(1, self._moments.size + 1)
         grid = np.arange(720) * (math.pi / 360.0)
-        smoothed = np.minimum(self._weights, np.exp(-0.5 * (_PEAK_KERNEL * order) ** 2)) * self._moments
-        return float(grid[int(np.argmax(polyval(np.exp(1j * grid), np.append(0.0, smoothed)).real))])
+        smoothed = (
+            np.minimum(self._weights, np.exp(-0.5 * (_PEAK_KERNEL * order) ** 2)) * self._moments
+        )
+        return float(
+            grid[int(np.argmax(polyval(np.exp(1j * grid), np.append(0.0, smoothed)).real))]
+        )
 
 
 class VisitEvidence:
     """Blocks of pushes, each set against its own turns in other orders.
 
-    Where a reset has no bias, how far one cycle turns the object does not depend on where it stood: the turns of a
-    block can be exchanged, and each order of them is as likely as the recorded one. A block's e-value is the likelihood
-    of its visits under the law learned from the blocks before it, over the mean of that likelihood over the recorded
-    order and ``orders`` random ones. Its mean is 1 for any law of the turns, known or not, narrow or wide, constant or
-    worn from block to block. The product over blocks, stakes spread over the block at which the gathering begins (1/s(s
-    + 1) on the s-th) and over two powers of the likelihood, is a martingale that starts at 1, and P(it ever exceeds c)
-    ≤ 1/c (Ville 1939). Shuffling within blocks as an e-value: compare Grünwald, de Heide & Koolen 2024; e-values: Vovk
-    & Wang 2021.
+    Where a reset has no bias, how far one cycle turns the object does not depend on where it stood:
+    the turns of a block can be exchanged, and each order of them is as likely as the recorded one.
+    A block's e-value is the likelihood of its visits under the law learned from the blocks before
+    it, over the mean of that likelihood over the recorded order and ``orders`` random ones. Its
+    mean is 1 for any law of the turns, known or not, narrow or wide, constant or worn from block to
+    block. The product over blocks, stakes spread over the block at which the gathering begins
+    (1/s(s + 1) on the s-th) and over two powers of the likelihood, is a martingale that starts at
+    1, and P(it ever exceeds c) ≤ 1/c (Ville 1939). Shuffling within blocks as an e-value: compare
+    Grünwald, de Heide & Koolen 2024; e-values: Vovk & Wang 2021.
     """
 
-    def __init__(self, kernel: float = KERNEL, block: int = BLOCK, orders: int = ORDERS, seed: int = 0) -> None:
+    def __init__(
+        self, kernel: float = KERNEL, block: int = BLOCK, orders: int = ORDERS, seed: int = 0
+    ) -> None:
         self._block, self._orders, self._random = block, orders, np.random.default_rng(seed)
         self.law = VisitLaw(kernel)
         self._waiting: list[float] = []

@@ -29,10 +29,11 @@ AlarmKind = Literal["rest", "visits"]
 class Alarm:
     """That the data lock in.
 
-    push : at which push it was raised. kind : "rest" where θ0 comes back, push after push, to where it just was;
-    "visits" where it gathers about directions over many pushes. directions : rad in [0, 2π), towards which: where
-    the steps of the rest lead, or the direction most visited; several where θ0 goes round them in turn. began : the
-    push at which the rest began, None for "visits". Pushes are counted from 0, the first one fed.
+    push : at which push it was raised. kind : "rest" where θ0 comes back, push after push, to where
+        it just was; "visits" where it gathers about directions over many pushes. directions : rad
+        in [0, 2π), towards which: where the steps of the rest lead, or the direction most visited;
+        several where θ0 goes round them in turn. began : the push at which the rest began, None for
+        "visits". Pushes are counted from 0, the first one fed.
     """
 
     push: int
@@ -45,8 +46,8 @@ class Alarm:
 class Advice:
     """What to do next.
 
-    change_reset : True where the next pushes should not be left to the reset in use. direction : rad in [0, 2π), the
-    direction of the circle that is least covered: bring the object to it.
+    change_reset : True where the next pushes should not be left to the reset in use. direction :
+        rad in [0, 2π), the direction of the circle that is least covered: bring the object to it.
     """
 
     change_reset: bool
@@ -57,15 +58,16 @@ class Advice:
 class BiasReport:
     """The state of a collection after a push.
 
-    push : number of the last push fed, from 0; -1 before any. alarm : the first one since the reset was last changed,
-        None where there was none.
-    rest_evidence, visit_evidence : log10 of the evidence for each kind; an alarm is raised where one of them reaches
-        ``threshold`` = log10(2 / alarm rate).
+    push : number of the last push fed, from 0; -1 before any. alarm : the first one since the reset
+        was last changed, None where there was none.
+    rest_evidence, visit_evidence : log10 of the evidence for each kind; an alarm is raised where
+        one of them reaches ``threshold`` = log10(2 / alarm rate).
     rest : where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
-    useful_pushes : while it rests and an alarm was raised: how many more pushes there still tell a tenth of what a push
-        in the most telling direction would. None otherwise: no end is in sight.
-    recent_worth : effective pushes gained a push over the last 50: 1 where they spread evenly, 0 where they tell
-        nothing new; above 1 while directions open up that were not known.
+    useful_pushes : while it rests and an alarm was raised: how many more pushes there still tell a
+        tenth of what a push in the most telling direction would. None otherwise: no end is in
+        sight.
+    recent_worth : effective pushes gained a push over the last 50: 1 where they spread evenly, 0
+        where they tell nothing new; above 1 while directions open up that were not known.
     coverage, advice : see there.
     """
 
@@ -84,24 +86,27 @@ class BiasReport:
 class BiasMonitor:
     """Tells, while a collection runs, whether its orientations lock in, and what would help.
 
-    ``alarm_rate`` : the chance, in (0, 1), that it ever raises an alarm on a collection without bias, however long. It
-    holds by a theorem, Ville's inequality, half of it for each kind of evidence:
+    ``alarm_rate`` : the chance, in (0, 1), that it ever raises an alarm on a collection without
+    bias, however long. It holds by a theorem, Ville's inequality, half of it for each kind of
+    evidence:
 
-    - against "visits" for every reset whose turns are exchangeable, so do not depend on where the object stood,
-      whatever their law: independent uniform θ0, isotropic friction with any turn and any noise, final directions drawn
-      at random. Half of this share looks at blocks of 48 pushes (``VisitEvidence``), half at arcs of the circle that
-      the first 48 pushes keep to (``ArcEvidence``): half a circle is told after 26 pushes in the median;
-    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°), comes back within
-      ``half_width`` with chance ½ at most: independent uniform θ0, turns that scatter by 3.3° or more, and steady walks
-      faster than 1.2° a push (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
+    - against "visits" for every reset whose turns are exchangeable, so do not depend on where the
+      object stood, whatever their law: independent uniform θ0, isotropic friction with any turn and
+      any noise, final directions drawn at random. Half of this share looks at blocks of 48 pushes
+      (``VisitEvidence``), half at arcs of the circle that the first 48 pushes keep to
+      (``ArcEvidence``): half a circle is told after 26 pushes in the median;
+    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°),
+      comes back within ``half_width`` with chance ½ at most: independent uniform θ0, turns that
+      scatter by 3.3° or more, and steady walks faster than 1.2° a push (``RestRule``): at 3 ± 1.1°
+      a push, or 120 ± 5°, it is far below ½.
 
-    What is slower, or comes round to the very same two, three or four directions, does raise the alarm: its law may be
-    even in the long run, but its next hundred pushes repeat the last ones.
+    What is slower, or comes round to the very same two, three or four directions, does raise the
+    alarm: its law may be even in the long run, but its next hundred pushes repeat the last ones.
 
-    The monitor changes as it is fed, for a collection has one course; each report is a value that stays. A push costs
-    some tenths of a millisecond, however many came before, but for a dozen of the first 48, which take some hundredths
-    of a second where they may keep to an arc; the orientations are kept.
-    The same orientations give the same reports, θ0 wrapped or not.
+    The monitor changes as it is fed, for a collection has one course; each report is a value that
+    stays. A push costs some tenths of a millisecond, however many came before, but for a dozen of
+    the first 48, which take some hundredths of a second where they may keep to an arc; the
+    orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
 
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
@@ -114,7 +119,9 @@ class BiasMonitor:
 
     def __init__(self, alarm_rate: float = ALARM_RATE) -> None:
         if not 0.0 < finite_number("alarm_rate", alarm_rate) < 1.0:
-            raise InvalidInput(f"alarm_rate must lie between 0 and 1, such as 0.01, not {alarm_rate!r}")
+            raise InvalidInput(
+                f"alarm_rate must lie between 0 and 1, such as 0.01, not {alarm_rate!r}"
+            )
         self.alarm_rate = alarm_rate
         # Over all resets used.
         self.coverage = Coverage()
@@ -129,16 +136,17 @@ class BiasMonitor:
         return tuple(self._path[self._changed :])
 
     def update(self, theta: float) -> BiasReport:
-        """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the collection stands.
+        """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the
+        collection stands.
 
-        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a turn is lost; the
-        monitor is then as it was.
+        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a
+        turn is lost; the monitor is then as it was.
         """
         angle = finite_number("theta", theta)
         if abs(angle) > LARGEST_ORIENTATION:
             raise InvalidInput(
-                f"theta {angle:g} rad is over {LARGEST_ORIENTATION:g}: its fraction of a turn is lost; "
-                "give it within a turn, or mend the record it comes from"
+                f"theta {angle:g} rad is over {LARGEST_ORIENTATION:g}: its fraction of a turn is "
+                "lost; give it within a turn, or mend the record it comes from"
             )
         self._path.append(angle)
         self._rest.add(angle)
@@ -166,20 +174,27 @@ class BiasMonitor:
         self._changed = len(self._path)
         self._rest = RestEvidence(_RULE, self._changed)
         # Another stream of shuffles for each reset: none is used twice.
-        self._visits, self._arcs = VisitEvidence(seed=self._changed), ArcEvidence(seed=self._changed)
+        self._visits, self._arcs = (
+            VisitEvidence(seed=self._changed),
+            ArcEvidence(seed=self._changed),
+        )
         self._alarm = None
 
     @property
     def _log_visits(self) -> float:
         """Natural logarithm of the evidence for "visits": the mean of what blocks and arcs tell."""
-        return float(np.logaddexp(self._visits.log_evidence, self._arcs.log_evidence)) - math.log(2.0)
+        return float(np.logaddexp(self._visits.log_evidence, self._arcs.log_evidence)) - math.log(
+            2.0
+        )
 
     @property
     def report(self) -> BiasReport:
         """Where the collection stands."""
         rest, coverage = self._rest.rest, self.coverage.state()
         # Told where it has lasted twice the window; a single hit may be chance.
-        if rest is not None and len(self._path) - rest.began < 2 * _RULE.window * len(rest.directions):
+        if rest is not None and len(self._path) - rest.began < 2 * _RULE.window * len(
+            rest.directions
+        ):
             rest = None
         return BiasReport(
             push=len(self._path) - 1,
@@ -191,14 +206,16 @@ class BiasMonitor:
             useful_pushes=None
             if rest is None or self._alarm is None
             else self.coverage.useful_repeats(rest.directions, LEAST_GAIN),
-            recent_worth=(coverage.effective_pushes - self._worth[0]) / max(len(self._worth) - 1, 1),
+            recent_worth=(coverage.effective_pushes - self._worth[0])
+            / max(len(self._worth) - 1, 1),
             coverage=coverage,
             advice=Advice(self._alarm is not None, coverage.least_covered),
         )
 
 
 def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[BiasReport, ...]:
-    """The reports on the orientations ``theta`` (rad), one a push; of a new ``BiasMonitor`` unless one is given.
+    """The reports on the orientations ``theta`` (rad), one a push; of a new ``BiasMonitor`` unless
+    one is given.
 
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)

@@ -1,4 +1,6 @@
-"""How much of the circle has been recorded, what each push still tells, and which action would help most next."""
+"""How much of the circle has been recorded, what each push still tells, and which action would help
+most next.
+"""
 
 from __future__ import annotations
 
@@ -27,10 +29,12 @@ _COARSE = 8  # every how many cells the information is looked at: 4 degrees
 class CoverageState:
     """What a collection covers.
 
-    covered : share of the circle within ``reach`` of a recorded direction. largest_gap : rad, the widest arc without
-        one; gap_centre : its middle, rad in [0, 2π). least_covered : rad in [0, 2π), the direction to record next.
-    effective_pushes : the collection is worth so many pushes spread evenly. gain : what the last direction would tell
-        if it were recorded once more, as a share of what the most telling direction would, in (0, 1].
+    covered : share of the circle within ``reach`` of a recorded direction. largest_gap : rad, the
+        widest arc without one; gap_centre : its middle, rad in [0, 2π). least_covered : rad in [0,
+        2π), the direction to record next.
+    effective_pushes : the collection is worth so many pushes spread evenly. gain : what the last
+        direction would tell if it were recorded once more, as a share of what the most telling
+        direction would, in (0, 1].
     """
 
     covered: float
@@ -44,8 +48,9 @@ class CoverageState:
 class Crowding:
     """How crowded recorded directions are, for `runs` collections side by side.
 
-    Each direction adds the density of the wrapped Cauchy law whose scale is what a push covers (5°): near by it counts
-    visits, and its tail finds the middle of what is empty. Cells of half a degree.
+    Each direction adds the density of the wrapped Cauchy law whose scale is what a push covers
+    (5°): near by it counts visits, and its tail finds the middle of what is empty. Cells of half a
+    degree.
     """
 
     def __init__(self, runs: int = 1) -> None:
@@ -61,7 +66,9 @@ class Crowding:
             row += self._kernel[CELLS - cell : 2 * CELLS - cell]
 
     def at(self, theta: Array) -> Array:
-        """Return the crowding at directions (..., runs), as a share of the mean over the circle; 0 before any."""
+        """Return the crowding at directions (..., runs), as a share of the mean over the circle; 0
+        before any.
+        """
         mean = self.crowding.mean(axis=1)
         found = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
         return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
@@ -75,13 +82,15 @@ def _cell(theta: Any) -> NDArray[np.int64]:
 class Coverage:
     """The directions recorded, and what they fix of a periodic law of θ0.
 
-    The information is that of a Fourier series with six harmonics under noise of equal size: M = Σ x xᵀ, x
-    the columns 1, √2 cos kθ, √2 sin kθ. An even spread is D-optimal for it (Hoel 1965) and makes M the number of pushes
-    times the identity, so det(1 + M)^(1/p) - 1 pushes spread evenly would tell as much as those recorded; a push at θ
-    tells log(1 + xᵀ(1 + M)⁻¹x) nats times ½. The least covered direction is where Σ φ(θ - θ_i) is least, φ the density
-    of `Crowding`. Recording there every time is kernel herding (Chen, Welling & Smola 2010) towards the uniform law.
+    The information is that of a Fourier series with six harmonics under noise of equal size: M = Σ
+    x xᵀ, x the columns 1, √2 cos kθ, √2 sin kθ. An even spread is D-optimal for it (Hoel 1965) and
+    makes M the number of pushes times the identity, so det(1 + M)^(1/p) - 1 pushes spread evenly
+    would tell as much as those recorded; a push at θ tells log(1 + xᵀ(1 + M)⁻¹x) nats times ½. The
+    least covered direction is where Σ φ(θ - θ_i) is least, φ the density of `Crowding`. Recording
+    there every time is kernel herding (Chen, Welling & Smola 2010) towards the uniform law.
 
-    Directions are kept in cells of half a degree; a push costs a few thousand operations, however many came before.
+    Directions are kept in cells of half a degree; a push costs a few thousand operations, however
+    many came before.
     """
 
     def __init__(self) -> None:
@@ -113,7 +122,9 @@ class Coverage:
         return math.expm1(self._log_determinant / self._inverse.shape[0])
 
     def state(self) -> CoverageState:
-        """What is covered by now; before the first push nothing is, and every direction tells as much."""
+        """What is covered by now; before the first push nothing is, and every direction tells as
+        much.
+        """
         # The widest arc between neighbouring visited cells; the whole circle before any.
         gap, centre, cells = TWO_PI, 0.0, np.flatnonzero(self._visited)
         if cells.size:
@@ -133,7 +144,8 @@ class Coverage:
         )
 
     def useful_repeats(self, directions: tuple[float, ...], least_gain: float) -> int:
-        """How many more pushes on each of ``directions`` (rad) tell ``least_gain`` of the best direction's, or more.
+        """How many more pushes on each of ``directions`` (rad) tell ``least_gain`` of the best
+        direction's, or more.
 
         Recorded j times more, a direction's xᵀ(1 + M)⁻¹x = v falls to v/(1 + j·v).
         """
@@ -142,7 +154,9 @@ class Coverage:
         return int(np.floor(np.clip(1.0 / best - 1.0 / now, -1.0, None)).sum()) + now.size
 
     def _information(self, columns: Array) -> Array:
-        return np.asarray(np.einsum("...i,ij,...j->...", columns, self._inverse, columns), dtype=np.float64)
+        return np.asarray(
+            np.einsum("...i,ij,...j->...", columns, self._inverse, columns), dtype=np.float64
+        )
 
 
 def _columns(theta: Any) -> Array:
@@ -155,9 +169,10 @@ def _columns(theta: Any) -> Array:
 class NextAction:
     """An action chosen for what the push after it will tell.
 
-    number : of the action in the strategy, from 0. lands : rad in [0, 2 pi), where its map takes the orientation.
-    crowding : of the recorded directions there, as a share of the mean over the circle: 0 where nothing is near, 1 on
-    evenly covered ground.
+    number : of the action in the strategy, from 0. lands : rad in [0, 2 pi), where its map takes
+        the orientation.
+    crowding : of the recorded directions there, as a share of the mean over the circle: 0 where
+        nothing is near, 1 on evenly covered ground.
     """
 
     number: int
@@ -166,15 +181,17 @@ class NextAction:
 
 
 def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> NextAction:
-    """Return which of a strategy's actions takes orientation `theta` (rad) to where least is recorded.
+    """Return which of a strategy's actions takes orientation `theta` (rad) to where least is
+    recorded.
 
-    maps : of its actions, as `strategy_maps` makes them. coverage : of the collection so far, `theta` fed to it. The
-    noise of a cycle is left out: it blurs all landings alike. Before anything is recorded the first action is chosen.
+    maps : of its actions, as `strategy_maps` makes them. coverage : of the collection so far,
+        `theta` fed to it. The noise of a cycle is left out: it blurs all landings alike. Before
+        anything is recorded the first action is chosen.
 
-    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law (Chen, Welling & Smola
-    2010), among the places that the actions reach; how even that becomes is not bounded. The action then
-    depends on the orientation: record it with each push, for data that are even in orientation need not be even in
-    action.
+    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law (Chen,
+    Welling & Smola 2010), among the places that the actions reach; how even that becomes is not
+    bounded. The action then depends on the orientation: record it with each push, for data that are
+    even in orientation need not be even in action.
 
     >>> quarter, half = CircleMap.rigid(0.25), CircleMap.rigid(0.5)
     >>> covered = Coverage()

@@ -1,4 +1,5 @@
-"""What the explorer's page begins with: where its sliders stand, and a portrait as plain numbers."""
+"""What the explorer's page begins with: where its sliders stand,
+and a portrait as plain numbers."""
 
 from __future__ import annotations
 
@@ -24,7 +25,12 @@ Array = NDArray[np.float64]
 CELLS = 360
 # Cycles whose course is drawn: as many as the eye follows.
 _CYCLES, _FRAMES, _OUTLINE_POINTS, _STAIRCASE_POINTS = 8, 18, 180, 1500
-_SENTENCES = (sentences.headline, sentences.lock_sentence, sentences.noise_sentence, sentences.staircase_sentence)
+_SENTENCES = (
+    sentences.headline,
+    sentences.lock_sentence,
+    sentences.noise_sentence,
+    sentences.staircase_sentence,
+)
 
 
 def slider_values(loop: CollectionLoop, sigma: float) -> dict[str, float]:
@@ -46,7 +52,8 @@ def slider_values(loop: CollectionLoop, sigma: float) -> dict[str, float]:
 def slider_controls(
     loop: CollectionLoop, values: Mapping[str, float], tables: Mapping[str, dict[str, bool]]
 ) -> list[dict[str, object]]:
-    """The sliders that suit the object, each with where it stands; a range reaches as far as the value does.
+    """The sliders that suit the object, each with where it stands; a range reaches as far as the
+    value does.
 
     tables : of `browser_tables`, which tell what the page can compute.
     """
@@ -58,7 +65,9 @@ def slider_controls(
     left_out |= set() if tables["is_convex"] else {"pusher_radius_mm"}
     for setting in CONTROLS:
         value = values[setting.key]
-        high = max(float(loop.slider.outline.sides - 1) if setting.key == "side" else setting.high, value)
+        high = max(
+            float(loop.slider.outline.sides - 1) if setting.key == "side" else setting.high, value
+        )
         low = min(setting.low, value)
         if setting.key == "pusher_radius_mm" and value > 0.0:
             # The contact curve of a point has no arcs.
@@ -66,12 +75,16 @@ def slider_controls(
         if setting.key in left_out or high <= low:
             continue
         told = {name: getattr(setting, name) for name in ("key", "label", "step", "group")}
-        controls.append({**told, "unit": _UNITS[setting.unit], "low": low, "high": high, "value": value})
+        controls.append(
+            {**told, "unit": _UNITS[setting.unit], "low": low, "high": high, "value": value}
+        )
     return controls
 
 
 def of_portrait(found: Portrait, start: float) -> dict[str, object]:
-    """The portrait as the page draws it; where noise does not settle the distribution, its density is None."""
+    """The portrait as the page draws it; where noise does not settle the distribution, its density
+    is None.
+    """
     degrees = 2 * np.pi * np.arange(CELLS + 1) / CELLS
     certain, known, loop = found.operator.is_certain, found.uncertainty, found.loop
     ends = [] if known is None else [np.degrees([one.lower, one.upper]) for one in known.directions]
@@ -84,7 +97,9 @@ def of_portrait(found: Portrait, start: float) -> dict[str, object]:
             *(typeset(sentence(found)) for sentence in _SENTENCES),
             f"{sentences.accuracy_line(found).capitalize()}.",
         ],
-        "density": _listed(2 * np.pi * found.operator.density(degrees[:-1]), 4) if certain else None,
+        "density": _listed(2 * np.pi * found.operator.density(degrees[:-1]), 4)
+        if certain
+        else None,
         "turn": _listed(np.degrees(found.map.turn(degrees)), 3),
         "fixed_points": [
             {
@@ -102,7 +117,9 @@ def of_portrait(found: Portrait, start: float) -> dict[str, object]:
 
 
 def _courses(loop: CollectionLoop, start: float) -> tuple[list[float], list[list[list[object]]]]:
-    """Some cycles without noise: orientations, rad, and frames (x, y mm, theta deg, rod x, rod y mm) of each stroke."""
+    """Some cycles without noise: orientations, rad, and frames (x, y mm, theta deg, rod x, rod y
+    mm) of each stroke.
+    """
     orbit, courses = [start], []
     for _ in range(_CYCLES):
         cycle = loop.cycle(orbit[-1])
@@ -111,7 +128,11 @@ def _courses(loop: CollectionLoop, start: float) -> tuple[list[float], list[list
         for stroke in (cycle.trajectory.push, cycle.trajectory.drag):
             # Evenly spread over the rod's way.
             places = np.linspace(stroke.path[0], stroke.path[-1], _FRAMES)
-            columns = [*(1e3 * stroke.pose[:, :2].T), np.degrees(stroke.pose[:, 2]), *(1e3 * stroke.pusher.T)]
+            columns = [
+                *(1e3 * stroke.pose[:, :2].T),
+                np.degrees(stroke.pose[:, 2]),
+                *(1e3 * stroke.pusher.T),
+            ]
             frames = np.transpose([np.interp(places, stroke.path, column) for column in columns])
             strokes.append(_listed(frames, 2))
         courses.append(strokes)
@@ -125,14 +146,18 @@ def scene(loop: CollectionLoop) -> dict[str, object]:
     return {
         "outline": _listed(1e3 * loop.slider.outline_points(_OUTLINE_POINTS), 3),
         "corners": corners,
-        "semi_axes": [1e3 * outline.semi_x, 1e3 * outline.semi_y] if isinstance(outline, Ellipse) else None,
+        "semi_axes": [1e3 * outline.semi_x, 1e3 * outline.semi_y]
+        if isinstance(outline, Ellipse)
+        else None,
         "ring": _listed(1e3 * np.asarray(loop.slider.hitch), 4),
         "rod_radius": 1e3 * loop.pusher.radius,
     }
 
 
 def measured(pairs: Theta0Pairs | None) -> dict[str, object] | None:
-    """Measured orientations to lay over: where cycles started and how far they turned (degrees), and the staircase."""
+    """Measured orientations to lay over: where cycles started and how far they turned (degrees),
+    and the staircase.
+    """
     if pairs is None:
         return None
     return {

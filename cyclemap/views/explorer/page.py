@@ -1,6 +1,8 @@
-"""Explorer and report as one HTML file: the engine inside it, as WebAssembly; the same bytes for the same input.
+"""Explorer and report as one HTML file: the engine inside it, as WebAssembly; the same bytes for
+the same input.
 
-Its policy lets in only the scripts and styles it was written with, by their digests, and no request at all.
+Its policy lets in only the scripts and styles it was written with, by their digests, and no request
+at all.
 """
 
 from __future__ import annotations
@@ -33,8 +35,8 @@ from cyclemap.views.style import render
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
 _WORKER = ("engine.js", "circle.js", "worker.js")
-# The ring of the stories is moved along its own direction, up to this many of its distances from the origin; from the
-# origin itself along x, up to so many metres.
+# The ring of the stories is moved along its own direction, up to this many of its distances from
+# the origin; from the origin itself along x, up to so many metres.
 _FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
 # Settings of the stories' floor, where the own one has none to tell.
 _USUAL_FLOOR = ("mu_a", "mu_b", "phi_deg", "m0", "n0")
@@ -44,7 +46,8 @@ _FRAME_HEIGHT = 860
 
 @dataclass(frozen=True)
 class Section:
-    """A heading with its paragraphs, and a picture as PNG with what it shows, where there is one."""
+    """A heading with its paragraphs, and a picture as PNG with what it shows,
+    where there is one."""
 
     title: str
     paragraphs: tuple[str, ...]
@@ -67,7 +70,9 @@ class Download:
     @property
     def address(self) -> str:
         """The file as an address of its own."""
-        return f"data:text/plain;charset=utf-8;base64,{base64.b64encode(self.text.encode()).decode()}"
+        return (
+            f"data:text/plain;charset=utf-8;base64,{base64.b64encode(self.text.encode()).decode()}"
+        )
 
 
 def page_html(
@@ -83,9 +88,10 @@ def page_html(
 ) -> str:
     """The page of a portrait as HTML.
 
-    start : rad, of the animated cycles and the staircase. words, settings : what a command line that gives the same
-    loop names, for the one that the page offers. pairs : measured orientations. sections, downloads, provenance : what
-    a report tells beneath, in order. The portrait as a picture is shown where scripts do not run.
+    start : rad, of the animated cycles and the staircase. words, settings : what a command line
+        that gives the same loop names, for the one that the page offers. pairs
+        : measured orientations. sections, downloads, provenance : what a report tells beneath, in order. The
+        portrait as a picture is shown where scripts do not run.
     """
     loop, sigma = found.loop, found.noise.sigma
     values, tables = slider_values(loop, sigma), browser_tables(loop.model, loop.reset)
@@ -101,7 +107,8 @@ def page_html(
         "stories": _stories(loop),
         "words": list(words),
         "settings": {
-            key: f"{value:.10g}" if isinstance(value, float) else str(value) for key, value in settings.items()
+            key: f"{value:.10g}" if isinstance(value, float) else str(value)
+            for key, value in settings.items()
         },
         "wasm": base64.b64encode(wasm_engine()).decode(),
     }
@@ -109,10 +116,13 @@ def page_html(
     plot = _file("uplot/uPlot.iife.min.js")
     script = "\n".join(_file(name) for name in ("drawing.js", "page.js"))
     policy = (
-        f"default-src 'none'; script-src {_digest(plot)} {_digest(script)} 'wasm-unsafe-eval'; worker-src blob:; "
-        f"style-src {_digest(style)}; img-src data:; base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; script-src {_digest(plot)} {_digest(script)} 'wasm-unsafe-eval'; "
+        f"worker-src blob:; style-src {_digest(style)}; img-src data:; base-uri 'none'; "
+        "form-action 'none'"
     )
-    page = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    page = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
     return page.from_string(_file("page.html")).render(
         data=data,
         picture=base64.b64encode(_still(found)).decode(),
@@ -129,26 +139,34 @@ def page_html(
 
 @dataclass(frozen=True)
 class ExplorerFrame:
-    """A page that a notebook shows in a frame of its own; where its scripts are not trusted, the picture (PNG)."""
+    """A page that a notebook shows in a frame of its own; where its scripts are not trusted, the
+    picture (PNG).
+    """
 
     page: str
     picture: bytes
 
     def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
         look = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 1px solid #ccc"'
-        frame = f'<iframe sandbox="allow-scripts allow-downloads" {look} srcdoc="{escape(self.page)}"></iframe>'
+        frame = (
+            f'<iframe sandbox="allow-scripts allow-downloads" {look} '
+            f'srcdoc="{escape(self.page)}"></iframe>'
+        )
         return {"text/html": frame, "image/png": base64.b64encode(self.picture).decode()}
 
 
 def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
-    """Return the page of a loop for a notebook, 350 kB; sigma : noise of a cycle, rad, None: the material's or 1.1 deg.
+    """Return the page of a loop for a notebook, 350 kB; sigma : noise of a cycle, rad, None: the
+    material's or 1.1 deg.
 
     >>> from cyclemap import CollectionLoop
     >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
     ['image/png', 'text/html']
     """
     found, tables = portrait(loop, sigma=sigma), collection_tables(loop)
-    settings = {key: value for table in tables.values() for key, value in plain_numbers(table).items()}
+    settings = {
+        key: value for table in tables.values() for key, value in plain_numbers(table).items()
+    }
     return ExplorerFrame(page_html(found, 0.0, (loop.material.name,), settings), _still(found))
 
 
@@ -157,30 +175,42 @@ def _still(found: Portrait) -> bytes:
     whole = render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
     few = io.BytesIO()
     with Image.open(io.BytesIO(whole)) as picture:
-        picture.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE).save(few, "png", optimize=True)
+        picture.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE).save(
+            few, "png", optimize=True
+        )
     return few.getvalue()
 
 
 def provenance_of(found: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:
-    """Where a report comes from: the command that made it, the digests of what it read, versions."""
+    """Where a report comes from: the command that made it, the digests of what it read,
+    versions."""
     versions = [f"{name} {metadata.version(name)}" for name in _PACKAGES]
     return [
         ("command", command),
         ("seed", str(found.staircase.seed)),
-        *((f"input {path.name}", f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}") for path in inputs),
+        *(
+            (f"input {path.name}", f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}")
+            for path in inputs
+        ),
         ("material", found.loop.material.provenance or "as named on the command line"),
         ("versions", ", ".join([*versions, f"Python {platform.python_version()}"])),
     ]
 
 
 def _stories(loop: CollectionLoop) -> dict[str, object]:
-    """Where the page looks for its three stories: the line of the ring (mm), and a floor to fall back on."""
+    """Where the page looks for its three stories: the line of the ring (mm), and a floor to fall
+    back on.
+    """
     hitch = np.asarray(loop.slider.hitch)
     distance = math.hypot(*hitch)
     along = (hitch / distance).tolist() if distance > 0.0 else [1.0, 0.0]
     usual = slider_values(CollectionLoop.mit("plywood"), 0.0)
     floor = {key: usual[key] for key in _USUAL_FLOOR} | dict.fromkeys((*SHAPES, *SHARES), 0.0)
-    return {"along": along, "farthest": 1e3 * (_FARTHEST * distance or _FARTHEST_FROM_ORIGIN), "floor": floor}
+    return {
+        "along": along,
+        "farthest": 1e3 * (_FARTHEST * distance or _FARTHEST_FROM_ORIGIN),
+        "floor": floor,
+    }
 
 
 def _digest(text: str) -> str:

@@ -1,8 +1,9 @@
 """Time one push beside its peers: `python -m tests.benchmarks.peers` from the repository's root.
 
-Everything runs on one core, in turns, so that whatever else the machine does slows all alike. How far each ends from
-the quasi-static answer, and from its own limit of ever finer steps, is measured in the same run: a time counts only
-where both are within 0.2 mm and 0.1 degrees, and the table says so. It asserts nothing: times are for people.
+Everything runs on one core, in turns, so that whatever else the machine does slows all alike. How
+far each ends from the quasi-static answer, and from its own limit of ever finer steps, is measured
+in the same run: a time counts only where both are within 0.2 mm and 0.1 degrees, and the table says
+so. It asserts nothing: times are for people.
 """
 
 import os
@@ -14,7 +15,15 @@ import argparse
 import platform
 
 from tests.benchmarks.engine import processor
-from tests.benchmarks.peers.entrants import DRAGGED, EVEN, ONE_CALL, Entrant, entrants, even_entrants, simulators
+from tests.benchmarks.peers.entrants import (
+    DRAGGED,
+    EVEN,
+    ONE_CALL,
+    Entrant,
+    entrants,
+    even_entrants,
+    simulators,
+)
 from tests.benchmarks.peers.push_problem import four_corners, plain_grid
 from tests.benchmarks.timing import Row, in_turns, show
 
@@ -29,7 +38,9 @@ def rows(those: list[Entrant], rounds: int) -> list[Row]:
 
 
 def in_the_time_of_one(found: list[Row]) -> str:
-    """How many pushes this package does, many in one call, in the time of one of each other simulator."""
+    """How many pushes this package does, many in one call, in the time of one of each other
+    simulator.
+    """
     told = []
     for own in (row for row in found if row.name in (ONE_CALL, EVEN)):
         others = [row for row in found if row.name not in (ONE_CALL, EVEN, DRAGGED)]

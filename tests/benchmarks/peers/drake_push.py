@@ -9,27 +9,35 @@ from pydrake import all as drake
 from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers.push_problem import CORNERS, EndPose, PushProblem, Simulator
 
-# The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at every step.
+# The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at
+# every step.
 _ROD_MASS = 1e8
 _FOOT = 0.002
 _SETTLE = 0.5
-# It tells at every start that TAMSI will go one day, and that half spaces know no deformable bodies.
+# It tells at every start that TAMSI will go one day, and that half spaces know no deformable
+# bodies.
 logging.getLogger("drake").setLevel(logging.ERROR)
 
 
-# Of the rod, m/s; of the simulation, s. Then of the contacts, N/m; Hunt and Crossley's, s/m; the speed (m/s) below
-# which friction fades.
+# Of the rod, m/s; of the simulation, s. Then of the contacts, N/m; Hunt and Crossley's, s/m; the
+# speed (m/s) below which friction fades.
 SPEED, STEP = 0.005343, 0.06922
 FLOOR_STIFFNESS, ROD_STIFFNESS, DISSIPATION, STICTION = 5.318e4, 9.061e5, 45.63, 7.967e-7
-# `sap` pushes a contact that slides open, so that the load shifts between the feet and the object ends tens of mm off.
+# `sap` pushes a contact that slides open, so that the load shifts between the feet and the object
+# ends tens of mm off.
 SOLVER = "tamsi"
 
 
 class DrakePush:
-    """One plant, built once, in which pushes are run; raises AssertionError for friction that has directions."""
+    """One plant, built once, in which pushes are run; raises AssertionError for friction that has
+    directions.
+    """
 
     def __init__(self, problem: PushProblem, step: float = STEP) -> None:
-        assert problem.friction.mu_a == problem.friction.mu_b and problem.friction.m0 == problem.friction.n0 == 0.0
+        assert (
+            problem.friction.mu_a == problem.friction.mu_b
+            and problem.friction.m0 == problem.friction.n0 == 0.0
+        )
         self.problem, self.step = problem, step
         builder = drake.DiagramBuilder()
         self.plant = _plant(builder, problem, step)
@@ -57,7 +65,9 @@ class DrakePush:
         self.simulator.Initialize()
 
 
-def _plant(builder: drake.DiagramBuilder, problem: PushProblem, step: float) -> drake.MultibodyPlant:
+def _plant(
+    builder: drake.DiagramBuilder, problem: PushProblem, step: float
+) -> drake.MultibodyPlant:
     """Plate and rod above the floor; what does not take part in the push is kept from touching."""
     config = drake.MultibodyPlantConfig(
         time_step=step,
@@ -74,7 +84,9 @@ def _plant(builder: drake.DiagramBuilder, problem: PushProblem, step: float) -> 
     register, middle = plant.RegisterCollisionGeometry, drake.RigidTransform()
     floor = register(plant.world_body(), middle, drake.HalfSpace(), "floor", floor_touch)
     feet = [
-        register(plate, drake.RigidTransform([x, y, _FOOT]), drake.Sphere(_FOOT), f"foot{i}", floor_touch)
+        register(
+            plate, drake.RigidTransform([x, y, _FOOT]), drake.Sphere(_FOOT), f"foot{i}", floor_touch
+        )
         for i, (x, y) in enumerate(points.tolist())
     ]
     box = register(plate, middle, drake.Box(2 * half, 2 * half, 2 * half), "box", rod_touch)
@@ -87,19 +99,32 @@ def _plant(builder: drake.DiagramBuilder, problem: PushProblem, step: float) -> 
     return plant
 
 
-def _bodies(plant: drake.MultibodyPlant, problem: PushProblem) -> tuple[drake.RigidBody, drake.RigidBody]:
-    """Plate (along x, y, z, and turning about z) and rod (along x, y); what carries them in between weighs nothing."""
+def _bodies(
+    plant: drake.MultibodyPlant, problem: PushProblem
+) -> tuple[drake.RigidBody, drake.RigidBody]:
+    """Plate (along x, y, z, and turning about z) and rod (along x, y); what carries them in between
+    weighs nothing.
+    """
     inertia, mass = problem.slider.inertia, problem.slider.mass
     assert inertia is not None
     gyration = inertia / mass
     plate = plant.AddRigidBody(
-        "plate", drake.SpatialInertia(mass, np.zeros(3), drake.UnitInertia(gyration / 2.0, gyration / 2.0, gyration))
+        "plate",
+        drake.SpatialInertia(
+            mass, np.zeros(3), drake.UnitInertia(gyration / 2.0, gyration / 2.0, gyration)
+        ),
     )
-    rod = plant.AddRigidBody("rod", drake.SpatialInertia(_ROD_MASS, np.zeros(3), drake.UnitInertia.SolidSphere(0.01)))
+    rod = plant.AddRigidBody(
+        "rod", drake.SpatialInertia(_ROD_MASS, np.zeros(3), drake.UnitInertia.SolidSphere(0.01))
+    )
     carried = _carried(plant, "plate", 3)
-    plant.AddJoint(drake.RevoluteJoint("plate_turn", carried.body_frame(), plate.body_frame(), [0.0, 0.0, 1.0]))
+    plant.AddJoint(
+        drake.RevoluteJoint("plate_turn", carried.body_frame(), plate.body_frame(), [0.0, 0.0, 1.0])
+    )
     between = _carried(plant, "rod", 1)
-    plant.AddJoint(drake.PrismaticJoint("rod_y", between.body_frame(), rod.body_frame(), [0.0, 1.0, 0.0]))
+    plant.AddJoint(
+        drake.PrismaticJoint("rod_y", between.body_frame(), rod.body_frame(), [0.0, 1.0, 0.0])
+    )
     return plate, rod
 
 

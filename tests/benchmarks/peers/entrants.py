@@ -1,4 +1,6 @@
-"""Who takes part in a table: simulators built and warm, with how far they are from converged, measured on the spot."""
+"""Who takes part in a table: simulators built and warm, with how far they are from converged,
+measured on the spot.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -18,17 +20,21 @@ from tests.benchmarks.peers.push_problem import ANGLES, PushProblem, Simulator, 
 
 # Pushes of which a simulator's own limit is computed: one of each angle of approach.
 _LIMIT = len(ANGLES)
-# This package's engine on the problem itself; and its rows under even pressure: pushes alone, with the way back.
+# This package's engine on the problem itself; and its rows under even pressure: pushes alone, with
+# the way back.
 ONE_CALL, EVEN, DRAGGED = "many in one call", "even pressure", "with the drag back"
 # Pushes in one call: of a problem's, so many times; under even pressure, from so many orientations.
 _REPEATED, _MANY = 20, 240
-# Coarsest accuracy at which the object's corners end within 10 µm of where they should; the table tells how far.
+# Coarsest accuracy at which the object's corners end within 10 µm of where they should; the table
+# tells how far.
 EVEN_ACCURACY = 1e-3
 
 
 @dataclass(frozen=True)
 class Entrant:
-    """name : with its version. run : does its pushes, so many. note : what is to be known of their ends."""
+    """name : with its version. run : does its pushes, so many. note : what is to be known of their
+    ends.
+    """
 
     name: str
     run: Callable[[], Any]
@@ -37,7 +43,9 @@ class Entrant:
 
 
 def engine(name: str) -> Simulator | str:
-    """The simulator of a physics engine, `mujoco` or `drake`; where it is not installed, the reason in words."""
+    """The simulator of a physics engine, `mujoco` or `drake`; where it is not installed, the reason
+    in words.
+    """
     try:
         found: Simulator = import_module(f"tests.benchmarks.peers.{name}_push").SIMULATOR
     except ModuleNotFoundError as missing:
@@ -46,7 +54,9 @@ def engine(name: str) -> Simulator | str:
 
 
 def simulators() -> list[Simulator | str]:
-    """All simulators, this package's engine first; in place of those not installed why they take no part."""
+    """All simulators, this package's engine first; in place of those not installed why they take no
+    part.
+    """
     return [ENGINE, engine("mujoco"), engine("drake"), DYNAMIC, SCIPY, NUMPY]
 
 
@@ -59,9 +69,17 @@ def entrants(problem: PushProblem) -> list[Entrant]:
         end_pose = known.build(problem)
         ends, finer = problem.ends(end_pose), problem.ends(known.build(problem, finer=True), _LIMIT)
         off, own = distance(ends, problem.converged), distance(ends[:_LIMIT], finer)
-        note = f"{'' if off.near and own.near else 'NOT CONVERGED: '}off by {off}; from its own limit {own}"
+        note = (
+            f"{'' if off.near and own.near else 'NOT CONVERGED: '}off by {off}; from its own "
+            f"limit {own}"
+        )
         rows.append(
-            Entrant(f"{known.name} {known.version}", partial(problem.ends, end_pose), len(problem.pushes), note)
+            Entrant(
+                f"{known.name} {known.version}",
+                partial(problem.ends, end_pose),
+                len(problem.pushes),
+                note,
+            )
         )
     pushes = problem.pushes * _REPEATED
     run = _in_one_call(problem.model(ACCURACY[problem.name]), pushes)
@@ -85,7 +103,9 @@ def even_entrants() -> list[Entrant]:
     ]
 
 
-def _in_one_call(model: QuasiStaticModel, pushes: list[tuple[Pose, SidePush]]) -> Callable[[], object]:
+def _in_one_call(
+    model: QuasiStaticModel, pushes: list[tuple[Pose, SidePush]]
+) -> Callable[[], object]:
     """The pushes alone, without the way back."""
     courses = [model.course(model.push_strokes(pose, push), pose) for pose, push in pushes]
     return lambda: run_strokes(courses)

@@ -6,23 +6,30 @@ import numpy as np
 from cyclemap.mechanics import Pose, SidePush
 from tests.benchmarks.peers.push_problem import CORNERS, EndPose, PushProblem, Simulator
 
-# The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at every step.
+# The rod's mass, kg: so much that pushing does not slow it, and no controller has to be called at
+# every step.
 _ROD_MASS = 1e8
 _FOOT = 0.002
 _SETTLE = 500
-# Of the rod, m/s; of the simulation, s; how much stiffer friction is than the normal force; of MuJoCo's solver.
+# Of the rod, m/s; of the simulation, s; how much stiffer friction is than the normal force; of
+# MuJoCo's solver.
 SPEED, STEP, IMPRATIO, TOLERANCE = 0.008834, 0.03032, 119.7, 3.854e-11
-# Time constants (s) of contact and of friction, and softness: one less MuJoCo's impedance. A contact that slides is
-# pushed open in proportion to its speed over friction's time constant, so that the load would shift between hard feet:
-# the floor has to be soft.
+# Time constants (s) of contact and of friction, and softness: one less MuJoCo's impedance. A
+# contact that slides is pushed open in proportion to its speed over friction's time constant, so
+# that the load would shift between hard feet: the floor has to be soft.
 FLOOR, ROD = (0.01985, 0.07547, 0.03006), (0.002253, 0.1544, 0.008136)
 
 
 class MujocoPush:
-    """One model, built once, in which pushes are run; raises AssertionError for friction that has directions."""
+    """One model, built once, in which pushes are run; raises AssertionError for friction that has
+    directions.
+    """
 
     def __init__(self, problem: PushProblem, step: float = STEP, cone: str = "elliptic") -> None:
-        assert problem.friction.mu_a == problem.friction.mu_b and problem.friction.m0 == problem.friction.n0 == 0.0
+        assert (
+            problem.friction.mu_a == problem.friction.mu_b
+            and problem.friction.m0 == problem.friction.n0 == 0.0
+        )
         self.problem, self.step = problem, step
         self.model = mujoco.MjModel.from_xml_string(_scene(problem, step, cone))
         self.data = mujoco.MjData(self.model)
@@ -43,17 +50,25 @@ class MujocoPush:
         mujoco.mj_step(self.model, data, nstep=steps)
         x, y = data.qpos[:2].tolist()
         theta = 2.0 * float(np.arctan2(data.qpos[6], data.qpos[3]))
-        return Pose(x, y, pose.theta + float(np.remainder(theta - pose.theta + np.pi, 2.0 * np.pi) - np.pi))
+        return Pose(
+            x, y, pose.theta + float(np.remainder(theta - pose.theta + np.pi, 2.0 * np.pi) - np.pi)
+        )
 
 
 def _scene(problem: PushProblem, step: float, cone: str) -> str:
-    """The model in MuJoCo's own format; what touches what is said pair by pair, so that nothing else is looked for."""
+    """The model in MuJoCo's own format; what touches what is said pair by pair, so that nothing
+    else is looked for.
+    """
     points, _ = problem.footprint.quadrature
-    feet = "".join(f'<geom name="foot{i}" size="{_FOOT}" pos="{x} {y} {_FOOT}"/>' for i, (x, y) in enumerate(points))
+    feet = "".join(
+        f'<geom name="foot{i}" size="{_FOOT}" pos="{x} {y} {_FOOT}"/>'
+        for i, (x, y) in enumerate(points)
+    )
     half = float(np.abs(points).max())
     mass, inertia = problem.slider.mass, problem.slider.inertia
     floor, touch = (
-        f'solref="{time} 1" solreffriction="{friction_time} 1" solimp="{1.0 - softness} {1.0 - softness} 0.001"'
+        f'solref="{time} 1" solreffriction="{friction_time} 1" solimp="{1.0 - softness} '
+        f'{1.0 - softness} 0.001"'
         for time, friction_time, softness in (FLOOR, ROD)
     )
     ground, rod = problem.friction.mu_a, problem.pusher.friction

@@ -4,7 +4,8 @@ import cyclemap
 from cyclemap.mechanics import DynamicModel
 from tests.benchmarks.peers.push_problem import CORNERS, GRID, EndPose, PushProblem, Simulator
 
-# rad, of each problem: the coarsest of 1e-2, 1e-3, ... at which no corner of the object ends more than 10 µm off.
+# rad, of each problem: the coarsest of 1e-2, 1e-3, ... at which no corner of the object ends more
+# than 10 µm off.
 ACCURACY = {CORNERS: 1e-2, GRID: 1e-3}
 # Speed, stiffness, damping, regularisation and tolerance of `DynamicModel`.
 DYNAMIC_SETTINGS = {
@@ -20,11 +21,18 @@ def engine_push(problem: PushProblem, finer: bool = False) -> EndPose:
 
 
 def dynamic_push(problem: PushProblem, finer: bool = False) -> EndPose:
-    """`DynamicModel.push` on the support points, until the object rests; finer at a thousandth of the tolerance."""
+    """`DynamicModel.push` on the support points, until the object rests; finer at a thousandth of
+    the tolerance.
+    """
     *settings, tolerance = DYNAMIC_SETTINGS[problem.name]
     tolerance *= 1e-3 if finer else 1.0
     model = DynamicModel(
-        problem.slider, problem.friction, problem.pusher, problem.footprint, *settings, tolerance=tolerance
+        problem.slider,
+        problem.friction,
+        problem.pusher,
+        problem.footprint,
+        *settings,
+        tolerance=tolerance,
     )
     return lambda pose, push: model.push(pose, push, samples=1).end
 

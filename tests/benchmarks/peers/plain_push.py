@@ -1,4 +1,6 @@
-"""The push on support points in plain NumPy, and by SciPy's `solve_ivp` and `root`; neither uses the engine."""
+"""The push on support points in plain NumPy, and by SciPy's `solve_ivp` and `root`; neither uses
+the engine.
+"""
 
 from collections.abc import Callable
 
@@ -14,17 +16,25 @@ from tests.benchmarks.peers.support_points import Array, Balance, Solve, Support
 # The state (x, y, theta) after a distance.
 Moved = Callable[[Velocity, Array, float], Array]
 _ITERATIONS, _SMALLEST_STEP = 100, 1e-9
-# What may be left of SciPy's balance of forces, in shares of the weight: `root` gets stuck now and then.
+# What may be left of SciPy's balance of forces, in shares of the weight: `root` gets stuck now and
+# then.
 _BALANCED = 1e-5
 # Steps, softness, balance; and tolerance, softness, balance, longest step.
 NUMPY_SETTINGS = {CORNERS: (5, 0.02924, 6.8e-5), GRID: (20, 0.004912, 2e-6)}
-SCIPY_SETTINGS = {CORNERS: (8.4e-4, 8.26e-4, 2.08e-8, 0.03262), GRID: (2.188e-4, 1.182e-3, 1.47e-8, 0.006238)}
+SCIPY_SETTINGS = {
+    CORNERS: (8.4e-4, 8.26e-4, 2.08e-8, 0.03262),
+    GRID: (2.188e-4, 1.182e-3, 1.47e-8, 0.006238),
+}
 
 
-def numpy_push(problem: PushProblem, steps: int, softness: float = 1e-3, balance: float = 1e-6) -> EndPose:
-    """Nothing but NumPy: Runge-Kutta's fourth-order steps of one length, and Newton's on the balance of forces.
+def numpy_push(
+    problem: PushProblem, steps: int, softness: float = 1e-3, balance: float = 1e-6
+) -> EndPose:
+    """Nothing but NumPy: Runge-Kutta's fourth-order steps of one length, and Newton's on the
+    balance of forces.
 
-    steps : of a push. softness : see `SupportPoints`. balance : what may be left of the balance of forces.
+    steps : of a push. softness : see `SupportPoints`. balance : what may be left of the balance of
+        forces.
     The pushes raise ArithmeticError where no balance is found.
     """
 
@@ -57,20 +67,30 @@ def numpy_push(problem: PushProblem, steps: int, softness: float = 1e-3, balance
     return _pushed(problem, softness, moved, solve)
 
 
-def scipy_push(problem: PushProblem, tolerance: float, softness: float, balance: float, longest: float) -> EndPose:
+def scipy_push(
+    problem: PushProblem, tolerance: float, softness: float, balance: float, longest: float
+) -> EndPose:
     """Integrated by `solve_ivp`, the balance of forces found by `root` at every evaluation.
 
-    tolerance : relative, and a tenth of it absolute, in m and rad. balance : tolerance of `root`. softness : see
-    `SupportPoints`. longest : step, m, so that no trial puts the rod inside the object.
+    tolerance : relative, and a tenth of it absolute, in m and rad. balance : tolerance of
+        `root`. softness : see `SupportPoints`. longest : step, m, so that no trial puts the rod inside the
+        object.
     """
 
     def moved(velocity: Velocity, state: Array, distance: float) -> Array:
-        found = solve_ivp(velocity, (0.0, distance), state, rtol=tolerance, atol=0.1 * tolerance, max_step=longest)
+        found = solve_ivp(
+            velocity, (0.0, distance), state, rtol=tolerance, atol=0.1 * tolerance, max_step=longest
+        )
         assert found.success, found.message
         return np.asarray(found.y[:, -1])
 
     def solve(forces: Balance, guess: Array) -> Array:
-        for method, start in (("hybr", guess), ("lm", guess), ("hybr", 0.0 * guess), ("lm", 0.0 * guess)):
+        for method, start in (
+            ("hybr", guess),
+            ("lm", guess),
+            ("hybr", 0.0 * guess),
+            ("lm", 0.0 * guess),
+        ):
             found = root(forces.residual, start, jac=True, method=method, tol=balance)
             if np.abs(found.fun).max() < _BALANCED:
                 return np.asarray(found.x)
@@ -89,7 +109,9 @@ def _pushed(problem: PushProblem, softness: float, moved: Moved, solve: Solve) -
         def velocity(travel: float, now: Array) -> Array:
             return points.velocity(now, place + travel * direction, direction, solve)
 
-        return Pose(*moved(velocity, np.array([pose.x, pose.y, pose.theta]), push.distance).tolist())
+        return Pose(
+            *moved(velocity, np.array([pose.x, pose.y, pose.theta]), push.distance).tolist()
+        )
 
     return end_pose
 

@@ -1,4 +1,6 @@
-"""The pushes that every simulator is given, how one is described, and how far off it leaves the object."""
+"""The pushes that every simulator is given, how one is described, and how far off it leaves the
+object.
+"""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,8 +23,8 @@ from cyclemap.mechanics import (
     load_material,
 )
 
-# Directions of the push from the side's inward normal, rad: the rod sticks and slides both ways, and never loses the
-# object, whose end would then be a matter of when.
+# Directions of the push from the side's inward normal, rad: the rod sticks and slides both ways,
+# and never loses the object, whose end would then be a matter of when.
 ANGLES = tuple(math.radians(angle_deg) for angle_deg in (0.0, 10.0, 20.0))
 PUSHES = 12
 # What may be missing from converged for a simulator to be compared.
@@ -35,7 +37,9 @@ EndPose = Callable[[Pose, SidePush], Pose]
 
 @dataclass(frozen=True)
 class Distance:
-    """How far poses are from others: the worst of the pushes, place in mm and orientation in degrees."""
+    """How far poses are from others: the worst of the pushes, place in mm and orientation in
+    degrees.
+    """
 
     place_mm: float
     turn_deg: float
@@ -53,7 +57,8 @@ class Distance:
 class PushProblem:
     """An object that stands on points, the rod that pushes it, and twelve pushes of 150 mm.
 
-    name : what the tables call it. slider, friction, footprint, pusher : as `QuasiStaticModel` takes them.
+    name : what the tables call it. slider, friction, footprint, pusher : as `QuasiStaticModel`
+        takes them.
     """
 
     name: str
@@ -83,8 +88,12 @@ class PushProblem:
         """Where a simulator leaves the object in the first so many pushes."""
         return [end_pose(pose, push) for pose, push in self.pushes[:pushes]]
 
-    def rod_path(self, pose: Pose, push: SidePush) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Where the rod's centre is at first touch (m) and the unit vector along which it goes, world frame."""
+    def rod_path(
+        self, pose: Pose, push: SidePush
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Where the rod's centre is at first touch (m) and the unit vector along which it goes,
+        world frame.
+        """
         outline = self.slider.outline
         assert isinstance(outline, Polygon)
         first, second = np.roll(outline.vertices, -push.side, axis=0)[:2]
@@ -92,15 +101,19 @@ class PushProblem:
         outward = np.array([along[1], -along[0]])
         place = first + push.fraction * (second - first) + self.pusher.radius * outward
         direction = pose.theta + math.atan2(outward[1], outward[0]) + math.pi + push.angle
-        return pose.to_world(float(place[0]), float(place[1])), (math.cos(direction), math.sin(direction))
+        return pose.to_world(float(place[0]), float(place[1])), (
+            math.cos(direction),
+            math.sin(direction),
+        )
 
 
 @dataclass(frozen=True)
 class Simulator:
     """One simulator.
 
-    build : from a problem, and whether its results are to stand for its limit of ever finer steps, all else being the
-    same; gives where a push from a pose ends. problems : the names of those in which it takes part.
+    build : from a problem, and whether its results are to stand for its limit of ever finer steps,
+        all else being the same; gives where a push from a pose ends. problems : the names of those
+        in which it takes part.
     """
 
     name: str
@@ -111,19 +124,30 @@ class Simulator:
 
 def distance(ends: Sequence[Pose], others: Sequence[Pose]) -> Distance:
     """The worst distance of poses from as many others."""
-    gaps = np.array([(a.x - b.x, a.y - b.y, a.theta - b.theta) for a, b in zip(ends, others, strict=True)])
+    gaps = np.array(
+        [(a.x - b.x, a.y - b.y, a.theta - b.theta) for a, b in zip(ends, others, strict=True)]
+    )
     if not np.isfinite(gaps).all():
         return Distance(math.inf, math.inf)
-    return Distance(1e3 * float(np.hypot(gaps[:, 0], gaps[:, 1]).max()), math.degrees(float(np.abs(gaps[:, 2]).max())))
+    return Distance(
+        1e3 * float(np.hypot(gaps[:, 0], gaps[:, 1]).max()),
+        math.degrees(float(np.abs(gaps[:, 2]).max())),
+    )
 
 
 def four_corners() -> PushProblem:
-    """MIT's square on its four corners, the same friction in all directions: what rigid-body engines can do as well."""
+    """MIT's square on its four corners, the same friction in all directions: what rigid-body
+    engines can do as well.
+    """
     slider = Slider.mit("rect1")
-    return PushProblem(CORNERS, slider, EllipseFriction.isotropic(0.25), corner_footprint(slider.outline))
+    return PushProblem(
+        CORNERS, slider, EllipseFriction.isotropic(0.25), corner_footprint(slider.outline)
+    )
 
 
 def plain_grid() -> PushProblem:
     """MIT's square on the paper's 8 x 8 points, on plywood as Table I has it."""
     square, friction = four_corners(), load_material("plywood").friction
-    return replace(square, name=GRID, friction=friction, footprint=grid_footprint(square.slider.outline, 8))
+    return replace(
+        square, name=GRID, friction=friction, footprint=grid_footprint(square.slider.outline, 8)
+    )

@@ -1,4 +1,6 @@
-"""Made collections whose law is known: paths of a sine map, and tables of pushes that a loop made itself."""
+"""Made collections whose law is known: paths of a sine map, and tables of pushes that a loop made
+itself.
+"""
 
 import numpy as np
 
@@ -22,7 +24,16 @@ def sine_pairs(cycles=300, seed=0, circle_map=SINE, start=0.5) -> Theta0Pairs:
 
 def pose_row(number, theta, turn, displacement, **facts) -> str:
     """A line of a table of poses: a push from (0.1, -0.2) m."""
-    known = {"surface": "plywood", "shape": "rect1", "i": 0, "s": 0.7, "t": 0.0, "v": 20, "push_mm": 150, **facts}
+    known = {
+        "surface": "plywood",
+        "shape": "rect1",
+        "i": 0,
+        "s": 0.7,
+        "t": 0.0,
+        "v": 20,
+        "push_mm": 150,
+        **facts,
+    }
     c, s = np.cos(theta), np.sin(theta)
     x = 0.1 + c * displacement[0] - s * displacement[1]
     y = -0.2 + s * displacement[0] + c * displacement[1]
@@ -40,5 +51,13 @@ def own_pushes(loop: CollectionLoop, thetas, off=(0.0, 0.0, 0.0), **facts) -> li
     rows = []
     for number, theta in enumerate(thetas):
         push = loop.model.push(loop.start_pose(float(theta)), loop.push)
-        rows.append(pose_row(number, float(theta), push.turn + off[0], push.displacement + np.array(off[1:]), **facts))
+        rows.append(
+            pose_row(
+                number,
+                float(theta),
+                push.turn + off[0],
+                push.displacement + np.array(off[1:]),
+                **facts,
+            )
+        )
     return rows

@@ -5,7 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_collections import NOISE, SINE, WORN, own_pushes, pairs_of, pose_row, sine_pairs, write_poses
+from made_collections import (
+    NOISE,
+    SINE,
+    WORN,
+    own_pushes,
+    pairs_of,
+    pose_row,
+    sine_pairs,
+    write_poses,
+)
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
@@ -33,7 +42,9 @@ def test_the_true_law_is_kept_in_every_question() -> None:
     assert asked[:3] == QUESTIONS
     assert asked[4:] == ["number of turns", "number of steps", "step height", "residence on a step"]
     assert [one.agrees for one in truth.verdicts] == [True] * 8
-    assert truth.cycle.agreement.rms == pytest.approx(0.15, rel=0.1) and truth.cycle.noise == pytest.approx(0.15)
+    assert truth.cycle.agreement.rms == pytest.approx(
+        0.15, rel=0.1
+    ) and truth.cycle.noise == pytest.approx(0.15)
     width = 2 * np.pi / truth.orientations.predicted.density.size
     for histogram in (truth.orientations.measured, truth.orientations.predicted):
         assert histogram.density.sum() * width == pytest.approx(1.0)
@@ -77,13 +88,18 @@ def test_wear_is_in_the_null_and_the_cycles_keep_their_numbers(quick) -> None:
 def test_pairs_without_an_order_compare_the_map_alone() -> None:
     pairs = sine_pairs(100)
     found = compare(SINE, Theta0Pairs(pairs.theta, pairs.theta_next), noise=NOISE, runs=19)
-    assert (found.cycle.p_value, found.orientations, found.directions, found.staircase) == (None,) * 4
+    assert (found.cycle.p_value, found.orientations, found.directions, found.staircase) == (
+        None,
+    ) * 4
     assert [one.agrees for one in found.verdicts][1] is None
 
 
 def test_the_seed_settles_everything(quick) -> None:
     told = [
-        [verdict.words for verdict in compare(SINE, sine_pairs(60), noise=NOISE, runs=19, seed=seed).verdicts]
+        [
+            verdict.words
+            for verdict in compare(SINE, sine_pairs(60), noise=NOISE, runs=19, seed=seed).verdicts
+        ]
         for seed in (4, 4, 5)
     ]
     assert told[0] == told[1] != told[2]
@@ -91,15 +107,22 @@ def test_the_seed_settles_everything(quick) -> None:
 
 def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop_of) -> None:
     path, progress = sine_pairs(40).path, []
-    write_poses(tmp_path / "poses.csv", own_pushes(CollectionLoop.mit("plywood"), path, off=(0.0, 0.001, 0.0)))
-    found = compare(loop_of(SINE), tmp_path / "poses.csv", noise=NOISE, runs=19, progress=progress.append)
+    write_poses(
+        tmp_path / "poses.csv",
+        own_pushes(CollectionLoop.mit("plywood"), path, off=(0.0, 0.001, 0.0)),
+    )
+    found = compare(
+        loop_of(SINE), tmp_path / "poses.csv", noise=NOISE, runs=19, progress=progress.append
+    )
     assert found.prediction.kind == "loop"
     assert [one.question for one in found.verdicts][:5] == [
         *(f"mean {quantity} of rect1 on plywood" for quantity in ("turn of a push", "Δx", "Δy")),
         "ends of pushes",
         "mean turn of a cycle",
     ]
-    assert found.verdicts[3].words.startswith("Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic")
+    assert found.verdicts[3].words.startswith(
+        "Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic"
+    )
     assert found.cycle.agreement.pairs == 40
     assert "predicted over 41 pushes" in found.verdicts[1].words
     assert np.allclose(np.diff(found.data.pairs.path), np.diff(path), atol=1e-9)
@@ -107,31 +130,49 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
 
 
 def test_a_truth_that_the_posterior_allows_is_refused_as_seldom_as_the_level_says() -> None:
-    """Collections of surfaces drawn from a material's posterior: with it the map is kept, without it refused."""
+    """Collections of surfaces drawn from a material's posterior: with it the map is kept, without
+    it refused.
+    """
     rng, quiet, loop = np.random.default_rng(4), WrappedNormal(0.05), CollectionLoop.mit("plywood")
     mu_a, drawn = loop.material.friction.mu_a, rng.normal(1.0, 0.05, (44, 1))
     posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio[0],) for ratio in drawn[:32]))
     known = replace(loop, material=replace(loop.material, posterior=posterior))
-    prediction, rejected = as_prediction(known, quiet, 200, tolerance=1e-4), {"known": 0, "alone": 0}
+    prediction, rejected = (
+        as_prediction(known, quiet, 200, tolerance=1e-4),
+        {"known": 0, "alone": 0},
+    )
     for number, (ratio,) in enumerate(drawn[32:].tolist()):
         friction = replace(loop.material.friction, mu_a=mu_a * ratio)
         truth = replace(loop, material=replace(loop.material, friction=friction)).circle_map(1e-4)
         path = sample_staircase(truth, quiet, 200, 0.5, number).theta
-        for name, model in (("known", prediction.model(0, uncertain=True)), ("alone", prediction.model(0))):
+        for name, model in (
+            ("known", prediction.model(0, uncertain=True)),
+            ("alone", prediction.model(0)),
+        ):
             ensemble = simulated_ensemble(prediction.model(0), 0.5, path.size, 20, seed=9)
-            found = collection_p_values(path, model, {"map": map_misfit}, runs=99, ensemble=ensemble)
+            found = collection_p_values(
+                path, model, {"map": map_misfit}, runs=99, ensemble=ensemble
+            )
             rejected[name] += found["map"].value <= 0.1
     assert rejected["known"] <= 4 and rejected["alone"] >= 8
 
 
 def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
     loop = CollectionLoop.mit("plywood")
-    rows = [row for k in range(4) for row in own_pushes(loop, [0.5 + k, 1.0 + k, 1.5 + k], v=20 + k)]
+    rows = [
+        row for k in range(4) for row in own_pushes(loop, [0.5 + k, 1.0 + k, 1.5 + k], v=20 + k)
+    ]
     found = compare(loop_of(SINE), write_poses(tmp_path / "boards.csv", rows))
     assert [one.count for one in found.pushes] == [3, 3, 3, 3]
     asked = [(one.question, one.agrees) for one in found.verdicts][:3]
-    assert asked == [("turn of a push in 4 sets", None), ("Δx in 4 sets", None), ("Δy in 4 sets", None)]
-    assert "Over 12 pushes in 4 sets the Δx is predicted with RMSE 0.00 mm" in found.verdicts[1].words
+    assert asked == [
+        ("turn of a push in 4 sets", None),
+        ("Δx in 4 sets", None),
+        ("Δy in 4 sets", None),
+    ]
+    assert (
+        "Over 12 pushes in 4 sets the Δx is predicted with RMSE 0.00 mm" in found.verdicts[1].words
+    )
 
 
 def test_pairs_keep_the_numbers_of_their_pushes() -> None:
@@ -148,11 +189,16 @@ def test_the_collection_is_the_set_with_most_cycles_and_its_longest_run(tmp_path
     rows = [pose_row(k, 0.1 * k, 1.0, (0.03, -0.08)) for k in range(10) if k != 3]
     rows += [pose_row(k, 0.2 * k, 1.0, (0.03, -0.08), surface="abs") for k in range(3)]
     data = collection_data(write_poses(tmp_path / "two.csv", rows), None)
-    assert data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8] and data.left_out["cycle of another set"] == 2
+    assert (
+        data.pairs.cycle.tolist() == [0, 1, 4, 5, 6, 7, 8]
+        and data.left_out["cycle of another set"] == 2
+    )
     assert data.pairs.path_cycle.tolist() == [4, 5, 6, 7, 8, 9]
     assert np.allclose(data.pairs.path, 0.1 * np.arange(4, 10))
     (tmp_path / "theta.csv").write_text("theta0_deg\n340\n355\n12\n")
-    assert np.degrees(collection_data(tmp_path / "theta.csv", None).pairs.path) == pytest.approx([340.0, 355.0, 372.0])
+    assert np.degrees(collection_data(tmp_path / "theta.csv", None).pairs.path) == pytest.approx(
+        [340.0, 355.0, 372.0]
+    )
 
 
 @pytest.mark.parametrize(
@@ -171,14 +217,23 @@ def test_a_question_that_makes_no_sense_is_refused(prediction, options, words) -
 
 
 def test_data_that_cannot_be_read_are_refused(tmp_path) -> None:
-    refused(compare, SINE, tmp_path / "nowhere.csv", noise=NOISE, told=r"nowhere\.csv", kind=DataFileError)
+    refused(
+        compare,
+        SINE,
+        tmp_path / "nowhere.csv",
+        noise=NOISE,
+        told=r"nowhere\.csv",
+        kind=DataFileError,
+    )
     (tmp_path / "bad.json").write_text("{")
     told = r"no push could be read, 1 files are bad; the first: .*bad\.json"
     refused(compare, SINE, tmp_path, noise=NOISE, told=told)
 
 
 def test_a_number_that_no_collection_has_otherwise_is_no_question() -> None:
-    """A loop that locks in climbs nothing, in the data as in the prediction; turns tell their interval's width."""
+    """A loop that locks in climbs nothing, in the data as in the prediction; turns tell their
+    interval's width.
+    """
     locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
     path = sample_staircase(locked, noise, 80, 2.0, seed=3).theta
     found = compare(locked, pairs_of(path), noise=noise, runs=39)
@@ -193,4 +248,6 @@ def test_steps_that_a_prediction_denies_are_a_question() -> None:
     locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
     found = compare(locked, sine_pairs(200, seed=3), noise=noise, runs=39)
     verdicts = {one.question: one for one in found.verdicts}
-    assert verdicts["number of steps"].agrees is False and verdicts["number of turns"].agrees is False
+    assert (
+        verdicts["number of steps"].agrees is False and verdicts["number of turns"].agrees is False
+    )

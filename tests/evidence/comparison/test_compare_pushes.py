@@ -1,4 +1,6 @@
-"""Predicted against measured pushes: exact recovery of the loop's own, bias and spread apart, protocols kept apart."""
+"""Predicted against measured pushes: exact recovery of the loop's own, bias and spread apart,
+protocols kept apart.
+"""
 
 from dataclasses import replace
 
@@ -9,7 +11,12 @@ from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.comparison.collection_data import collection_data
-from cyclemap.evidence.comparison.push_agreement import mean_error, pooled_quantities, push_agreements, within_error
+from cyclemap.evidence.comparison.push_agreement import (
+    mean_error,
+    pooled_quantities,
+    push_agreements,
+    within_error,
+)
 from cyclemap.mechanics import MaterialPosterior
 from cyclemap.protocol import loop_from_settings
 
@@ -36,33 +43,53 @@ def renamed(loop, name, **change) -> CollectionLoop:
 
 
 @pytest.mark.parametrize("off", [(0.0, 0.0, 0.0), (0.02, 0.001, -0.003)])
-def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(loop, written, off) -> None:
+def test_a_constant_error_of_a_loops_own_pushes_is_all_bias_and_no_spread(
+    loop, written, off
+) -> None:
     data, (found,) = agreements(written(own_pushes(loop, THETA, off=off)), loop)
     assert data.left_out == {} and found.count == 12
     assert np.abs(found.predicted - found.measured + off).max() < 1e-9
     for one, shift in zip(found.quantities, off, strict=True):
         assert one.bias == pytest.approx(-shift, abs=1e-9) and one.spread < 1e-9
         assert one.rmse == pytest.approx(abs(shift), rel=1e-6, abs=1e-9)
-        assert one.percent == pytest.approx(100 * abs(shift) / abs(one.measured_mean), rel=1e-6, abs=1e-5)
+        assert one.percent == pytest.approx(
+            100 * abs(shift) / abs(one.measured_mean), rel=1e-6, abs=1e-5
+        )
         assert one.predicted_std == pytest.approx(one.measured_std)
-        assert shift or (one.explains and one.agrees is True), "what is off by rounding alone is not off"
+        assert shift or (one.explains and one.agrees is True), (
+            "what is off by rounding alone is not off"
+        )
 
 
 def test_place_direction_length_and_object_of_a_push_are_the_datas(loop, written) -> None:
     other = replace(loop, push=replace(loop.push, fraction=0.6, angle=0.2, distance=0.05))
     hexagon = loop_from_settings({"shape": "hex"}, loop)
     rows = own_pushes(loop, THETA) + own_pushes(other, THETA[:5], s=0.6, t=0.2, push_mm=50)
-    rows += own_pushes(hexagon, THETA[:4], shape="hex") + own_pushes(loop, THETA[:3], shape="teapot")
+    rows += own_pushes(hexagon, THETA[:4], shape="hex") + own_pushes(
+        loop, THETA[:3], shape="teapot"
+    )
     for given in (loop, other, hexagon):
         data, found = agreements(written(rows), given)
-        assert sorted((one.count, round(one.length, 9)) for one in found) == [(4, 0.15), (5, 0.05), (12, 0.15)]
-        assert sum(n for why, n in data.left_out.items() if why.startswith("its outline is not told")) == 3
+        assert sorted((one.count, round(one.length, 9)) for one in found) == [
+            (4, 0.15),
+            (5, 0.05),
+            (12, 0.15),
+        ]
+        assert (
+            sum(n for why, n in data.left_out.items() if why.startswith("its outline is not told"))
+            == 3
+        )
         assert max(one.rmse for each in found for one in each.quantities) < 1e-9
 
 
 def test_the_cycle_map_is_that_of_the_cycles_in_the_data(loop, written) -> None:
-    """Cycles of 50 mm pushes at another place, beside MIT's loop of 150 mm: the map is the one that made them."""
-    other, theta = replace(loop, push=replace(loop.push, fraction=0.6, distance=0.05)), 0.3 * np.arange(8)
+    """Cycles of 50 mm pushes at another place, beside MIT's loop of 150 mm: the map is the one that
+    made them.
+    """
+    other, theta = (
+        replace(loop, push=replace(loop.push, fraction=0.6, distance=0.05)),
+        0.3 * np.arange(8),
+    )
     push = collection_data(written(own_pushes(other, theta, s=0.6, push_mm=50)), loop).loop.push
     assert (push.fraction, push.distance) == (0.6, pytest.approx(0.05))
     assert collection_data(written(own_pushes(loop, theta)), loop).loop is loop
@@ -79,16 +106,28 @@ def test_pushes_on_another_surface_than_the_material_are_left_out_by_name(loop, 
 
 
 def test_a_material_of_no_surface_is_set_beside_one_surface_at_a_time(loop, written) -> None:
-    table, mine = written(own_pushes(loop, THETA) + own_pushes(loop, THETA[:5], surface="abs")), renamed(loop, "mine")
-    refused(collection_data, table, mine, told=r"several surfaces \(abs, plywood\), .* 'mine' names none of them")
-    assert [one.theta.size for one in collection_data(table, mine, select={"surface": "abs"}).pushes] == [5]
+    table, mine = (
+        written(own_pushes(loop, THETA) + own_pushes(loop, THETA[:5], surface="abs")),
+        renamed(loop, "mine"),
+    )
+    refused(
+        collection_data,
+        table,
+        mine,
+        told=r"several surfaces \(abs, plywood\), .* 'mine' names none of them",
+    )
+    assert [
+        one.theta.size for one in collection_data(table, mine, select={"surface": "abs"}).pushes
+    ] == [5]
     told = "no such surface: delrin; the data have abs, plywood"
     refused(collection_data, table, mine, select={"surface": "delrin"}, told=told)
 
 
 def test_the_error_of_a_mean_holds_what_the_materials_posterior_leaves_open(loop, written) -> None:
     mu_a = loop.material.friction.mu_a
-    posterior = MaterialPosterior(("mu_a",), tuple((mu_a * ratio,) for ratio in np.linspace(0.9, 1.1, 5)))
+    posterior = MaterialPosterior(
+        ("mu_a",), tuple((mu_a * ratio,) for ratio in np.linspace(0.9, 1.1, 5))
+    )
     known = renamed(loop, "plywood", posterior=posterior)
     _, (found,) = agreements(written(own_pushes(loop, THETA)), known)
     means = []
@@ -98,12 +137,19 @@ def test_the_error_of_a_mean_holds_what_the_materials_posterior_leaves_open(loop
         means.append(np.mean([[run.turn, *run.displacement] for run in runs], axis=0))
     for one, error in zip(found.quantities, np.std(means, axis=0, ddof=1), strict=True):
         assert (one.model_error, one.bias_error) == pytest.approx((error, error), rel=1e-3)
-    assert pooled_quantities([found])[0].model_error == pytest.approx(found.quantities[0].model_error)
+    assert pooled_quantities([found])[0].model_error == pytest.approx(
+        found.quantities[0].model_error
+    )
 
 
 def test_a_length_that_the_data_do_not_tell_must_be_said(loop, written) -> None:
     table = written(own_pushes(loop, THETA, push_mm=""))
-    refused(collection_data, table, loop, told="12: the data do not tell how far the rod moved: add a column push_mm")
+    refused(
+        collection_data,
+        table,
+        loop,
+        told="12: the data do not tell how far the rod moved: add a column push_mm",
+    )
     _, (found,) = agreements(table, loop, push_length=0.15)
     assert found.quantities[0].rmse < 1e-9
 
@@ -115,14 +161,20 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
     assert mean_error(independent[:2]) is None and within_error(0.1, None, 2) is None
 
 
-def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_correlated_the_values() -> None:
-    """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in one case in eight."""
+def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_correlated_the_values() -> (
+    None
+):
+    """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in
+    one case in eight.
+    """
     for count, correlation in ((20, 0.0), (40, 0.4)):
         random, refused_ones = np.random.default_rng(count), 0
         for _ in range(600):
             values = random.standard_normal(count + 50)
             for place in range(1, values.size):
-                values[place] = correlation * values[place - 1] + np.sqrt(1 - correlation**2) * values[place]
+                values[place] = (
+                    correlation * values[place - 1] + np.sqrt(1 - correlation**2) * values[place]
+                )
             values = values[50:]
             refused_ones += not within_error(float(values.mean()), mean_error(values), count)
         assert 0.03 < refused_ones / 600 < 0.085
@@ -130,7 +182,12 @@ def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_corre
 
 def test_data_that_leave_nothing_are_refused(loop, written) -> None:
     table = written(own_pushes(loop, THETA[:4], shape="pot"))
-    cases = [(table, {}, r"nothing is left of 4 pushes to compare with \(4: its outline is not told")]
-    cases += [([1.0, 2.0], {}, "data is list: give a PushTable"), (table, {"first": -1}, "first must be at least 0")]
+    cases = [
+        (table, {}, r"nothing is left of 4 pushes to compare with \(4: its outline is not told")
+    ]
+    cases += [
+        ([1.0, 2.0], {}, "data is list: give a PushTable"),
+        (table, {"first": -1}, "first must be at least 0"),
+    ]
     for data, options, words in cases:
         refused(collection_data, data, loop, told=words, **options)

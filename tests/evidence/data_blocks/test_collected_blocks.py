@@ -1,4 +1,6 @@
-"""Files of every sort are recognised and become blocks of data; what is left out is told, what cannot be is refused."""
+"""Files of every sort are recognised and become blocks of data; what is left out is told, what
+cannot be is refused.
+"""
 
 import math
 from dataclasses import replace
@@ -9,11 +11,25 @@ import pytest
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence import RecordingNoise, SurfaceParameters, collected_blocks, identify, simulate_collection
+from cyclemap.evidence import (
+    RecordingNoise,
+    SurfaceParameters,
+    collected_blocks,
+    identify,
+    simulate_collection,
+)
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import starting_space
-from cyclemap.mechanics import EllipseFriction, FoundWith, Material, PlatePressure, Pose, SidePush, load_material
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FoundWith,
+    Material,
+    PlatePressure,
+    Pose,
+    SidePush,
+    load_material,
+)
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol import loop_from_settings
 
@@ -40,18 +56,28 @@ WRENCHES = "surface,shape,fx,fy,m_over_rho,vx,vy,w_times_rho\n"
 def collection(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("slate")
     simulate_collection(
-        CollectionLoop.mit(SLATE, accuracy=1e-6), folder, CYCLES, noise=NOISE, seed=1, scans=True, start=0.3
+        CollectionLoop.mit(SLATE, accuracy=1e-6),
+        folder,
+        CYCLES,
+        noise=NOISE,
+        seed=1,
+        scans=True,
+        start=0.3,
     )
     return folder
 
 
 @pytest.fixture(scope="module")
 def data(collection) -> CollectedBlocks:
-    """All of the collection, few pushes and nodes for speed; by 9 nodes the lever would be off by 3 %."""
+    """All of the collection, few pushes and nodes for speed; by 9 nodes the lever would be off by 3
+    %.
+    """
     return collected_blocks([collection], LOOP, most=4, nodes=15)
 
 
-def push_row(number: int, surface: str = "slate", shape: str = "rect1", tip_error: float = 0.0) -> str:
+def push_row(
+    number: int, surface: str = "slate", shape: str = "rect1", tip_error: float = 0.0
+) -> str:
     side = number % 4
     return f"{surface},{shape},10,{side},0.5,0,0,0,0,0,-0.02,0.1,{0.001 * number},0.05,{0.001 * number},0,{tip_error}\n"
 
@@ -104,12 +130,16 @@ def test_every_sort_of_table_is_recognised_by_its_columns_alone_or_in_a_folder(t
     write(tmp_path / "notes.txt", "rod bent on tuesday", [])
     folder = collected_blocks([tmp_path], LOOP)
     assert names(folder) == names(found)
-    assert any("budget.csv: not used: a CSV table of unknown columns (euro)" in note for note in folder.notes)
+    assert any(
+        "budget.csv: not used: a CSV table of unknown columns (euro)" in note
+        for note in folder.notes
+    )
 
 
 def test_a_collection_gives_scans_cycles_push_ends_and_force_ratios_as_it_was_made(data) -> None:
-    """Residuals at the truth are of the noise put in: half a degree a cycle; 0.2 mm and 2 mrad a pose, which also shift
-    the contact by so much on a lever of 18 mm, and with it the turn by a few times more."""
+    """Residuals at the truth are of the noise put in: half a degree a cycle; 0.2 mm and 2 mrad a
+    pose, which also shift the contact by so much on a lever of 18 mm, and with it the turn by a few
+    times more."""
     told = names(data)
     assert {**told, "force ratios": 0} == {
         "friction scans": 2 * 144,
@@ -120,12 +150,20 @@ def test_a_collection_gives_scans_cycles_push_ends_and_force_ratios_as_it_was_ma
     assert told["force ratios"] >= 4
     assert any("every 15th of 60 pushes taken" in note for note in data.notes)
     law = SLATE.friction
-    main = data.scans @ [[math.cos(law.phi), -math.sin(law.phi)], [math.sin(law.phi), math.cos(law.phi)]]
-    assert np.hypot(*((main - [law.m0, law.n0]) / [law.mu_a, law.mu_b]).T) == pytest.approx(np.ones(144), abs=5e-3)
+    main = data.scans @ [
+        [math.cos(law.phi), -math.sin(law.phi)],
+        [math.sin(law.phi), math.cos(law.phi)],
+    ]
+    assert np.hypot(*((main - [law.m0, law.n0]) / [law.mu_a, law.mu_b]).T) == pytest.approx(
+        np.ones(144), abs=5e-3
+    )
     sizes = {}
     for block in data.blocks:
         residual, _ = block.residuals(TRUTH)
-        sizes |= {kind: float(np.std(residual[block.kinds == kind])) for kind in np.unique(block.kinds).tolist()}
+        sizes |= {
+            kind: float(np.std(residual[block.kinds == kind]))
+            for kind in np.unique(block.kinds).tolist()
+        }
     assert sizes["cycle turn (rad)"] == pytest.approx(math.radians(0.5), rel=0.35)
     assert 1e-4 < sizes["push place (m)"] < 1.2e-3 and 1e-3 < sizes["push turn (rad)"] < 1.5e-2
 
@@ -134,7 +172,9 @@ def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(
     free = telling_parameters(data.blocks)
     assert set(free) >= {"friction_scale", *SHAPES, "pin_friction_radius"} and len(free) == 15
     priors = usual_beliefs(free)
-    found = identify(data.blocks, free, priors=priors, starts=1, level=0.99, space=starting_space(LOOP))
+    found = identify(
+        data.blocks, free, priors=priors, starts=1, level=0.99, space=starting_space(LOOP)
+    )
     assert found.fit.converged
     for name in free:
         assert found[name].lower <= TRUTH[name] <= found[name].upper, found[name]
@@ -146,14 +186,22 @@ def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
     cycles = cycles_of(found)
     assert len(cycles.groups) == CYCLES - 1 - 20 and found.last_cycle == CYCLES - 2 - 20
     # On a surface that does not wear each derivative is shared out between its two ends.
-    jacobian = cycles.residuals(TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)})[1]
-    fresh, worn = (jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_"))
+    jacobian = cycles.residuals(
+        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)}
+    )[1]
+    fresh, worn = (
+        jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_")
+    )
     assert worn[0] == fresh[-1] == 0.0 and np.all(np.diff(worn / (fresh + worn)) > 0.0)
-    assert set(telling_parameters(found.blocks)[-7:]) == {f"worn_{name}" for name in (*ELLIPSE, *FLOOR)}
+    assert set(telling_parameters(found.blocks)[-7:]) == {
+        f"worn_{name}" for name in (*ELLIPSE, *FLOOR)
+    }
 
 
 def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
-    loop = replace(CollectionLoop.mit(SLATE, accuracy=1e-5), push=replace(LOOP.push, side=1, fraction=0.4))
+    loop = replace(
+        CollectionLoop.mit(SLATE, accuracy=1e-5), push=replace(LOOP.push, side=1, fraction=0.4)
+    )
     simulate_collection(loop, tmp_path, 6, noise=replace(NOISE, force=0.0))
     found = collected_blocks([tmp_path], LOOP)
     assert np.std(cycles_of(found).residuals(TRUTH)[0]) < 0.05
@@ -171,10 +219,19 @@ def test_poses_alone_tell_the_push_whose_rod_went_as_the_protocol_says(tmp_path)
         bare.append(poses + "\n")
         full.append(f"{poses},{','.join(map(str, tips))}\n")
     header = "x0,y0,theta0,x1,y1,theta1"
-    told = write(tmp_path / "full.csv", f"{header.replace('eta', '')},tip_x0,tip_y0,tip_x1,tip_y1\n", full)
+    told = write(
+        tmp_path / "full.csv", f"{header.replace('eta', '')},tip_x0,tip_y0,tip_x1,tip_y1\n", full
+    )
     alone = write(tmp_path / "bare.csv", f"{header}\n", bare)
-    refused(collected_blocks, [alone], loop, told="8 left out: ends of pushes: .* add a column push_mm, or set push_mm")
-    (known,), (found,) = (collected_blocks([path], loop, push_length=0.05).blocks for path in (told, alone))
+    refused(
+        collected_blocks,
+        [alone],
+        loop,
+        told="8 left out: ends of pushes: .* add a column push_mm, or set push_mm",
+    )
+    (known,), (found,) = (
+        collected_blocks([path], loop, push_length=0.05).blocks for path in (told, alone)
+    )
     values = TRUTH | SurfaceParameters.from_friction(SLATE.friction).values()
     assert found.residuals(values)[0] == pytest.approx(known.residuals(values)[0], abs=1e-9)
 
@@ -184,10 +241,19 @@ def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp
     rows += [push_row(n, "felt") for n in range(2)] + [push_row(0, tip_error=9.0)]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     found = collected_blocks([file], LOOP, {"surface": "slate"})
-    assert names(found) == {"rect1 10 mm/s push ends": 15, "hex 10 mm/s push ends": 9, "sessions": 12}
-    for words in ("2 left out: of surface felt, not slate", "1 left out: the tip was not where it was sent"):
+    assert names(found) == {
+        "rect1 10 mm/s push ends": 15,
+        "hex 10 mm/s push ends": 9,
+        "sessions": 12,
+    }
+    for words in (
+        "2 left out: of surface felt, not slate",
+        "1 left out: the tip was not where it was sent",
+    ):
         assert found.notes.count(f"{file}: {words}") == 1
-    twice = collected_blocks([file, write(tmp_path / "more.csv", ENDS, rows[:8])], LOOP, {"surface": "slate"})
+    twice = collected_blocks(
+        [file, write(tmp_path / "more.csv", ENDS, rows[:8])], LOOP, {"surface": "slate"}
+    )
     sessions = [f"{plate} 10 mm/s{file}" for plate in ("rect1", "hex") for file in ("", ", more")]
     assert set(names(twice)) == {"sessions", *(f"{session} push ends" for session in sessions)}
     hexagons = collected_blocks([file], LOOP, {"object": "hex"})
@@ -195,22 +261,31 @@ def test_objects_are_plates_and_what_is_not_selected_is_left_out_and_counted(tmp
 
 
 def test_numbers_are_selected_however_they_are_written(tmp_path) -> None:
-    rows = [push_row(n).replace(",0.5,0,", text) for n, text in enumerate([",0.5,0,", ",0.50,0,", ",0.6,0,"])]
+    rows = [
+        push_row(n).replace(",0.5,0,", text)
+        for n, text in enumerate([",0.5,0,", ",0.50,0,", ",0.6,0,"])
+    ]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     assert names(collected_blocks([file], LOOP, {"fraction": 0.5})) == {"push ends": 6}
 
 
-def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is_selected(tmp_path) -> None:
+def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is_selected(
+    tmp_path,
+) -> None:
     first, second = tmp_path / "one", tmp_path / "two"
     every_sort(first)
     every_sort(second, "felt")
-    refused(collected_blocks, [first, second], LOOP, told="several surfaces: felt, slate; select one")
+    refused(
+        collected_blocks, [first, second], LOOP, told="several surfaces: felt, slate; select one"
+    )
     told = r"no such surface: delrin; .* left out: of surface slate, not delrin"
     refused(collected_blocks, [first / "ends.csv"], LOOP, {"surface": "delrin"}, told=told)
     found = collected_blocks([first, second], LOOP, {"surface": "felt"})
     assert found.surface == "felt"
     # Orientations tell no surface: both tables of them are kept, and told apart by a number.
-    assert {"rect1 theta cycles", "rect1 theta, theta cycles", "rect1 10 mm/s push ends"} <= set(names(found))
+    assert {"rect1 theta cycles", "rect1 theta, theta cycles", "rect1 10 mm/s push ends"} <= set(
+        names(found)
+    )
     rows = [push_row(n, shape=shape) for n in range(3) for shape in ("brick", "plate")]
     file = write(tmp_path / "ends.csv", ENDS, rows)
     own = replace(LOOP, slider=replace(LOOP.slider, name="own outline"))
@@ -219,10 +294,16 @@ def test_several_surfaces_or_objects_of_unknown_outline_are_refused_until_one_is
 
 
 def test_nothing_recognised_names_what_each_path_was(tmp_path) -> None:
-    text, table = write(tmp_path / "notes.txt", "rod bent", []), write(tmp_path / "budget.csv", "euro\n", ["3\n"])
+    text, table = (
+        write(tmp_path / "notes.txt", "rod bent", []),
+        write(tmp_path / "budget.csv", "euro\n", ["3\n"]),
+    )
     (tmp_path / "empty").mkdir()
     for paths, told in (
-        ([text, table, tmp_path / "empty"], r"kind \(\.txt\).*unknown columns \(euro\).*holds no \.h5"),
+        (
+            [text, table, tmp_path / "empty"],
+            r"kind \(\.txt\).*unknown columns \(euro\).*holds no \.h5",
+        ),
         ([tmp_path / "absent.csv"], "there is nothing there"),
         ([write(tmp_path / "cut.json", "", ["{"])], r"1 left out: unreadable, the first cut\.json"),
     ):
@@ -233,7 +314,11 @@ def test_nothing_recognised_names_what_each_path_was(tmp_path) -> None:
 
 def test_the_measured_tables_are_recognised_whole(measured_data) -> None:
     plywood = {"surface": "plywood", "object": "rect1"}
-    files = ["mit_push_endpoints_v10.csv", "mit_rect1_dragback_v10.csv", "mit_rect1_wrench_twist_v10.csv"]
+    files = [
+        "mit_push_endpoints_v10.csv",
+        "mit_rect1_dragback_v10.csv",
+        "mit_rect1_wrench_twist_v10.csv",
+    ]
     found = collected_blocks([measured_data / file for file in files], LOOP, plywood, most=1000)
     assert names(found) == {"push ends": 3 * 395, "drag-backs": 130, "wrenches": 3 * 1100}
     assert any("several sources (HEAD_filtered, hist_52a83a8)" in note for note in found.notes)
@@ -244,12 +329,16 @@ def test_the_measured_tables_are_recognised_whole(measured_data) -> None:
 
 def test_a_material_to_start_from_is_where_every_search_begins() -> None:
     plate, plywood = PlatePressure("rect1"), load_material("plywood")
-    space = starting_space(LOOP, replace(plywood, found_with=FoundWith(pusher_friction=0.3), plates=(plate,)))
+    space = starting_space(
+        LOOP, replace(plywood, found_with=FoundWith(pusher_friction=0.3), plates=(plate,))
+    )
     wanted = SurfaceParameters.from_friction(plywood.friction).offset_x
     assert space["offset_x"].start == space["offset_x"].nominal == wanted
     assert space["pusher_friction"].start == 0.3
     assert space["plate_dome"].nominal == space["plate_dome"].start == 0.0
-    refused(starting_space, loop_from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint")
+    refused(
+        starting_space, loop_from_settings({"footprint": "grid:8"}, LOOP), told="exact footprint"
+    )
 
 
 def test_files_that_tell_the_same_are_counted(tmp_path) -> None:

@@ -1,4 +1,5 @@
-"""Sliding contacts give the friction of rod and object without bias; sticking ones only bound it."""
+"""Sliding contacts give the friction of rod and object without bias;
+sticking ones only bound it."""
 
 import math
 from dataclasses import replace
@@ -53,7 +54,10 @@ def test_noise_does_not_bias_the_friction_as_it_does_the_median_ratio() -> None:
     records = [recorded(NOISE, seed) for seed in range(8)]
     found = [friction_of(sliding_of(pushes)) for pushes in records]
     assert np.mean([one.value for one in found]) == pytest.approx(MU, abs=5e-4)
-    assert np.mean([contact_force_ratio(record, SQUARE) for pushes in records for record in pushes]) < MU - 0.01
+    assert (
+        np.mean([contact_force_ratio(record, SQUARE) for pushes in records for record in pushes])
+        < MU - 0.01
+    )
     assert sum(one.lower < MU < one.upper for one in found) >= 6
 
 
@@ -70,7 +74,10 @@ def test_the_measured_files_of_the_hexagon_agree_on_a_friction_near_a_fifth(meas
     pieces = {"rect1": [], "hex": []}
     for shape, found in pieces.items():
         files = sorted((measured_data / "mit_files").glob(f"*shape={shape}*"))
-        found += [sliding_of([read_push_file(file)], Slider.mit(shape).outline_points(360)) for file in files]
+        found += [
+            sliding_of([read_push_file(file)], Slider.mit(shape).outline_points(360))
+            for file in files
+        ]
     assert [one.ratio.size < 2 for one in pieces["rect1"]] == [True] * 13
     values = [friction_of(one).value for one in pieces["hex"] if one.ratio.size > 1]
     assert len(values) >= 10 and all(0.15 < value < 0.27 for value in values)

@@ -1,4 +1,6 @@
-"""Strokes and cycles as data: exact where the mechanics made them, their derivatives true, wear blended."""
+"""Strokes and cycles as data: exact where the mechanics made them, their derivatives true, wear
+blended.
+"""
 
 import math
 from dataclasses import replace
@@ -18,8 +20,18 @@ from cyclemap.evidence import (
     identify,
     push_end_block,
 )
-from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, loop_on, predicted_push_ends, surface_model
-from cyclemap.evidence.identification.surface_parameters import FIELD, FLOOR_NAMES, PLATE_NAMES, SURFACE
+from cyclemap.evidence.data_blocks.stroke_block import (
+    TIP_OFFSET,
+    loop_on,
+    predicted_push_ends,
+    surface_model,
+)
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD,
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+)
 from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
@@ -54,10 +66,19 @@ THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
 
 
 def made_pushes(count: int) -> list[MeasuredPush]:
-    """Pushes of 50 mm from random sides at random angles, as a robot whose frame is shifted would record them."""
-    generator, model, pushes = np.random.default_rng(0), surface_model(TRUTH, RECT1, accuracy=1e-9), []
+    """Pushes of 50 mm from random sides at random angles, as a robot whose frame is shifted would
+    record them.
+    """
+    generator, model, pushes = (
+        np.random.default_rng(0),
+        surface_model(TRUTH, RECT1, accuracy=1e-9),
+        [],
+    )
     for number in range(count):
-        start, way = Pose(0.0, 0.0, float(generator.uniform(-3.0, 3.0))), float(generator.uniform(-math.pi, math.pi))
+        start, way = (
+            Pose(0.0, 0.0, float(generator.uniform(-3.0, 3.0))),
+            float(generator.uniform(-math.pi, math.pi)),
+        )
         along = 0.115 * np.array([math.cos(way), math.sin(way)])
         first = np.array(start.to_world(*generator.uniform(-0.02, 0.02, 2).tolist())) - along
         end = model.push(start, WorldPush(tuple(first.tolist()), way, 0.115)).end
@@ -67,9 +88,15 @@ def made_pushes(count: int) -> list[MeasuredPush]:
 
 
 def made_drags(count: int) -> list[MeasuredDrag]:
-    generator, model, drags = np.random.default_rng(1), surface_model(TRUTH, RECT1, accuracy=1e-9), []
+    generator, model, drags = (
+        np.random.default_rng(1),
+        surface_model(TRUTH, RECT1, accuracy=1e-9),
+        [],
+    )
     for number in range(count):
-        start = Pose(*generator.uniform(-0.08, 0.08, 2).tolist(), float(generator.uniform(-3.0, 3.0)))
+        start = Pose(
+            *generator.uniform(-0.08, 0.08, 2).tolist(), float(generator.uniform(-3.0, 3.0))
+        )
         end = model.drag(start, ((0.0, 0.0),), pin_friction_radius=TRUTH.pin_friction_radius).end
         drags.append(MeasuredDrag(start, end, number))
     return drags
@@ -77,14 +104,21 @@ def made_drags(count: int) -> list[MeasuredDrag]:
 
 def made_cycles(share: float | np.ndarray | None = None) -> DataBlock:
     turns = loop_on(TRUTH, MIT).next_theta(THETA) - THETA
-    return cycle_pair_block(MIT, THETA, turns, np.arange(12), None if share is None else share + 0.0 * THETA)
+    return cycle_pair_block(
+        MIT, THETA, turns, np.arange(12), None if share is None else share + 0.0 * THETA
+    )
 
 
-# Of each kind its block, how many rows and parameters it has, and the largest residual at the truth (m, rad): the
-# Fourier series through 47 cycles is as near as 2 mrad; a measured cycle scatters by ten times as much.
+# Of each kind its block, how many rows and parameters it has, and the largest residual at the truth
+# (m, rad): the Fourier series through 47 cycles is as near as 2 mrad; a measured cycle scatters by
+# ten times as much.
 KINDS = {
     "pushes": (lambda: push_end_block(made_pushes(8), RECT1), (24, 13), 1e-4),
-    "pushes of a plate": (lambda: push_end_block(made_pushes(8), RECT1).of_owner("rect1", OWNED), (24, 13), 1e-4),
+    "pushes of a plate": (
+        lambda: push_end_block(made_pushes(8), RECT1).of_owner("rect1", OWNED),
+        (24, 13),
+        1e-4,
+    ),
     "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 11), 3e-4),
     "cycles": (made_cycles, (12, 12), 5e-3),
     "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 19), math.inf),
@@ -97,7 +131,9 @@ CASES += [("pushes", {"ellipticity_x": size, "ellipticity_y": 0.0}) for size in 
 
 
 @pytest.mark.parametrize(("kind", "changed"), CASES)
-def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(kind: str, changed: dict) -> None:
+def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(
+    kind: str, changed: dict
+) -> None:
     make, shape, largest = KINDS[kind]
     block, given = make(), WORN | changed
     values = {name: given[name.partition("[")[0]] for name in block.parameters}
@@ -116,7 +152,10 @@ def test_what_the_mechanics_made_leaves_no_residual_and_has_true_derivatives(kin
 def test_the_floors_heights_have_true_derivatives_and_are_told_from_the_target(kind: str) -> None:
     make = {"pushes": push_end_block, "drags": drag_turn_block}[kind]
     strokes = {"pushes": made_pushes, "drags": made_drags}[kind](6)
-    block, heights = make(strokes, RECT1, (0.002, 0.001)), np.random.default_rng(5).normal(0.0, 1.0, len(FIELD))
+    block, heights = (
+        make(strokes, RECT1, (0.002, 0.001)),
+        np.random.default_rng(5).normal(0.0, 1.0, len(FIELD)),
+    )
     values = WORN | {one.name: height for one, height in zip(FIELD, heights.tolist(), strict=True)}
     jacobian = block.residuals(values)[1]
     for name in ("floor_h30", "floor_h12", "floor_h22", "floor_h04"):
@@ -124,7 +163,9 @@ def test_the_floors_heights_have_true_derivatives_and_are_told_from_the_target(k
         expected = (up - down) / 0.6
         error = 0.03 * np.abs(expected).max() + STROKE_ERROR / 0.3
         assert jacobian[:, block.parameters.index(name)] == pytest.approx(expected, abs=error), name
-    flat = make(strokes, RECT1, (0.002, 0.001)).residuals(WORN | dict.fromkeys((one.name for one in FIELD), 0.0))[0]
+    flat = make(strokes, RECT1, (0.002, 0.001)).residuals(
+        WORN | dict.fromkeys((one.name for one in FIELD), 0.0)
+    )[0]
     assert flat == pytest.approx(make(strokes, RECT1).residuals(WORN)[0], abs=1e-9)
 
 
@@ -136,7 +177,9 @@ def test_a_subset_has_the_rows_of_whole_strokes(kind: str) -> None:
     some = block.subset(keep)
     part = some.subset(some.groups == 3)
     for rows, found in ((keep, some), (block.groups == 3, part)):
-        assert (found.groups == block.groups[rows]).all() and (found.kinds == block.kinds[rows]).all()
+        assert (found.groups == block.groups[rows]).all() and (
+            found.kinds == block.kinds[rows]
+        ).all()
         for whole, own in zip(block.residuals(values), found.residuals(values), strict=True):
             assert own == pytest.approx(whole[rows], abs=1e-9)
 
@@ -152,8 +195,12 @@ def test_a_shape_is_a_pressure_so_that_a_heavier_plate_has_less_of_it_in_its_own
     heavy = replace(RECT1, mass=2.0 * RECT1.mass)
     light, other = (TRUTH.footprint(slider) for slider in (RECT1, heavy))
     for shape in ("floor", "plate"):
-        assert getattr(light, shape).bend == pytest.approx(2.0 * getattr(other, shape).bend, rel=1e-12)
-    assert light.floor.bend * 1e-3 * RECT1.weight / RECT1.outline.area == pytest.approx([2.0, -1.5, 0.4])
+        assert getattr(light, shape).bend == pytest.approx(
+            2.0 * getattr(other, shape).bend, rel=1e-12
+        )
+    assert light.floor.bend * 1e-3 * RECT1.weight / RECT1.outline.area == pytest.approx(
+        [2.0, -1.5, 0.4]
+    )
 
 
 def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothing() -> None:
@@ -172,7 +219,10 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
 
 def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> None:
     pushes = made_pushes(8)
-    missed = [replace(push, tip_start=(1.0, float(k)), tip_end=(1.1, float(k))) for k, push in enumerate(pushes[:2])]
+    missed = [
+        replace(push, tip_start=(1.0, float(k)), tip_end=(1.1, float(k)))
+        for k, push in enumerate(pushes[:2])
+    ]
     held = {name: value for name, value in VALUES.items() if name != "pusher_friction"}
     notes = []
     for strokes in (pushes, [*pushes[2:], *missed]):
@@ -181,7 +231,9 @@ def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> N
         found = identify([block], ["pusher_friction"], asked, starts=1)
         notes.append([note for note in found.notes if "leave" in note])
     (note,) = notes[1]
-    assert notes[0] == [] and note.startswith("push ends: 2 of 8 are taken to leave the object where it was")
+    assert notes[0] == [] and note.startswith(
+        "push ends: 2 of 8 are taken to leave the object where it was"
+    )
 
 
 def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
@@ -190,11 +242,19 @@ def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
     refused(made_cycles, 1.5, told="from 0 to 1")
 
 
-@pytest.mark.parametrize(("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)])
-def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(measured_data, surface, slope, radius) -> None:
-    """Regression slopes measured over predicted are below one; weight towards the rim and a rubbing ring help."""
+@pytest.mark.parametrize(
+    ("surface", "slope", "radius"), [("plywood", 0.74, 0.0), ("abs", 0.68, 2e-3)]
+)
+def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(
+    measured_data, surface, slope, radius
+) -> None:
+    """Regression slopes measured over predicted are below one; weight towards the rim and a rubbing
+    ring help.
+    """
     table = read_csv_table(measured_data / "mit_rect1_dragback_v10.csv")
-    drags = read_measured_drags(table, [row for row in table.rows if table.text(row, "surface") == surface])
+    drags = read_measured_drags(
+        table, [row for row in table.rows if table.text(row, "surface") == surface]
+    )
     block = drag_turn_block(drags, RECT1)
     measured, ideal = block.motions[:, 1], block.residuals(PLAIN)[0]
     predicted = measured + ideal

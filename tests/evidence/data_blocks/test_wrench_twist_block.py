@@ -1,4 +1,6 @@
-"""Wrench-twist pairs give friction and the plate's shape back; groups by contact make honest intervals."""
+"""Wrench-twist pairs give friction and the plate's shape back; groups by contact make honest
+intervals.
+"""
 
 import math
 
@@ -24,7 +26,9 @@ HEADER = "surface,fx,fy,m_over_rho,vx,vy,w_times_rho"
 
 def wrench(twist, dome_kpa=0.4, friction=None, angle=0.0):
     law = friction or EllipseFriction.isotropic(math.exp(-1.5))
-    return WEIGHT * LimitSurface(PressedFootprint(SQUARE, SurfaceShape(KPA * dome_kpa)), law).wrench(twist, angle)
+    return WEIGHT * LimitSurface(
+        PressedFootprint(SQUARE, SurfaceShape(KPA * dome_kpa)), law
+    ).wrench(twist, angle)
 
 
 def made_twists(count, seed):
@@ -45,16 +49,34 @@ def test_without_noise_friction_and_dome_come_back_exactly() -> None:
     assert found.values == pytest.approx({**PARTS, **TRUTH}, abs=1e-6)
 
 
-def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surface_at_any_shape() -> None:
+def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surface_at_any_shape() -> (
+    None
+):
     block, step = made_block(), 1e-3
-    values = {"friction_scale": -1.3, "floor_dome": 0.3, "plate_dome": 0.7, "plate_warp_x": 0.3, "plate_warp_y": 0.2}
+    values = {
+        "friction_scale": -1.3,
+        "floor_dome": 0.3,
+        "plate_dome": 0.7,
+        "plate_warp_x": 0.3,
+        "plate_warp_y": 0.2,
+    }
     exact = block.residuals(values)[1]
-    assert block.parameters == ("friction_scale", "floor_dome", "plate_dome", "plate_warp_x", "plate_warp_y")
+    assert block.parameters == (
+        "friction_scale",
+        "floor_dome",
+        "plate_dome",
+        "plate_warp_x",
+        "plate_warp_y",
+    )
     for column, name in enumerate(block.parameters):
         up, down = (block.residuals({**values, name: values[name] + by})[0] for by in (step, -step))
         assert np.allclose(exact[:, column], (up - down) / (2.0 * step), atol=1e-6)
     expected = wrench(TWISTS, 1.0, EllipseFriction.isotropic(math.exp(-1.3))) - WRENCHES
-    assert np.allclose(block.residuals(values | PARTS | {"floor_dome": 0.3})[0], (expected / SCALE).ravel(), atol=1e-10)
+    assert np.allclose(
+        block.residuals(values | PARTS | {"floor_dome": 0.3})[0],
+        (expected / SCALE).ravel(),
+        atol=1e-10,
+    )
 
 
 def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
@@ -65,7 +87,9 @@ def test_the_place_of_contact_is_where_the_force_enters_the_outline() -> None:
     inward = np.column_stack([-edge[:, 1], edge[:, 0]])
     force = 2.0 * inward + 0.3 * edge
     torque = point[:, 0] * force[:, 1] - point[:, 1] * force[:, 0]
-    data = WrenchTwists(np.column_stack([force, torque]), np.column_stack([0.01 * inward, np.zeros(40)]))
+    data = WrenchTwists(
+        np.column_stack([force, torque]), np.column_stack([0.01 * inward, np.zeros(40)])
+    )
     assert data.contact_pieces(SQUARE).tolist() == list(range(40))
     missing = WrenchTwists([[1.0, 0.0, 0.2], [0.0, 0.0, 1.0]], [[0.01, 0.0, 0.0], [0.0, 0.0, 0.1]])
     assert missing.contact_pieces(SQUARE).tolist() == [-1, -1]
@@ -82,13 +106,21 @@ def pairs_in(path, rho, **wanted):
     """The pairs of the rows that have these texts."""
     table = read_csv_table(path)
     return read_wrench_twists(
-        table, [row for row in table.rows if all(table.text(row, key) == text for key, text in wanted.items())], rho
+        table,
+        [
+            row
+            for row in table.rows
+            if all(table.text(row, key) == text for key, text in wanted.items())
+        ],
+        rho,
     )
 
 
 def test_rows_of_a_table_are_read_as_they_were_scaled(tmp_path) -> None:
     file = tmp_path / "pairs.csv"
-    file.write_text(f"{HEADER}\nabs,1.0,0.0,0.5,0.01,0.0,0.004\nplywood,2.0,0.0,0.5,0.01,0.0,0.004\n")
+    file.write_text(
+        f"{HEADER}\nabs,1.0,0.0,0.5,0.01,0.0,0.004\nplywood,2.0,0.0,0.5,0.01,0.0,0.004\n"
+    )
     data = pairs_in(file, 0.06, surface="plywood")
     assert data.wrench.tolist() == [[2.0, 0.0, 0.03]]
     assert np.allclose(data.twist, [[0.01, 0.0, 0.004 / 0.06]])
@@ -101,15 +133,23 @@ def test_rows_of_a_table_are_read_as_they_were_scaled(tmp_path) -> None:
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
-        (lambda: WrenchTwists([[1.0, 0.0, 0.0]] * 2, [[0.01, 0.0, 0.0], [0.0, 0.0, 0.0]]), "twist 1 is zero"),
-        (lambda: WrenchTwists([[1.0, 0.0, 0.0]] * 2, [[0.01, 0.0, 0.0]]), "2 wrenches and 1 twists"),
+        (
+            lambda: WrenchTwists([[1.0, 0.0, 0.0]] * 2, [[0.01, 0.0, 0.0], [0.0, 0.0, 0.0]]),
+            "twist 1 is zero",
+        ),
+        (
+            lambda: WrenchTwists([[1.0, 0.0, 0.0]] * 2, [[0.01, 0.0, 0.0]]),
+            "2 wrenches and 1 twists",
+        ),
     ],
 )
 def test_pairs_that_cannot_be_used_are_refused(asked, words) -> None:
     refused(asked, told=words)
 
 
-def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_abs(measured_data) -> None:
+def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_abs(
+    measured_data,
+) -> None:
     slider, path = Slider.mit("rect1"), measured_data / "mit_rect1_wrench_twist_v10.csv"
     free, even = {}, {}
     for surface, count in (("plywood", 600), ("abs", 506)):
@@ -119,9 +159,14 @@ def test_measured_pairs_ask_for_weight_on_the_rim_on_plywood_and_for_little_on_a
         block = wrench_twist_block(data, slider)
         assert len(np.unique(block.groups)) > 30
         free[surface] = identify([block], PARAMETERS, starts=2, student=4.0, folds=5)
-        even[surface] = identify([block], PARAMETERS[:1], {"plate_dome": 0.0}, starts=2, student=4.0, folds=5)
+        even[surface] = identify(
+            [block], PARAMETERS[:1], {"plate_dome": 0.0}, starts=2, student=4.0, folds=5
+        )
     assert free["plywood"]["plate_dome"].lower > max(1.0, free["abs"]["plate_dome"].value)
     for surface, friction, gain in (("plywood", 0.227, 0.8), ("abs", 0.179, 1.05)):
         assert math.exp(free[surface].values["friction_scale"]) == pytest.approx(friction, abs=0.01)
         torque, other = (one[surface].errors[1] for one in (free, even))
-        assert torque.kind == "wrench torque over radius (N)" and torque.left_out_rms < gain * other.left_out_rms
+        assert (
+            torque.kind == "wrench torque over radius (N)"
+            and torque.left_out_rms < gain * other.left_out_rms
+        )

@@ -1,4 +1,6 @@
-"""Made data whose law, parameters and noise are known: forces around directions, and a quick stand-in for pushes."""
+"""Made data whose law, parameters and noise are known: forces around directions, and a quick
+stand-in for pushes.
+"""
 
 from typing import Any
 
@@ -24,19 +26,32 @@ TRUTH = {
 
 
 def forces(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Traction coefficients along, then across directions (n,) of sliding: (2 n,), and derivatives by ELLIPSE."""
-    still = {"direction": directions, "force_along": 0.0 * directions, "force_across": 0.0 * directions}
+    """Traction coefficients along, then across directions (n,) of sliding: (2 n,), and derivatives
+    by ELLIPSE.
+    """
+    still = {
+        "direction": directions,
+        "force_along": 0.0 * directions,
+        "force_across": 0.0 * directions,
+    }
     traction, jacobian = friction_scan_block(still, 1.0).residuals(values)
     return traction.reshape(-1, 2).T.ravel(), np.concatenate([jacobian[::2], jacobian[1::2]])
 
 
 def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turns (rad) then shifts (m) of pushes in directions (n,): (2 n,), and derivatives by MOTION (2 n, 6).
+    """Turns (rad) then shifts (m) of pushes in directions (n,): (2 n,), and derivatives by MOTION
+    (2 n, 6).
 
-    To first order what a push answers to ellipticity and offset, bent by a square so that it is not linear.
+    To first order what a push answers to ellipticity and offset, bent by a square so that it is not
+    linear.
     """
     ex, ey, ox, oy, mu, share = (values[name] for name in MOTION)
-    c, k, c2, k2 = np.cos(directions), np.sin(directions), np.cos(2 * directions), np.sin(2 * directions)
+    c, k, c2, k2 = (
+        np.cos(directions),
+        np.sin(directions),
+        np.cos(2 * directions),
+        np.sin(2 * directions),
+    )
     zero = np.zeros_like(c)
     turn = 1.2 + 0.9 * (ox * c + oy * k) + 0.6 * (ex * c2 + ey * k2) + 0.8 * mu - 0.5 * mu**2 * c
     by_turn = [0.6 * c2, 0.6 * k2, 0.9 * c, 0.9 * k, 0.8 - mu * c, zero]
@@ -45,13 +60,21 @@ def motions(values: Values, directions: np.ndarray) -> tuple[np.ndarray, np.ndar
     by_shift = [0.1 * share * (1.0 + turn) * d for d in by_turn]
     by_shift[2], by_shift[3] = by_shift[2] - 0.02 * k, by_shift[3] + 0.02 * c
     by_shift[5] = 0.1 * turn * bend
-    return np.concatenate([turn, shift]), np.stack([np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1)
+    return np.concatenate([turn, shift]), np.stack(
+        [np.concatenate(p) for p in zip(by_turn, by_shift, strict=True)], -1
+    )
 
 
-def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray) -> DataBlock:
-    """A block whose data are the law at TRUTH plus `noise` (2 n,); the two rows of a direction are one group."""
+def block(
+    name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarray, noise: np.ndarray
+) -> DataBlock:
+    """A block whose data are the law at TRUTH plus `noise` (2 n,); the two rows of a direction are
+    one group.
+    """
     data = law(TRUTH, directions)[0] + noise
-    kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[law.__name__]
+    kinds = {"forces": ("force (1)", "force (1)"), "motions": ("turn (rad)", "shift (m)")}[
+        law.__name__
+    ]
 
     def function(values: Values) -> tuple[np.ndarray, np.ndarray]:
         predicted, jacobian = law(values, directions)
@@ -61,24 +84,38 @@ def block(name: str, law: Any, parameters: tuple[str, ...], directions: np.ndarr
     return DataBlock(name, parameters, function, groups, np.repeat(kinds, len(directions)))
 
 
-def force_block(count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan") -> DataBlock:
+def force_block(
+    count: int = 12, noise: float = 0.0, seed: int = 0, name: str = "scan"
+) -> DataBlock:
     rng = np.random.default_rng([seed, 1])
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
     return block(name, forces, ELLIPSE, directions, noise * rng.standard_normal(2 * count))
 
 
 def motion_block(
-    count: int = 16, turn_noise: float = 0.0, shift_noise: float = 0.0, seed: int = 0, shared: float = 0.0
+    count: int = 16,
+    turn_noise: float = 0.0,
+    shift_noise: float = 0.0,
+    seed: int = 0,
+    shared: float = 0.0,
 ) -> DataBlock:
     """`shared`: share of the variance that the turn and the shift of a push have in common."""
     rng = np.random.default_rng([seed, 2])
     directions = rng.uniform(0.0, 2 * np.pi, count)
     common, own = rng.standard_normal(count), rng.standard_normal((2, count))
     both = np.sqrt(shared) * common + np.sqrt(1.0 - shared) * own
-    return block("pushes", motions, MOTION, directions, np.concatenate([turn_noise * both[0], shift_noise * both[1]]))
+    return block(
+        "pushes",
+        motions,
+        MOTION,
+        directions,
+        np.concatenate([turn_noise * both[0], shift_noise * both[1]]),
+    )
 
 
-def fitted(problem: JointProblem, start: Any, law: NoiseLaw | None = None, known: Any = None) -> Fit:
+def fitted(
+    problem: JointProblem, start: Any, law: NoiseLaw | None = None, known: Any = None
+) -> Fit:
     """The fit from one start."""
     return multi_start(problem, np.asarray(start)[None], law, known).best
 
@@ -91,4 +128,8 @@ def made_scans(
     c, s = np.cos(direction), np.sin(direction)
     fx, fy = weight * law.traction(np.stack([c, s], axis=-1)).T
     along, across = noise * np.random.default_rng(seed).standard_normal((2, len(direction)))
-    return {"direction": direction, "force_along": c * fx + s * fy + along, "force_across": c * fy - s * fx + across}
+    return {
+        "direction": direction,
+        "force_along": c * fx + s * fy + along,
+        "force_across": c * fy - s * fx + across,
+    }

@@ -1,4 +1,6 @@
-"""Rows left out leave whole, are predicted without having been seen, and their errors are summed up as they are."""
+"""Rows left out leave whole, are predicted without having been seen, and their errors are summed up
+as they are.
+"""
 
 from dataclasses import replace
 from typing import Any
@@ -16,7 +18,9 @@ from cyclemap.evidence.identification.surface_parameters import SURFACE
 
 X = np.linspace(0.0, 1.0, 12)
 DESIGN = np.stack([np.ones(12), X, X**2], axis=-1)
-SPACE = ParameterSpace(tuple(Parameter(name, "", "1", -9.0, 9.0, 0.1, 1.0) for name in ("a", "b", "c")))
+SPACE = ParameterSpace(
+    tuple(Parameter(name, "", "1", -9.0, 9.0, 0.1, 1.0) for name in ("a", "b", "c"))
+)
 DATA = np.cos(3.0 * X) + 0.05 * np.random.default_rng(0).standard_normal(12)
 
 
@@ -28,9 +32,13 @@ def joint() -> JointProblem:
 
 @pytest.mark.parametrize("size", [1, 2, 3])
 def test_left_out_errors_of_a_linear_law_are_those_of_the_hat_matrix(size: int) -> None:
-    """Of a group left out, the error is (1 - H)^-1 times the residuals, H its part of the hat matrix (Cook 1977)."""
+    """Of a group left out, the error is (1 - H)^-1 times the residuals, H its part of the hat
+    matrix (Cook 1977).
+    """
     groups = np.arange(12) // size
-    parabola = DataBlock("p", SPACE.names, lambda v: (DESIGN @ SPACE.vector(v) - DATA, DESIGN), groups, "1")
+    parabola = DataBlock(
+        "p", SPACE.names, lambda v: (DESIGN @ SPACE.vector(v) - DATA, DESIGN), groups, "1"
+    )
     problem = JointProblem((parabola,), SPACE, {})
     fit = fitted(problem, SPACE.start)
     hat = DESIGN @ np.linalg.inv(DESIGN.T @ DESIGN) @ DESIGN.T
@@ -54,7 +62,10 @@ def test_random_folds_keep_groups_whole_and_deal_every_block_evenly(joint) -> No
 
 
 def test_rows_of_no_fold_always_stay_and_sizes_are_told_by_block_and_kind(joint) -> None:
-    fold, fit = np.where(joint.block_index == 1, joint.groups % 2, -1), fitted(joint, joint.space.start)
+    fold, fit = (
+        np.where(joint.block_index == 1, joint.groups % 2, -1),
+        fitted(joint, joint.space.start),
+    )
     left_out, _ = cross_validate(joint, fit, fold)
     assert np.array_equal(np.isfinite(left_out), joint.block_index == 1)
     table = kind_errors(joint, fit, left_out)

@@ -1,4 +1,6 @@
-"""What follows from an identified ellipse: values by its own formulas, intervals that hold the truth."""
+"""What follows from an identified ellipse: values by its own formulas, intervals that hold the
+truth.
+"""
 
 import math
 
@@ -21,7 +23,9 @@ TRUTH = {
 }
 
 
-def identified(law: EllipseFriction, noise: float, seed: int = 0, count: int = 36) -> Identification:
+def identified(
+    law: EllipseFriction, noise: float, seed: int = 0, count: int = 36
+) -> Identification:
     directions = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
     return friction_ellipse_from_scans(made_scans(law, directions, 8.0, noise, seed), 8.0)
 

@@ -12,9 +12,13 @@ from cyclemap.evidence.laws.linear_fit import student_quantile
 
 X = np.linspace(0.0, 1.0, 12)
 DESIGN = np.stack([np.ones(12), X], axis=-1)
-LINE = ParameterSpace(tuple(Parameter(name, "", "m", -9.0, 9.0, 0.0, 1.0) for name in ("level", "slope")))
+LINE = ParameterSpace(
+    tuple(Parameter(name, "", "m", -9.0, 9.0, 0.0, 1.0) for name in ("level", "slope"))
+)
 DATA = 1.0 + 2.0 * X + 0.1 * np.random.default_rng(0).standard_normal(12)
-BLOCK = DataBlock("line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m")
+BLOCK = DataBlock(
+    "line", LINE.names, lambda v: (DESIGN @ LINE.vector(v) - DATA, DESIGN), np.arange(12), "m"
+)
 PROBLEM = JointProblem((BLOCK,), LINE, {})
 
 
@@ -29,7 +33,9 @@ def test_a_straight_line_has_the_textbook_errors_and_its_interval_is_students() 
     errors = uncertainty(PROBLEM, fit)
     best, squares, _, _ = np.linalg.lstsq(DESIGN, DATA, rcond=None)
     covariance = squares[0] / 10 * np.linalg.inv(DESIGN.T @ DESIGN)
-    assert np.allclose(fit.vector, best, atol=1e-9) and np.allclose(errors.covariance, covariance, rtol=1e-6)
+    assert np.allclose(fit.vector, best, atol=1e-9) and np.allclose(
+        errors.covariance, covariance, rtol=1e-6
+    )
     assert np.allclose(errors.freedom, 10.0) and errors.open == ()
     found = identify([BLOCK], LINE.names, space=LINE, starts=1)
     half = student.ppf(0.975, 10) * np.sqrt(np.diag(covariance))
@@ -52,7 +58,8 @@ def test_rows_written_down_twice_as_one_group_tell_no_more_than_once() -> None:
 
 
 def test_the_mean_of_two_samples_weighed_by_their_own_noise_varies_as_meier_says() -> None:
-    """Meier (1953): (1 + 2 sum w (1 - w) / f) / sum(n / s^2), w the shares and f the freedoms of the two noises.
+    """Meier (1953): (1 + 2 sum w (1 - w) / f) / sum(n / s^2), w the shares and f the freedoms of
+    the two noises.
 
     What is reported adds the same again, for the bias of the first factor.
     """
@@ -60,7 +67,10 @@ def test_the_mean_of_two_samples_weighed_by_their_own_noise_varies_as_meier_says
     data = np.where(kinds == "a", 0.1, 0.4) * np.random.default_rng(8).standard_normal(28)
     problem = level_of(data, np.arange(28), kinds)
     fit = fitted(problem, np.zeros(1))
-    share, plain = count / fit.noise**2 / np.sum(count / fit.noise**2), 1.0 / np.sum(count / fit.noise**2)
+    share, plain = (
+        count / fit.noise**2 / np.sum(count / fit.noise**2),
+        1.0 / np.sum(count / fit.noise**2),
+    )
     extra = 2.0 * np.sum(share * (1.0 - share) / (count - share)) * plain
     assert np.isclose(uncertainty(problem, fit).covariance[0, 0], plain + 2.0 * extra, rtol=1e-9)
 
@@ -75,15 +85,23 @@ def test_parameters_that_trade_off_are_named_and_have_their_whole_range() -> Non
 
     names = ("pin", "lever", "idle")
     space = ParameterSpace(tuple(Parameter(name, "", "1", 0.1, 3.0, 0.6, 0.1) for name in names))
-    found = identify([DataBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1)
+    found = identify(
+        [DataBlock("product", names, law, np.arange(12), "1")], names, space=space, starts=1
+    )
     assert np.all(np.isinf(found.uncertainty.standard_error))
     assert len(found.uncertainty.open) == 2 and "idle is not fixed by the data" in found.notes
-    assert any(f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1]))
-    assert {(one.lower, one.upper, one.identifiable) for one in found.estimates} == {(0.1, 3.0, False)}
+    assert any(
+        f"{a} and {b} trade off" in " ".join(found.notes) for a, b in (names[:2], names[1::-1])
+    )
+    assert {(one.lower, one.upper, one.identifiable) for one in found.estimates} == {
+        (0.1, 3.0, False)
+    }
 
 
 def test_rows_of_known_noise_count_alone_though_they_share_groups() -> None:
-    """Of a straight line with noise that was given the covariance is the inverse information, to rounding."""
+    """Of a straight line with noise that was given the covariance is the inverse information, to
+    rounding.
+    """
     x = np.linspace(0.0, 1.0, 12)
     columns = np.column_stack([np.ones(12), x])
     data = columns @ (0.3, 0.2) + 0.05 * np.cos(9.0 * x)
@@ -93,6 +111,8 @@ def test_rows_of_known_noise_count_alone_though_they_share_groups() -> None:
 
     block = DataBlock("line", ("offset_x", "offset_y"), law, np.arange(12) // 3, "m")
     found = identify([block], ["offset_x", "offset_y"], noise={"m": 0.05}, starts=1)
-    assert found.uncertainty.covariance == pytest.approx(0.05**2 * np.linalg.inv(columns.T @ columns), rel=1e-6)
+    assert found.uncertainty.covariance == pytest.approx(
+        0.05**2 * np.linalg.inv(columns.T @ columns), rel=1e-6
+    )
     free = identify([block], ["offset_x", "offset_y"], starts=1)
     assert free.uncertainty.freedom.max() < 12.0 < found.uncertainty.freedom.min()

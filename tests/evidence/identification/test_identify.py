@@ -1,4 +1,6 @@
-"""Identification gives back what made the data, its intervals hold as often as they say, and it tells its doubts."""
+"""Identification gives back what made the data, its intervals hold as often as they say, and it
+tells its doubts.
+"""
 
 import dataclasses
 from dataclasses import replace
@@ -21,8 +23,12 @@ NAMES = (*ELLIPSE, "pusher_friction", "plate_dome")
 SPACE = SURFACE.select(NAMES)
 
 
-def blocks(noise: float, seed: int = 0, count: int = 16, shared: float = 0.0) -> tuple[DataBlock, DataBlock]:
-    return force_block(noise=noise, seed=seed), motion_block(count, 2 * noise, 0.2 * noise, seed, shared)
+def blocks(
+    noise: float, seed: int = 0, count: int = 16, shared: float = 0.0
+) -> tuple[DataBlock, DataBlock]:
+    return force_block(noise=noise, seed=seed), motion_block(
+        count, 2 * noise, 0.2 * noise, seed, shared
+    )
 
 
 def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() -> None:
@@ -36,22 +42,32 @@ def test_without_noise_the_friction_comes_back_exactly_and_becomes_a_material() 
     assert "inferred from scan (24 values), pushes (32 values)" in material.provenance
     assert "left out" in material.misfit
     loop = CollectionLoop.mit(material=material)
-    assert loop.model.pressure.plate.dome * mean_pressure(loop.slider) == pytest.approx(TRUTH["plate_dome"], abs=1e-9)
+    assert loop.model.pressure.plate.dome * mean_pressure(loop.slider) == pytest.approx(
+        TRUTH["plate_dome"], abs=1e-9
+    )
     assert steps == sorted(steps) and steps[-1] == 1.0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("count", "shared"), [(24, 0.0), (30, 0.9)])
-def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups(count: int, shared: float) -> None:
-    """Where turn and shift of a push share nine tenths of their variance, rows as groups of their own do not."""
+def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups(
+    count: int, shared: float
+) -> None:
+    """Where turn and shift of a push share nine tenths of their variance, rows as groups of their
+    own do not.
+    """
     grouped, single = [], []
     for seed in range(200):
         problem = JointProblem(blocks(0.01, seed, count, shared), SPACE, {})
-        rows = tuple(replace(block, groups=np.arange(len(block.groups))) for block in problem.blocks)
+        rows = tuple(
+            replace(block, groups=np.arange(len(block.groups))) for block in problem.blocks
+        )
         fit = fitted(problem, SPACE.start)
         for held, blocks_of in ((grouped, problem.blocks), (single, rows)):
             errors = uncertainty(replace(problem, blocks=blocks_of), fit)
-            half = np.array([student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()])
+            half = np.array(
+                [student_quantile(0.95, freedom) for freedom in errors.freedom.tolist()]
+            )
             held.append(np.abs(fit.vector - SPACE.vector(TRUTH)) < half * errors.standard_error)
     often = np.mean(grouped if shared else single, axis=0)
     assert np.all((often >= 0.9) & (often <= 0.99))
@@ -59,11 +75,20 @@ def test_intervals_cover_in_90_to_99_percent_of_runs_where_pushes_are_groups(cou
 
 
 def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed() -> None:
-    found, again = (identify(blocks(0.01, seed=4), NAMES, starts=3, folds=4, seed=5) for _ in range(2))
+    found, again = (
+        identify(blocks(0.01, seed=4), NAMES, starts=3, folds=4, seed=5) for _ in range(2)
+    )
     assert (found.estimates, found.errors) == (again.estimates, again.errors)
     assert [estimate.name for estimate in found.estimates] == list(NAMES)
-    assert all(estimate.identifiable and estimate.unit == SURFACE[estimate.name].unit for estimate in found.estimates)
-    assert [(row.kind, row.rows) for row in found.errors] == [("force (1)", 24), ("shift (m)", 16), ("turn (rad)", 16)]
+    assert all(
+        estimate.identifiable and estimate.unit == SURFACE[estimate.name].unit
+        for estimate in found.estimates
+    )
+    assert [(row.kind, row.rows) for row in found.errors] == [
+        ("force (1)", 24),
+        ("shift (m)", 16),
+        ("turn (rad)", 16),
+    ]
     assert all(row.left_out_rms > row.rms for row in found.errors)
     assert found.starts.count == 3
     assert found["offset_x"].value == found.values["offset_x"]
@@ -72,18 +97,29 @@ def test_the_whole_of_it_reports_intervals_errors_and_starts_alike_for_one_seed(
 
 
 def test_what_motion_cannot_tell_is_said_and_what_was_not_given_is_named() -> None:
-    still = DataBlock("still", ("plate_warp_x",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none")
+    still = DataBlock(
+        "still", ("plate_warp_x",), lambda v: (np.ones(8), np.zeros((8, 1))), np.arange(8), "none"
+    )
     pushes = motion_block(20, 0.02, 0.002)
-    found = identify([pushes, still], [*MOTION[:4], "plate_warp_x"], {"pusher_friction": 0.17}, starts=2)
+    found = identify(
+        [pushes, still], [*MOTION[:4], "plate_warp_x"], {"pusher_friction": 0.17}, starts=2
+    )
     warp = found["plate_warp_x"]
-    assert (warp.lower, warp.upper, warp.identifiable, warp.standard_error) == (-60.0, 60.0, False, np.inf)
+    assert (warp.lower, warp.upper, warp.identifiable, warp.standard_error) == (
+        -60.0,
+        60.0,
+        False,
+        np.inf,
+    )
     assert "plate_warp_x is not fixed by the data" in found.notes
     assert "plate_dome was neither free nor given: taken as 0" in found.notes
     assert found["offset_x"].identifiable
 
 
 def test_a_value_on_its_bound_says_which() -> None:
-    space = SURFACE.extended(replace(SURFACE["plate_dome"], lower=0.45, upper=0.9, start=0.675, nominal=0.45))
+    space = SURFACE.extended(
+        replace(SURFACE["plate_dome"], lower=0.45, upper=0.9, start=0.675, nominal=0.45)
+    )
     found = identify(blocks(0.005), NAMES, starts=2, space=space)
     dome = found["plate_dome"]
     assert (dome.at_bound, dome.lower_open, dome.lower) == ("lower", True, 0.45)
@@ -111,7 +147,12 @@ def test_questions_that_make_no_sense_are_refused_by_name(free, options, words) 
 def test_the_shift_of_a_data_sets_frame_is_its_plates_in_the_material() -> None:
     names, off = tuple(one.name for one in TIP_OFFSET), 1e-4 * np.cos(np.arange(8.0))
     jacobian = np.eye(2)[[0, 1] * 4]
-    block = DataBlock("ends", names, lambda v: (jacobian @ [v[n] for n in names] + off, jacobian), range(8), "m")
+    block = DataBlock(
+        "ends", names, lambda v: (jacobian @ [v[n] for n in names] + off, jacobian), range(8), "m"
+    )
     block = replace(block, own_parameters=TIP_OFFSET).of_owner("hex", TIP_OFFSET)
     (frame,) = identified_material(identify([block], block.parameters), "made").frames
-    assert (frame.plate, frame.x, frame.y) == ("hex", *(pytest.approx(-np.mean(off[n::2]), abs=1e-9) for n in (0, 1)))
+    assert (frame.plate, frame.x, frame.y) == (
+        "hex",
+        *(pytest.approx(-np.mean(off[n::2]), abs=1e-9) for n in (0, 1)),
+    )

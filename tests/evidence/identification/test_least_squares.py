@@ -1,4 +1,6 @@
-"""Least squares weighs kinds by their noise, turns with the world, and survives starts without an answer."""
+"""Least squares weighs kinds by their noise, turns with the world, and survives starts without an
+answer.
+"""
 
 import numpy as np
 import pytest
@@ -16,19 +18,28 @@ SPACE = SURFACE.select((*ELLIPSE, "pusher_friction", "plate_dome"))
 
 
 def joint(noise: float) -> JointProblem:
-    return JointProblem((force_block(noise=noise), motion_block(16, 2 * noise, 0.2 * noise)), SPACE, {})
+    return JointProblem(
+        (force_block(noise=noise), motion_block(16, 2 * noise, 0.2 * noise)), SPACE, {}
+    )
 
 
 def means(*samples: tuple[str, np.ndarray]) -> JointProblem:
     """The mean of several samples, each a kind of its own: the textbook's common mean."""
-    data, kinds = np.concatenate([s for _, s in samples]), np.concatenate([[k] * len(s) for k, s in samples])
+    data, kinds = (
+        np.concatenate([s for _, s in samples]),
+        np.concatenate([[k] * len(s) for k, s in samples]),
+    )
     design, groups = np.ones((len(data), 1)), np.arange(len(data))
-    block = DataBlock("means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds)
+    block = DataBlock(
+        "means", ("offset_x",), lambda v: (v["offset_x"] - data, design), groups, kinds
+    )
     return JointProblem((block,), SURFACE.select(("offset_x",)), {})
 
 
 def test_two_kinds_share_a_mean_as_their_noise_weighs_it() -> None:
-    """Each kind's noise solves the equations of restricted maximum likelihood, to a thousandth as promised."""
+    """Each kind's noise solves the equations of restricted maximum likelihood, to a thousandth as
+    promised.
+    """
     rng = np.random.default_rng(3)
     a, b = 0.1 + 0.01 * rng.standard_normal(8), 0.1 + 0.05 * rng.standard_normal(20)
     problem = means(("a", a), ("b", b))
@@ -59,16 +70,22 @@ def with_holes(problem: JointProblem, threshold: float, error: type[Exception]) 
 def test_starts_without_an_answer_are_recorded_and_passed_over(error: type[Exception]) -> None:
     problem = with_holes(joint(0.01), 0.21, error)
     found = multi_start(problem, spread_starts(problem, 9, seed=0))
-    assert 1 <= len(found.failures) <= 7 and set(found.failures) == {f"{error.__name__}: no answer there"}
+    assert 1 <= len(found.failures) <= 7 and set(found.failures) == {
+        f"{error.__name__}: no answer there"
+    }
     whole = fitted(joint(0.01), SPACE.start)
     errors = uncertainty(joint(0.01), whole).standard_error
-    assert np.all(np.abs(found.best.vector - whole.vector) < errors / 20.0), "all that the noise's tolerance promises"
+    assert np.all(np.abs(found.best.vector - whole.vector) < errors / 20.0), (
+        "all that the noise's tolerance promises"
+    )
 
 
 def test_if_no_start_has_an_answer_the_first_reason_is_told() -> None:
     problem = with_holes(joint(0.01), -1.0, UnsupportedContact)
     told = "none of 3 starts has an answer; the first: UnsupportedContact: no ans"
-    refused(multi_start, problem, spread_starts(problem, 3, seed=0), told=told, kind=ConvergenceError)
+    refused(
+        multi_start, problem, spread_starts(problem, 3, seed=0), told=told, kind=ConvergenceError
+    )
 
 
 def test_a_search_that_meets_a_hole_on_its_way_turns_back() -> None:
@@ -81,13 +98,21 @@ def test_a_search_that_meets_a_hole_on_its_way_turns_back() -> None:
 def test_student_noise_lets_outliers_count_for_little() -> None:
     clean = 0.1 + 0.01 * np.random.default_rng(5).standard_normal(40)
     problem = means(("m", clean + 0.5 * (np.arange(40) < 4)))
-    normal, robust = (fitted(problem, np.zeros(1), NoiseLaw(freedom)).vector[0] for freedom in (None, 4.0))
+    normal, robust = (
+        fitted(problem, np.zeros(1), NoiseLaw(freedom)).vector[0] for freedom in (None, 4.0)
+    )
     assert abs(normal - 0.15) < 0.01 and abs(robust - np.mean(clean)) < 0.003
 
 
 def test_a_kind_that_the_parameters_follow_wholly_asks_for_its_noise() -> None:
     problem = means(("a", np.array([0.1])))
-    refused(fitted, problem, problem.space.start, told="can follow all rows of 'a'", kind=ConvergenceError)
+    refused(
+        fitted,
+        problem,
+        problem.space.start,
+        told="can follow all rows of 'a'",
+        kind=ConvergenceError,
+    )
     assert fitted(problem, problem.space.start, known={"a": 0.01}).vector[0] == pytest.approx(0.1)
 
 

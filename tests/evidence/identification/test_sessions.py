@@ -1,4 +1,6 @@
-"""Sessions of one floor are a population: mean and spread come back, and predictions of new ones carry the spread."""
+"""Sessions of one floor are a population: mean and spread come back, and predictions of new ones
+carry the spread.
+"""
 
 from pathlib import Path
 
@@ -6,7 +8,13 @@ import numpy as np
 import pytest
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.evidence import DataBlock, Identification, collected_blocks, identified_material, identify
+from cyclemap.evidence import (
+    DataBlock,
+    Identification,
+    collected_blocks,
+    identified_material,
+    identify,
+)
 from cyclemap.evidence.data_blocks.collected_blocks import SESSION_OWNED, telling_parameters
 from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import known_beliefs, known_shapes, known_spread
@@ -43,10 +51,14 @@ def population(count: int, seed: int, odd: bool = False) -> tuple[Identification
 @pytest.mark.slow
 def test_mean_and_spread_of_sessions_come_back_and_each_has_its_own() -> None:
     found, shapes = population(24, 0)
-    assert [found[name].value for name in FLOOR_NAMES] == pytest.approx(shapes.mean(axis=0), abs=0.25)
+    assert [found[name].value for name in FLOOR_NAMES] == pytest.approx(
+        shapes.mean(axis=0), abs=0.25
+    )
     assert found.session_spread == pytest.approx((2.5, 1.5, 1.5), rel=0.3)
     own = found.floors
-    assert np.array([own[f"s{number}"].bend for number in range(24)]) == pytest.approx(shapes, abs=0.4)
+    assert np.array([own[f"s{number}"].bend for number in range(24)]) == pytest.approx(
+        shapes, abs=0.4
+    )
     for name, spread in zip(FLOOR_NAMES, SPREAD, strict=True):
         assert found[name].standard_error == pytest.approx(spread / np.sqrt(24), rel=0.35)
 
@@ -56,14 +68,22 @@ def test_intervals_of_a_mean_of_few_sessions_hold_it() -> None:
     held = []
     for seed in range(60):
         found, _ = population(6, seed)
-        held += [found[name].lower < at < found[name].upper for name, at in zip(FLOOR_NAMES, MEAN, strict=True)]
+        held += [
+            found[name].lower < at < found[name].upper
+            for name, at in zip(FLOOR_NAMES, MEAN, strict=True)
+        ]
     assert 0.88 <= np.mean(held) <= 0.99
 
 
 def test_an_odd_session_has_its_own_shape_and_moves_neither_mean_nor_spread() -> None:
     found, shapes = population(12, 3, odd=True)
-    assert [found[name].value for name in FLOOR_NAMES] == pytest.approx(shapes[1:].mean(axis=0), abs=0.6)
-    assert found.floors["s0"].bend == pytest.approx(shapes[0], rel=0.02) and max(found.session_spread) < 4.0
+    assert [found[name].value for name in FLOOR_NAMES] == pytest.approx(
+        shapes[1:].mean(axis=0), abs=0.6
+    )
+    assert (
+        found.floors["s0"].bend == pytest.approx(shapes[0], rel=0.02)
+        and max(found.session_spread) < 4.0
+    )
 
 
 @pytest.mark.slow
@@ -75,13 +95,20 @@ def test_samples_are_of_new_sessions_and_a_known_floor_is_the_belief_of_the_next
     assert np.std(domes) == pytest.approx(found.session_spread[0], rel=0.25)
     believed = known_beliefs(first, FLOOR_NAMES)
     # The mean of 200 samples, each off by the spread and by what is not known of the mean.
-    assert believed["floor_dome"][0] == pytest.approx(first.floor.dome, abs=0.3 * found.session_spread[0])
+    assert believed["floor_dome"][0] == pytest.approx(
+        first.floor.dome, abs=0.3 * found.session_spread[0]
+    )
     # Of the mean alone, twelve sessions leave less than the half of the spread.
     assert 0.2 * found.session_spread[0] < believed["floor_dome"][1] < 0.8 * found.session_spread[0]
     new = observed(MEAN, "new", np.random.default_rng(9))
     blocks = [new, session_block(["new"])]
-    free, known = telling_parameters(blocks), Material("slate", first.friction, plates=(PlatePressure("hex"),))
-    assert known_spread(first, blocks)["session dome (kPa)"] == pytest.approx(found.session_spread[0])
+    free, known = (
+        telling_parameters(blocks),
+        Material("slate", first.friction, plates=(PlatePressure("hex"),)),
+    )
+    assert known_spread(first, blocks)["session dome (kPa)"] == pytest.approx(
+        found.session_spread[0]
+    )
     noise = known_spread(first, blocks)
     again = identify(blocks, free, priors=known_beliefs(first, free), noise=noise, starts=1)
     both = identified_material(again, "slate", floor=first)
@@ -91,35 +118,49 @@ def test_samples_are_of_new_sessions_and_a_known_floor_is_the_belief_of_the_next
 
 
 def test_known_shapes_of_plates_are_told_by_the_names_that_blocks_ask_for() -> None:
-    plates = [PlatePressure("hex", shape=SurfaceShape(1.0, 2.0)), PlatePressure("rect1", shape=SurfaceShape(3.0))]
+    plates = [
+        PlatePressure("hex", shape=SurfaceShape(1.0, 2.0)),
+        PlatePressure("rect1", shape=SurfaceShape(3.0)),
+    ]
     alone = DataBlock("ends", ("plate_dome", "plate_warp_x"), lambda v: None, [0], "m")
     named = DataBlock("hex ends", ("plate_dome[hex]",), lambda v: None, [0], "m")
     assert known_shapes(plates, [alone], "rect1") == {"plate_dome": 3.0, "plate_warp_x": 0.0}
     assert known_shapes(plates, [named], "rect1") == {"plate_dome[hex]": 1.0}
     assert known_beliefs(load_material("plywood"), ["pusher_friction"]) == {}
-    known = Material("slate", load_material("plywood").friction, plates=plates, session_spread=(2.0, 1.0, 1.0))
-    believed = known_beliefs(known, ["floor_dome", "floor_dome[hex]", "plate_dome[hex]", "plate_dome[tri1]"])
+    known = Material(
+        "slate", load_material("plywood").friction, plates=plates, session_spread=(2.0, 1.0, 1.0)
+    )
+    believed = known_beliefs(
+        known, ["floor_dome", "floor_dome[hex]", "plate_dome[hex]", "plate_dome[tri1]"]
+    )
     assert believed == {"floor_dome": (0.0, 2.0), "plate_dome[hex]": (1.0, 0.5)}
 
 
 def rows(plate: str, speed: int, tip_error: float) -> list[str]:
     """Pushes that miss the object."""
-    return [f"slate,{plate},{speed},0,0.5,0,0,0,0,0,0,0.2,0.{k + 1},0.2,0.{k + 2},{tip_error}\n" for k in range(8)]
+    return [
+        f"slate,{plate},{speed},0,0.5,0,0,0,0,0,0,0.2,0.{k + 1},0.2,0.{k + 2},{tip_error}\n"
+        for k in range(8)
+    ]
 
 
 @pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
-def test_plates_speeds_and_files_tell_sessions_and_the_robot_tells_an_odd_one(tmp_path: Path) -> None:
+def test_plates_speeds_and_files_tell_sessions_and_the_robot_tells_an_odd_one(
+    tmp_path: Path,
+) -> None:
     first, second = tmp_path / "first.csv", tmp_path / "second.csv"
-    first.write_text(ENDS + "".join(rows("rect1", 10, 0.2) + rows("rect1", 20, 0.2) + rows("hex", 20, 0.96)))
+    first.write_text(
+        ENDS + "".join(rows("rect1", 10, 0.2) + rows("rect1", 20, 0.2) + rows("hex", 20, 0.96))
+    )
     second.write_text(ENDS + "".join(rows("rect1", 20, 0.2)))
     loop = CollectionLoop.mit("isotropic")
     found = collected_blocks([first, second], loop)
     names = [block.name for block in found.blocks]
     sessions = ["hex 20 mm/s", "rect1 10 mm/s", "rect1 20 mm/s", "rect1 20 mm/s, second"]
     assert names == [*(f"{session} push ends" for session in sessions), "sessions"]
-    assert "floor_dome[rect1 10 mm/s]" in found.blocks[1].parameters and "plate_dome[rect1]" in telling_parameters(
-        found.blocks
-    )
+    assert "floor_dome[rect1 10 mm/s]" in found.blocks[
+        1
+    ].parameters and "plate_dome[rect1]" in telling_parameters(found.blocks)
     (odd,) = [note for note in found.notes if "odd session" in note]
     assert odd.startswith("hex 20 mm/s") and "0.96 mm" in odd
     (alone,) = collected_blocks([second], loop).blocks
@@ -128,10 +169,16 @@ def test_plates_speeds_and_files_tell_sessions_and_the_robot_tells_an_odd_one(tm
 
 
 @pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
-def test_a_session_that_turns_its_plate_unlike_another_is_odd_where_its_robot_strayed_more(measured_data: Path) -> None:
+def test_a_session_that_turns_its_plate_unlike_another_is_odd_where_its_robot_strayed_more(
+    measured_data: Path,
+) -> None:
     chosen: dict[str, str | float] = {"surface": "plywood"}
-    paths = [measured_data / name for name in ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v20.csv")]
+    paths = [
+        measured_data / name
+        for name in ("mit_push_endpoints_v10.csv", "mit_push_endpoints_v20.csv")
+    ]
     found = collected_blocks(paths, CollectionLoop.mit("isotropic"), chosen, most=8)
     (odd,) = [note for note in found.notes if "odd session" in note]
-    # The mean turn over the same contacts is 10.3 degrees at 10 mm/s and 12.8 at 20, of other plates within a tenth.
+    # The mean turn over the same contacts is 10.3 degrees at 10 mm/s and 12.8 at 20, of other
+    # plates within a tenth.
     assert odd.startswith("hex 10 mm/s") and "turns are 0.7" in odd and "1.0" in odd

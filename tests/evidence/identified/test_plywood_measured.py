@@ -1,4 +1,6 @@
-"""The shipped material that was identified from every second block of the measured staircase, against the others."""
+"""The shipped material that was identified from every second block of the measured staircase,
+against the others.
+"""
 
 import math
 from pathlib import Path
@@ -34,20 +36,25 @@ def runs(drifting: DriftingMap, pairs: Theta0Pairs) -> np.ndarray:
     noise = load_material("plywood-measured").noise
     assert noise is not None and pairs.path is not None
     local = LocalNoise(noise.log_sigma, noise.correlation)
-    return sample_staircases(drifting, local, len(pairs.path) - 1, np.full(RUNS, pairs.path[0]), seed=0)
+    return sample_staircases(
+        drifting, local, len(pairs.path) - 1, np.full(RUNS, pairs.path[0]), seed=0
+    )
 
 
 def test_it_says_that_it_was_inferred_and_from_what() -> None:
     material = load_material("plywood-measured")
     assert material.inferred and material.wear is not None and material.wear.cycles == PUSHES
     assert "every second block" in material.provenance and "left out" in material.misfit
-    # Ring and contact are where they were: the pressure and the friction of the ring carry the misfit.
+    # Ring and contact are where they were: the pressure and the friction of the ring carry the
+    # misfit.
     assert CollectionLoop.mit(material).footprint is not None
 
 
 def test_the_map_is_within_2_1_degrees_over_bins_of_the_blocks_left_out(pairs, drifting) -> None:
     late = (pairs.cycle >= 500) & (pairs.cycle // BLOCK % 2 == 1)
-    turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turns(pairs.theta[late], pairs.cycle[late])[0]
+    turn = Prediction(drifting, WrappedNormal(0.02), "loop", None).turns(
+        pairs.theta[late], pairs.cycle[late]
+    )[0]
     theta = pairs.theta[late]
     medians = turn_bins(Theta0Pairs(theta, theta + turn - pairs.turn[late])).median
     assert medians.size > 40 and math.degrees(np.sqrt(np.mean(medians**2))) <= 2.1
@@ -67,7 +74,8 @@ def test_the_histogram_of_the_blocks_left_out_is_one_that_its_own_runs_make(pair
 
 
 def test_turns_are_those_of_nine_in_ten_of_its_runs(pairs, runs) -> None:
-    """Where a run ends, at rest, is known to 4 degrees: the model rests beside where the robot did."""
+    """Where a run ends, at rest, is known to 4 degrees:
+    the model rests beside where the robot did."""
 
     def turns(path: np.ndarray, first: int) -> np.ndarray:
         last = min(first + 500, path.shape[-1] - 1)
@@ -82,4 +90,6 @@ def test_the_drift_is_the_loops_own_map_at_every_bend_of_the_course(drifting) ->
     theta = np.array([0.3, 1.7, 4.0])
     for cycle in (0, 250, 800, 1375, 1999):
         loop = worn_loop(CollectionLoop.mit("plywood-measured"), cycle)
-        assert drifting.at(cycle)(theta) == pytest.approx(loop.next_theta(theta), abs=math.radians(0.06))
+        assert drifting.at(cycle)(theta) == pytest.approx(
+            loop.next_theta(theta), abs=math.radians(0.06)
+        )

@@ -10,7 +10,14 @@ from refusals import refused
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import Theta0Pairs, measured_staircase, read_theta0_pairs
 from cyclemap.evidence.laws.fit_map import fit_map, fit_worn_law
-from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_staircase, sample_staircase, sample_staircases
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    WrappedNormal,
+    predict_staircase,
+    sample_staircase,
+    sample_staircases,
+)
 
 TURN = 2 * np.pi
 GRID = np.linspace(0.0, TURN, 90, endpoint=False)
@@ -18,12 +25,22 @@ STAIRCASE = "plywood_rect1_theta0_2000.csv"
 
 
 def worn_turn(theta: np.ndarray, cycle: np.ndarray | float) -> np.ndarray:
-    return 0.5 + 0.3 * np.cos(theta) + 0.1 * np.sin(2 * theta) + 2e-4 * cycle * (1.0 + np.cos(theta - 1.0))
+    return (
+        0.5
+        + 0.3 * np.cos(theta)
+        + 0.1 * np.sin(2 * theta)
+        + 2e-4 * cycle * (1.0 + np.cos(theta - 1.0))
+    )
 
 
-def worn_pairs(seed: int, sigma: float, count: int = 1000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def worn_pairs(
+    seed: int, sigma: float, count: int = 1000
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A path under a map that wears linearly, every cycle from where the last one ended."""
-    cycle, kicks = np.arange(float(count)), sigma * np.random.default_rng(seed).standard_normal(count)
+    cycle, kicks = (
+        np.arange(float(count)),
+        sigma * np.random.default_rng(seed).standard_normal(count),
+    )
     path = [0.0]
     for n in range(count):
         path.append(path[-1] + float(worn_turn(np.array(path[-1]), float(n))) + kicks[n])
@@ -55,10 +72,14 @@ def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> 
     runs, degrees, covered = 50, [], []
     for seed in range(runs):
         theta, theta_next, cycle = worn_pairs(seed, 0.03)
-        degrees.append(fit_worn_law(theta, theta_next - theta, cycle, max_harmonics=4, seed=seed).degree)
+        degrees.append(
+            fit_worn_law(theta, theta_next - theta, cycle, max_harmonics=4, seed=seed).degree
+        )
         law = fit_worn_law(theta, theta_next - theta, cycle, harmonics=2, degree=1)
         worn = [(law.at(n), worn_turn(GRID, n)) for n in (0.0, 600.0, 999.0)]
-        covered.append([np.abs(one(GRID) - truth) <= one.half_bands(GRID)[0] for one, truth in worn])
+        covered.append(
+            [np.abs(one(GRID) - truth) <= one.half_bands(GRID)[0] for one, truth in worn]
+        )
         assert law.whole.sigma == pytest.approx(0.03, rel=0.1)
     assert degrees.count(1) >= 0.9 * runs
     assert np.mean(covered) == pytest.approx(0.95, abs=0.03)
@@ -68,7 +89,9 @@ def test_wear_and_its_degree_are_recovered_under_noise_and_the_bands_cover() -> 
 def test_a_map_that_does_not_wear_is_found_to_have_degree_nought() -> None:
     chosen = []
     for seed in range(20):
-        path = sample_staircase(CircleMap.arnold(0.2, 0.5), WrappedNormal(0.03), 600, seed=seed).theta
+        path = sample_staircase(
+            CircleMap.arnold(0.2, 0.5), WrappedNormal(0.03), 600, seed=seed
+        ).theta
         worn = fit_map(path[:-1], path[1:], cycle=np.arange(600), max_harmonics=5).wear
         assert worn is not None
         chosen.append((worn.harmonics, worn.degree))
@@ -93,9 +116,21 @@ def test_worn_paths_are_those_of_the_drifting_map() -> None:
 @pytest.mark.parametrize(
     ("change", "options", "match"),
     [
-        (lambda theta, ahead, cycle: (theta, ahead[:-1]), {}, "theta and theta_next have 100 and 99 entries"),
-        (lambda theta, ahead, cycle: (theta, np.append(np.nan, ahead[1:])), {}, "finite, but entry 0 is nan"),
-        (lambda theta, ahead, cycle: (theta, ahead, cycle[1:]), {}, "cycle has 99 entries for 100 pairs"),
+        (
+            lambda theta, ahead, cycle: (theta, ahead[:-1]),
+            {},
+            "theta and theta_next have 100 and 99 entries",
+        ),
+        (
+            lambda theta, ahead, cycle: (theta, np.append(np.nan, ahead[1:])),
+            {},
+            "finite, but entry 0 is nan",
+        ),
+        (
+            lambda theta, ahead, cycle: (theta, ahead, cycle[1:]),
+            {},
+            "cycle has 99 entries for 100 pairs",
+        ),
         (lambda theta, ahead, cycle: (theta, ahead, np.full(100, 3.0)), {}, "every cycle is 3"),
         (lambda *pairs: pairs, {"wear_degree": -1}, "degree must be at least 0"),
     ],
@@ -123,7 +158,10 @@ def test_the_plywood_turn_is_known_to_a_degree_and_better_with_wear(measured_dat
     assert fitted.wear is not None
     assert fitted.wear.degree >= 1 and np.rad2deg(fitted.wear.whole.rmse) < 0.75
     # Where the robot waits it scatters least: the bottleneck is far quieter than the steep flanks.
-    assert np.all(fitted.wear.whole.noise(np.deg2rad([20.0, 200.0])) > 3 * fitted.wear.whole.noise(np.deg2rad(95.0)))
+    assert np.all(
+        fitted.wear.whole.noise(np.deg2rad([20.0, 200.0]))
+        > 3 * fitted.wear.whole.noise(np.deg2rad(95.0))
+    )
 
 
 MAP, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.03)
@@ -140,7 +178,9 @@ def test_the_law_behind_made_data_is_found_again() -> None:
     assert found.foretold.fitted.sigma == pytest.approx(NOISE.sigma, rel=0.05)
     assert found.foretold.prediction.step == truth.step
     assert found.cycles_a_turn == pytest.approx(4_000 * TURN / np.ptp(found.path[[0, -1]]))
-    assert found.foretold.prediction.mean_residence_cycles == pytest.approx(truth.mean_residence_cycles, rel=0.1)
+    assert found.foretold.prediction.mean_residence_cycles == pytest.approx(
+        truth.mean_residence_cycles, rel=0.1
+    )
     assert found.foretold.comparison.visits[0].mean_p_value > 0.01
     assert (
         abs(found.foretold.comparison.net_steps - found.foretold.comparison.expected_steps)
@@ -149,7 +189,9 @@ def test_the_law_behind_made_data_is_found_again() -> None:
 
 
 @pytest.mark.slow
-def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(measured_data: Path) -> None:
+def test_measured_plywood_climbs_in_whole_turns_as_its_fitted_map_predicts(
+    measured_data: Path,
+) -> None:
     found = measured_staircase(read_theta0_pairs(measured_data / STAIRCASE))
     assert np.rad2deg(found.foretold.prediction.step) == pytest.approx(360.0)
     assert np.rad2deg(np.median(found.steps.heights)) == pytest.approx(360.0, abs=1.0)
@@ -165,7 +207,9 @@ def test_pairs_in_no_order_or_without_scatter_make_no_staircase() -> None:
 
 
 def test_a_path_that_covers_part_of_the_circle_foretells_no_staircase_and_says_why() -> None:
-    """What cycles do in a gap nothing tells; a map fitted there would be as steep as harmonics can be."""
+    """What cycles do in a gap nothing tells; a map fitted there would be as steep as harmonics can
+    be.
+    """
     rng, theta = np.random.default_rng(1), [0.2]
     for _ in range(150):
         theta.append(theta[-1] + 0.25 * math.sin(1.2 - theta[-1]) + 0.1 * rng.standard_normal())
@@ -178,7 +222,9 @@ def test_a_path_that_covers_part_of_the_circle_foretells_no_staircase_and_says_w
 
 @pytest.mark.parametrize("start", [0.0, -np.pi, 1.0])
 def test_images_wrapped_into_one_turn_are_unwrapped(start: float) -> None:
-    """Wrapped pairs give the map of the lifted ones; whole turns that are in no wrapping are refused."""
+    """Wrapped pairs give the map of the lifted ones; whole turns that are in no wrapping are
+    refused.
+    """
     rng, truth = np.random.default_rng(5), CircleMap.arnold(0.298, 0.6)
     path = [1.0]
     for kick in 0.1 * rng.standard_normal(300):

@@ -8,7 +8,13 @@ from refusals import refused
 from scipy.special import i0
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.evidence.laws.linear_fit import cycle_folds, fit_linear, fourier_columns, nested_errors, simplest_good
+from cyclemap.evidence.laws.linear_fit import (
+    cycle_folds,
+    fit_linear,
+    fourier_columns,
+    nested_errors,
+    simplest_good,
+)
 from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_log_variance, fit_periodic_law
 
 TURN = 2 * np.pi
@@ -35,7 +41,9 @@ def test_without_noise_the_law_its_order_and_its_slope_are_found_exactly() -> No
         law = fit_periodic_law(theta, value, noise_harmonics=noise_harmonics)
         assert law.harmonics == 3 and max(worst(law), law.rmse) < 1e-13
     step = 1e-5
-    assert np.allclose(law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9)
+    assert np.allclose(
+        law.slope(GRID), (truth(GRID + step) - truth(GRID - step)) / (2 * step), atol=1e-9
+    )
 
 
 @pytest.mark.slow
@@ -45,21 +53,31 @@ def test_the_chosen_order_is_the_true_one_in_nine_of_ten_runs() -> None:
 
 
 def test_cross_validation_is_the_error_of_refitting_without_each_fold() -> None:
-    """Two routes: one QR a fold for all orders, and a plain least-squares fit for each fold and order."""
+    """Two routes: one QR a fold for all orders, and a plain least-squares fit for each fold and
+    order.
+    """
     theta, value = made(1, count=90)
     design, fold = fourier_columns(theta, 4), cycle_folds(90, seed=5)
     found = nested_errors(design, value, np.array([1, 5, 9]), fold)
     for j, size in enumerate((1, 5, 9)):
         for one in range(10):
             kept = np.linalg.lstsq(design[fold != one, :size], value[fold != one])[0]
-            assert np.allclose(found[fold == one, j], (value - design[:, :size] @ kept)[fold == one] ** 2, rtol=1e-9)
+            assert np.allclose(
+                found[fold == one, j],
+                (value - design[:, :size] @ kept)[fold == one] ** 2,
+                rtol=1e-9,
+            )
 
 
 def test_folds_are_equal_shares_made_of_blocks_of_successive_values() -> None:
     fold = cycle_folds(2000, seed=3)
     assert np.bincount(fold).tolist() == [200] * 10
     changes = np.flatnonzero(np.diff(fold)) + 1
-    assert changes.size <= 49 and np.all(changes % 40 == 0) and not np.array_equal(fold, cycle_folds(2000, seed=4))
+    assert (
+        changes.size <= 49
+        and np.all(changes % 40 == 0)
+        and not np.array_equal(fold, cycle_folds(2000, seed=4))
+    )
 
 
 def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_worse() -> None:
@@ -74,7 +92,9 @@ def test_the_one_standard_error_rule_takes_the_simplest_that_is_not_clearly_wors
 
 
 def test_bands_cover_the_truth_and_new_values_as_often_as_they_say() -> None:
-    """200 runs: at 72 angles, the 95 % band of the mean holds the truth, the prediction band a new value."""
+    """200 runs: at 72 angles, the 95 % band of the mean holds the truth, the prediction band a new
+    value.
+    """
     inside, ahead, runs = np.zeros(GRID.size), np.zeros(GRID.size), 200
     for seed in range(runs):
         law = fit_periodic_law(*made(seed, count=60), harmonics=3)
@@ -95,7 +115,9 @@ def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() ->
     theta = 0.05 * np.arange(1000.0)
     for seed in range(runs):
         kick = np.random.default_rng(seed).standard_normal(1100)
-        scatter = np.array([kick[k : k + 1000] * 0.7**j for j, k in enumerate(range(100, 60, -1))]).sum(axis=0)
+        scatter = np.array(
+            [kick[k : k + 1000] * 0.7**j for j, k in enumerate(range(100, 60, -1))]
+        ).sum(axis=0)
         value = truth(theta) + 0.05 * scatter
         at = fourier_columns(1.0, 3)
         for correlated in (False, True):
@@ -111,7 +133,9 @@ def test_the_correlation_of_successive_residuals_is_told() -> None:
     assert abs(fit_periodic_law(theta, value, harmonics=3).lag_correlation) < 4 / np.sqrt(4000)
     kick = np.random.default_rng(0).standard_normal(4001)
     smeared = truth(theta) + 0.05 * (kick[1:] + kick[:-1])
-    assert fit_periodic_law(theta, smeared, harmonics=3).lag_correlation == pytest.approx(0.5, abs=0.06)
+    assert fit_periodic_law(theta, smeared, harmonics=3).lag_correlation == pytest.approx(
+        0.5, abs=0.06
+    )
 
 
 def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None:
@@ -121,14 +145,17 @@ def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None
     value = truth(theta) + sigma(theta) * rng.standard_normal(4000)
     law = fit_periodic_law(theta, value, noise_harmonics=None)
     assert law.harmonics == 3 and law.log_variance.size == 3
-    # Standard errors of two log-standard-deviation coefficients of 1/√n each and one of half: four of them.
+    # Standard errors of two log-standard-deviation coefficients of 1/√n each and one of half: four
+    # of them.
     assert np.max(np.abs(np.log(law.noise(GRID) / sigma(GRID)))) < 4 * np.sqrt(1.5 / 4000)
     # The root mean square of it over the angles, in closed form.
     assert law.sigma == pytest.approx(0.05 * np.sqrt(i0(1.6)), rel=0.05)
 
 
 def predicted_errors(theta: np.ndarray, variance: np.ndarray) -> list[float]:
-    """Mean squared errors over the angles of weighted and of plain least squares, three harmonics (Aitken 1935)."""
+    """Mean squared errors over the angles of weighted and of plain least squares, three harmonics
+    (Aitken 1935).
+    """
     design, grid = fourier_columns(theta, 3), fourier_columns(GRID, 3)
     weighted = np.linalg.inv(design.T @ (design / variance[:, np.newaxis]))
     inverse = np.linalg.inv(design.T @ design)
@@ -146,7 +173,10 @@ def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_ba
         value = truth(theta) + sigma * rng.standard_normal(500)
         theory.append(predicted_errors(theta, sigma**2))
         weighed = fit_periodic_law(theta, value, harmonics=3, noise_harmonics=1)
-        covered += float(np.mean(np.abs(weighed(GRID) - truth(GRID)) <= weighed.half_bands(GRID)[0])) / runs
+        covered += (
+            float(np.mean(np.abs(weighed(GRID) - truth(GRID)) <= weighed.half_bands(GRID)[0]))
+            / runs
+        )
         plain = fit_periodic_law(theta, value, harmonics=3)
         errors.append([np.mean((law(GRID) - truth(GRID)) ** 2) for law in (weighed, plain)])
     assert covered == pytest.approx(0.95, abs=0.025)
@@ -158,7 +188,9 @@ def test_weighing_by_the_scatter_makes_the_law_as_sure_as_theory_says_and_its_ba
 
 
 @pytest.mark.parametrize("tiny", [1e-12, 1e-20, 1e-40])
-def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_leaps_too_far(tiny) -> None:
+def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_leaps_too_far(
+    tiny,
+) -> None:
     rng = np.random.default_rng(1)
     theta = rng.uniform(0.0, 2.0 * np.pi, 2000)
     columns = fourier_columns(theta, 6)
@@ -166,18 +198,31 @@ def test_scatter_that_all_but_vanishes_on_an_arc_is_fitted_where_newton_first_le
     gamma = fit_log_variance(columns, squares)
     assert np.max(np.abs(columns.T @ (1.0 - squares * np.exp(-columns @ gamma)))) < 1e-2
     vanishing = np.where(np.cos(theta) > 0.5, 1.0, 0.0)
-    refused(fit_log_variance, columns, vanishing, told="vanishes along a part of the circle", kind=ConvergenceError)
+    refused(
+        fit_log_variance,
+        columns,
+        vanishing,
+        told="vanishes along a part of the circle",
+        kind=ConvergenceError,
+    )
 
 
 @pytest.mark.parametrize("kind", [{}, {"noise_harmonics": 1}])
-def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(kind: dict[str, Any]) -> None:
+def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(
+    kind: dict[str, Any],
+) -> None:
     theta, value = made(6)
     by = 0.7 + TURN * np.random.default_rng(0).integers(-3, 4, theta.size)
-    one, other = fit_periodic_law(theta, value, **kind), fit_periodic_law(theta + by, 1000.0 * value, **kind)
+    one, other = (
+        fit_periodic_law(theta, value, **kind),
+        fit_periodic_law(theta + by, 1000.0 * value, **kind),
+    )
     assert other.harmonics == one.harmonics == 3 and one.count == 400
     assert (other.rmse, other.percent) == pytest.approx((1000.0 * one.rmse, one.percent), rel=1e-6)
     assert np.allclose(other(GRID + 0.7), 1000.0 * one(GRID), atol=1e-4)
-    assert np.allclose(other.standard_error(GRID + 0.7), 1000.0 * one.standard_error(GRID), rtol=1e-5)
+    assert np.allclose(
+        other.standard_error(GRID + 0.7), 1000.0 * one.standard_error(GRID), rtol=1e-5
+    )
     assert np.allclose(other.noise(GRID + 0.7), 1000.0 * one.noise(GRID), rtol=1e-5)
     assert one.percent == pytest.approx(100 * 0.05 / np.mean(value), rel=0.1)
 
@@ -187,11 +232,27 @@ def test_turning_the_angles_and_scaling_the_values_turn_and_scale_the_law(kind: 
     [
         (lambda theta, value: (theta, value[:-1]), {}, "400 and 399 entries"),
         (lambda theta, value: ([], []), {}, "entries; give equally many"),
-        (lambda theta, value: (theta, np.where(np.arange(400) == 2, np.nan, value)), {}, "entry 2 is nan"),
+        (
+            lambda theta, value: (theta, np.where(np.arange(400) == 2, np.nan, value)),
+            {},
+            "entry 2 is nan",
+        ),
         (lambda theta, value: (theta[:19], value[:19]), {}, "too few to choose"),
-        (lambda theta, value: (theta[:7], value[:7]), {"harmonics": 3}, "7 pairs cannot fix 7 coefficients"),
-        (lambda theta, value: (np.ones(50), value[:50]), {"harmonics": 1}, "fix 1 of 3 coefficients"),
-        (lambda theta, value: (theta, truth(theta)), {"harmonics": 3, "noise_harmonics": 1}, "on a smooth curve"),
+        (
+            lambda theta, value: (theta[:7], value[:7]),
+            {"harmonics": 3},
+            "7 pairs cannot fix 7 coefficients",
+        ),
+        (
+            lambda theta, value: (np.ones(50), value[:50]),
+            {"harmonics": 1},
+            "fix 1 of 3 coefficients",
+        ),
+        (
+            lambda theta, value: (theta, truth(theta)),
+            {"harmonics": 3, "noise_harmonics": 1},
+            "on a smooth curve",
+        ),
         *(
             (lambda *made: made, {name: -1}, f"{name} must be at least 0")
             for name in ("harmonics", "max_harmonics", "noise_harmonics", "seed")

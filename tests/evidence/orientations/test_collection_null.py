@@ -1,11 +1,17 @@
-"""P-values under simulated collections: power, wear, and what forgotten fits get wrong; levels: tests/calibration."""
+"""P-values under simulated collections: power, wear, and what forgotten fits get wrong; levels:
+tests/calibration.
+"""
 
 import numpy as np
 import pytest
 from refusals import refused
 
 from cyclemap.evidence.orientations.circular_distance import CircularLaw
-from cyclemap.evidence.orientations.collection_null import CollectionModel, collection_p_values, simulated_ensemble
+from cyclemap.evidence.orientations.collection_null import (
+    CollectionModel,
+    collection_p_values,
+    simulated_ensemble,
+)
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, transfer_operator
 
 KICKS = WrappedNormal(0.3)
@@ -18,7 +24,9 @@ def sine_fit(path) -> CollectionModel:
     design = np.column_stack([np.ones(path.size - 1), -np.sin(path[:-1])])
     (shift, strength), *_ = np.linalg.lstsq(design, np.diff(path), rcond=None)
     scatter = np.std(np.diff(path) - design @ [shift, strength])
-    return CollectionModel(CircleMap.arnold(shift / (2 * np.pi), strength), WrappedNormal(float(scatter)))
+    return CollectionModel(
+        CircleMap.arnold(shift / (2 * np.pi), strength), WrappedNormal(float(scatter))
+    )
 
 
 @pytest.mark.slow
@@ -27,18 +35,27 @@ def test_fitted_parameters_make_p_too_large_unless_they_are_fitted_again() -> No
     plain, refitted = [], []
     for k, path in enumerate(model.paths(1.0, 150, 70, seed=1031)):
         for found, refit in ((plain, None), (refitted, sine_fit)):
-            found.append(collection_p_values(path, sine_fit(path), runs=19, seed=k, refit=refit)["watson"].value)
+            found.append(
+                collection_p_values(path, sine_fit(path), runs=19, seed=k, refit=refit)[
+                    "watson"
+                ].value
+            )
     # The mean of a calibrated one is 0.525, its standard error 0.29/√70 = 0.035.
     assert np.mean(plain) > 0.7 and np.mean(refitted) == pytest.approx(0.525, abs=0.105)
 
 
-def test_the_law_of_a_collection_is_that_of_its_first_image_at_first_and_the_stationary_one_at_last() -> None:
+def test_the_law_of_a_collection_is_that_of_its_first_image_at_first_and_the_stationary_one_at_last() -> (
+    None
+):
     for start, length, count, density, error in (
         (0.0, 2000, 100, transfer_operator(EARLY, KICKS).density, 1e-3),
         (0.7, 2, 5, lambda theta: KICKS.density(theta - EARLY(0.7)), 5e-4),
     ):
         law = simulated_ensemble(CollectionModel(EARLY, KICKS), start, length, count, seed=1).law
-        assert np.abs(law.bin_probabilities(24) - CircularLaw(density).bin_probabilities(24)).max() < error
+        assert (
+            np.abs(law.bin_probabilities(24) - CircularLaw(density).bin_probabilities(24)).max()
+            < error
+        )
 
 
 def test_collections_of_two_samples_of_a_posterior_that_are_alike_have_noise_of_their_own() -> None:
@@ -69,7 +86,8 @@ def test_the_refit_is_called_once_a_collection_and_its_ensemble_decides() -> Non
     path = model.paths(0.0, 40, 1, seed=3)[0]
     found = collection_p_values(path, model, runs=25, refit=refit, progress=told.append)
     assert (seen, told[-1], found["watson"].runs) == ([40] * 25, 1.0, 25)
-    # A refit that always gives the model back leaves the null of that model, with the smaller ensemble.
+    # A refit that always gives the model back leaves the null of that model, with the smaller
+    # ensemble.
     ensemble = simulated_ensemble(model, 0.0, 40, 40, seed=1)
     plain = collection_p_values(path, model, runs=25, ensemble=ensemble)
     assert plain["watson"].value == found["watson"].value
@@ -83,8 +101,16 @@ def test_the_refit_is_called_once_a_collection_and_its_ensemble_decides() -> Non
         ([[1.0, 2.0]], {}, "must have 1 axes"),
         ([1.0, 2.0], {"runs": 0}, "runs must be at least 1"),
         ([1.0, 2.0], {"seed": -1}, "seed must be at least 0"),
-        ([1.0, 2.0], {"statistics": {"one": lambda paths, ensemble: np.float64(1.0)}}, "one value a path"),
-        ([1.0, 2.0], {"statistics": {"one": lambda paths, ensemble: np.full(len(paths), np.nan)}}, "must be finite"),
+        (
+            [1.0, 2.0],
+            {"statistics": {"one": lambda paths, ensemble: np.float64(1.0)}},
+            "one value a path",
+        ),
+        (
+            [1.0, 2.0],
+            {"statistics": {"one": lambda paths, ensemble: np.full(len(paths), np.nan)}},
+            "must be finite",
+        ),
     ],
 )
 def test_bad_input_of_a_collection_is_refused(theta, options, match) -> None:

@@ -1,4 +1,6 @@
-"""Pushes are chosen by the covariance that they leave: its derivatives, its updates, and what choosing is worth."""
+"""Pushes are chosen by the covariance that they leave: its derivatives, its updates, and what
+choosing is worth.
+"""
 
 import itertools
 import math
@@ -29,7 +31,9 @@ from cyclemap.mechanics import Pose, Slider
 NOISE = push_noise((1e-3, math.radians(1.0)))
 PLATE = replace(Slider.mit("rect1"), name="plate")
 PLYWOOD = cm.CollectionLoop.mit("plywood", slider=PLATE)
-TRUTH = SurfaceParameters.from_friction(PLYWOOD.material.friction, pusher_friction=0.15, floor_dome=1.0)
+TRUTH = SurfaceParameters.from_friction(
+    PLYWOOD.material.friction, pusher_friction=0.15, floor_dome=1.0
+)
 # Deviations of what is believed of each unknown, and steps of differences.
 WIDTHS = dict.fromkeys(UNKNOWNS, 0.05) | dict.fromkeys(UNKNOWNS[4:10], 3.0) | {UNKNOWNS[-1]: 5e-4}
 
@@ -49,24 +53,41 @@ def planned(target: str = "direction") -> PushPlan:
 @cache
 def design(target: str) -> Design:
     known = believed()
-    _, by, told = push_sensitivity(known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), NOISE)
+    _, by, told = push_sensitivity(
+        known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), NOISE
+    )
     return Design(known.covariance, told, target_of(known, target, by, NOISE))
 
 
 def stable_theta(values: dict[str, float]) -> float:
     loop = replace(loop_on(SurfaceParameters.from_values(values), PLYWOOD), accuracy=1e-9)
-    return next(float(orbit.points[0]) for orbit in cm.fixed_points(loop.circle_map(1e-8)) if orbit.stable)
+    return next(
+        float(orbit.points[0]) for orbit in cm.fixed_points(loop.circle_map(1e-8)) if orbit.stable
+    )
 
 
 def test_the_gradient_of_a_stable_direction_is_that_of_fixed_points_of_the_exact_map() -> None:
     known = believed()
-    gradient = target_of(known, "direction", np.zeros((1, 1, 4, len(UNKNOWNS))), NOISE).gradient[0, 1]
-    for name in ("ellipticity_x", "offset_y", "pusher_friction", "plate_warp_x", "pin_friction_radius"):
+    gradient = target_of(known, "direction", np.zeros((1, 1, 4, len(UNKNOWNS))), NOISE).gradient[
+        0, 1
+    ]
+    for name in (
+        "ellipticity_x",
+        "offset_y",
+        "pusher_friction",
+        "plate_warp_x",
+        "pin_friction_radius",
+    ):
         step = 1e-3 * WIDTHS[name]
-        at = {sign: TRUTH.values() | {name: TRUTH.values()[name] + sign * step} for sign in (0.0, 1.0, 2.0)}
+        at = {
+            sign: TRUTH.values() | {name: TRUTH.values()[name] + sign * step}
+            for sign in (0.0, 1.0, 2.0)
+        }
         theta = {sign: stable_theta(values) for sign, values in at.items()}
         slope = (4.0 * theta[1.0] - theta[2.0] - 3.0 * theta[0.0]) / (2.0 * step)
-        assert gradient[UNKNOWNS.index(name)] == pytest.approx(slope, rel=0.02, abs=5e-3 / WIDTHS[name]), name
+        assert gradient[UNKNOWNS.index(name)] == pytest.approx(
+            slope, rel=0.02, abs=5e-3 / WIDTHS[name]
+        ), name
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -109,7 +130,10 @@ def test_a_plan_tells_more_than_random_pushes_and_says_what_a_lost_one_costs(tar
     assert first.pushes == 0 and first.planned == pytest.approx(first.random)
     after = next(one for one in plan.knowledge if one.pushes == 4)
     for name in after.planned:
-        assert after.planned[name] <= first.planned[name] and last.planned[name] <= after.planned[name] * 1.05
+        assert (
+            after.planned[name] <= first.planned[name]
+            and last.planned[name] <= after.planned[name] * 1.05
+        )
         assert plan.without[name] >= after.planned[name] * (1.0 - 1e-6)
     assert sum(after.planned.values()) < sum(after.random.values())
 
@@ -118,8 +142,15 @@ def test_pushes_stay_in_the_room_on_the_grid_and_differ() -> None:
     plan = planned()
     assert len(set(plan.pushes)) == 4
     for push, end in zip(plan.pushes, plan.ends, strict=True):
-        assert math.degrees(push.start.theta) % 15.0 in (pytest.approx(0.0, abs=1e-9), pytest.approx(15.0))
-        corners = [pose.to_world(*corner) for pose in (push.start, Pose(*end)) for corner in PLATE.outline.vertices]
+        assert math.degrees(push.start.theta) % 15.0 in (
+            pytest.approx(0.0, abs=1e-9),
+            pytest.approx(15.0),
+        )
+        corners = [
+            pose.to_world(*corner)
+            for pose in (push.start, Pose(*end))
+            for corner in PLATE.outline.vertices
+        ]
         reached = np.array([*corners, *push.rod(PLATE, plan.loop.pusher.radius)])
         assert (reached >= -1e-3).all() and (reached <= np.array(plan.room) + 1e-3).all()
 
@@ -145,16 +176,33 @@ def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
     refused(plan_pushes, unknown, target="fate", told="not 'fate'")
     refused(plan_pushes, unknown, grid=0.0, told="grid must be positive")
     refused(plan_pushes, unknown, grid=7.0, told="grid must be at most 2 pi rad, not 7")
-    refused(plan_pushes, unknown, room=(math.inf, 0.4), told="width and depth of a room must be a finite number")
+    refused(
+        plan_pushes,
+        unknown,
+        room=(math.inf, 0.4),
+        told="width and depth of a room must be a finite number",
+    )
     refused(plan_pushes, unknown, seed=-1, told="seed must be at least 0")
-    refused(plan_pushes, unknown, 2, room=(0.1, 0.1), samples=2, candidates=4, told="100 x 100 mm holds 0 of 4")
+    refused(
+        plan_pushes,
+        unknown,
+        2,
+        room=(0.1, 0.1),
+        samples=2,
+        candidates=4,
+        told="100 x 100 mm holds 0 of 4",
+    )
 
 
 def test_a_push_that_depends_on_where_the_rod_is_set_tells_less() -> None:
-    """Of one number the noise is the root of both squares; without a rod's error it is the push's own."""
+    """Of one number the noise is the root of both squares; without a rod's error it is the push's
+    own.
+    """
     noise, by = np.array([1e-3, 1e-3, 0.02]), np.ones((1, 3, 1))
     assert over_noise(by, np.zeros((1, 3, 2)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
     turning = np.zeros((1, 3, 2))
     turning[0, 2, 0] = 10.0
     told = over_noise(by, turning, noise)[0, :, 0]
-    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(1.0 / math.hypot(0.02, 10.0 * SET_OFF))
+    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(
+        1.0 / math.hypot(0.02, 10.0 * SET_OFF)
+    )

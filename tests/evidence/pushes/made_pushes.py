@@ -1,4 +1,6 @@
-"""Made pushes and friction scans whose facts, motion and forces are known, written as files of the MIT layout."""
+"""Made pushes and friction scans whose facts, motion and forces are known, written as files of the
+MIT layout.
+"""
 
 import json
 from pathlib import Path
@@ -18,7 +20,9 @@ def turned(angle, vector):
 
 
 def made_push(start=(0.35, -0.03, 0.4), moved=(0.03, -0.09), turn=1.2, ratio=0.12, samples=60):
-    """Tables of a push of rect1 at a fixed point of side 0: `moved` in its initial frame (m), `turn` (rad)."""
+    """Tables of a push of rect1 at a fixed point of side 0: `moved` in its initial frame (m),
+    `turn` (rad).
+    """
     clock = np.linspace(0.0, 0.004 * (samples - 1), samples)
     share = clock / clock[-1]
     angle = start[2] + turn * share
@@ -34,9 +38,13 @@ def made_push(start=(0.35, -0.03, 0.4), moved=(0.03, -0.09), turn=1.2, ratio=0.1
 
 
 def made_scan(direction=3.665, along=2.0, across=0.3, samples=60):
-    """Tables of a stroke of 120 mm in `direction` (rad); the rod presses with these forces (N) on the object."""
+    """Tables of a stroke of 120 mm in `direction` (rad); the rod presses with these forces (N) on
+    the object.
+    """
     clock = np.linspace(0.0, 6.0, samples)
-    place = np.array([0.35, -0.018]) + turned(direction, np.column_stack([0.02 * clock - 0.06, 0 * clock]))
+    place = np.array([0.35, -0.018]) + turned(
+        direction, np.column_stack([0.02 * clock - 0.06, 0 * clock])
+    )
     force = turned(direction, np.tile([along, across], (samples, 1)))
     # The robot starts and stops: the ends say nothing about sliding friction.
     force[:10] *= 5.0
@@ -51,7 +59,9 @@ def write(path: Path, tables, **options) -> Path:
     """Write tables to a .h5 or .json file, making its folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.suffix == ".json":
-        path.write_text(json.dumps({name: np.asarray(rows).tolist() for name, rows in tables.items()}))
+        path.write_text(
+            json.dumps({name: np.asarray(rows).tolist() for name, rows in tables.items()})
+        )
         return path
     with h5py.File(path, "w") as file:
         for name, rows in tables.items():

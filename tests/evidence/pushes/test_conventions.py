@@ -1,4 +1,6 @@
-"""Data in other people's conventions: what a reading means, and that motions tell a wrong one from the right."""
+"""Data in other people's conventions: what a reading means, and that motions tell a wrong one from
+the right.
+"""
 
 import math
 
@@ -73,19 +75,37 @@ def test_a_wrong_reading_is_refused_with_the_words_of_a_right_one(tmp_path, name
 _NAMES = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 
 
-def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_hand(tmp_path) -> None:
-    """Angles or axes turned, each alone, are told; both turned are a mirror image, in which all is as consistent."""
-    for name, told in (("clockwise", True), ("picture counter-clockwise", True), ("picture", False), ("ours", False)):
+def test_without_a_loop_pushes_that_should_be_alike_tell_the_sense_and_not_the_hand(
+    tmp_path,
+) -> None:
+    """Angles or axes turned, each alone, are told; both turned are a mirror image, in which all is
+    as consistent.
+    """
+    for name, told in (
+        ("clockwise", True),
+        ("picture counter-clockwise", True),
+        ("picture", False),
+        ("ours", False),
+    ):
         table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", name, 0.3, True, 3)
         pushes = cm.load_pushes(table.made(tmp_path, with_collection=False))
         if told:
-            refused(check_pushes, pushes, told="--angles clockwise, or --frame mirrored", kind=OtherConvention)
+            refused(
+                check_pushes,
+                pushes,
+                told="--angles clockwise, or --frame mirrored",
+                kind=OtherConvention,
+            )
         else:
             assert check_pushes(pushes)
 
 
-def test_an_object_that_is_its_own_mirror_image_pushed_in_its_middle_is_not_refused(tmp_path) -> None:
-    """A square pushed through its centre moves alike in a mirror: no reading is better, and that is said."""
+def test_an_object_that_is_its_own_mirror_image_pushed_in_its_middle_is_not_refused(
+    tmp_path,
+) -> None:
+    """A square pushed through its centre moves alike in a mirror: no reading is better, and that is
+    said.
+    """
     push = cm.mechanics.SidePush(side=0, fraction=0.5, angle=0.0, distance=0.05)
     square = cm.CollectionLoop.mit("isotropic", push=push)
     made = square.cycles(np.linspace(0.0, 6.0, 20))
@@ -99,11 +119,15 @@ def test_an_object_that_is_its_own_mirror_image_pushed_in_its_middle_is_not_refu
 
 
 def _with_rod(path, **columns) -> pandas.DataFrame:
-    """The L's pushes with the rod's places, and other columns; written as they are and in the mirror."""
+    """The L's pushes with the rod's places, and other columns; written as they are and in the
+    mirror.
+    """
     place, way = first_contact(loop().slider, loop().push, loop().pusher.radius)
     start, end = truth(5).start, truth(5).end
     c, s = np.cos(start[:, 2]), np.sin(start[:, 2])
-    poses = pandas.DataFrame(np.hstack([start, end]), columns=["x0", "y0", "th0", "x1", "y1", "th1"])
+    poses = pandas.DataFrame(
+        np.hstack([start, end]), columns=["x0", "y0", "th0", "x1", "y1", "th1"]
+    )
     for number, (x, y) in enumerate((place, place + loop().push.distance * way)):
         poses[f"tip_x{number}"] = start[:, 0] + c * x - s * y
         poses[f"tip_y{number}"] = start[:, 1] + s * x + c * y
@@ -115,7 +139,9 @@ def _with_rod(path, **columns) -> pandas.DataFrame:
 # Contacts that nobody tells, and those of a logger that writes nought for what it does not know.
 @pytest.mark.parametrize("contacts", [{}, {"i": 0.0, "s": 0.0, "t": 0.0}], ids=["untold", "nought"])
 def test_rods_places_tell_the_reading_where_contacts_do_not(tmp_path, contacts) -> None:
-    """The L in the mirror: the rod would start inside it, or beside it. As it is, nothing is warned of."""
+    """The L in the mirror: the rod would start inside it, or beside it. As it is, nothing is warned
+    of.
+    """
     path = tmp_path / "tips.csv"
     poses = _with_rod(path, **contacts)
     (words,) = check_pushes(cm.load_pushes(path), loop())
@@ -128,26 +154,37 @@ def test_rods_places_tell_the_reading_where_contacts_do_not(tmp_path, contacts) 
 
 
 def test_contacts_that_are_right_tell_units_whatever_the_rods_places(tmp_path) -> None:
-    """Lengths ten times too long: places of rod and object agree with each other, and with no object of that size."""
+    """Lengths ten times too long: places of rod and object agree with each other, and with no
+    object of that size.
+    """
     path = tmp_path / "tips.csv"
     push = {"i": 5.0, "s": 0.72, "t": 0.0}
     poses = _with_rod(path, **push)
     (words,) = check_pushes(cm.load_pushes(path), loop())
     assert "passed over" not in words
-    poses.assign(**{name: 10.0 * poses[name] for name in poses if "x" in name or "y" in name}).to_csv(path, index=False)
+    poses.assign(
+        **{name: 10.0 * poses[name] for name in poses if "x" in name or "y" in name}
+    ).to_csv(path, index=False)
     refused(check_pushes, cm.load_pushes(path), loop(), told="lengths in ", kind=OtherConvention)
 
 
 def test_pushes_of_many_plates_anywhere_on_them_are_no_false_alarm(tmp_path) -> None:
-    """Rods' places of random pushes on a floor with axes 1.25 : 1, sides and fractions nought: no warning."""
+    """Rods' places of random pushes on a floor with axes 1.25 : 1, sides and fractions nought: no
+    warning.
+    """
     friction, generator = EllipseFriction(0.30, 0.24, 0.01, 0.0, 0.4), np.random.default_rng(7)
     rows = ["shape,v_mm_s,i,s,t,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1"]
     for shape in ("rect1", "tri1", "hex"):
         model = QuasiStaticModel(Slider.mit(shape), friction, Pusher(friction=0.15), None, 1e-6)
-        for theta, way, x, y in generator.uniform((-3, -3, -0.015, -0.015), (3, 3, 0.015, 0.015), (12, 4)):
+        for theta, way, x, y in generator.uniform(
+            (-3, -3, -0.015, -0.015), (3, 3, 0.015, 0.015), (12, 4)
+        ):
             start, along = Pose(0.3, 0.0, theta), np.array((math.cos(way), math.sin(way)))
             first = np.array(start.to_world(x, y)) - 0.1 * along
-            end, last = model.push(start, WorldPush(tuple(first), way, 0.09)).end, first + 0.09 * along
+            end, last = (
+                model.push(start, WorldPush(tuple(first), way, 0.09)).end,
+                first + 0.09 * along,
+            )
             poses = (start.x, start.y, theta, end.x, end.y, end.theta, *first, *last)
             rows.append(f"{shape},10,0,0,0," + ",".join(map(repr, map(float, poses))))
     path = tmp_path / "plates.csv"
@@ -162,7 +199,9 @@ def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
     table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.0, True, 3)
     text = table.made(tmp_path, with_collection=False).read_text().splitlines()
     rows = [[float(field) for field in line.split(",")] for line in text[1:]]
-    lines = [text[0]] + [",".join(map(str, [*r[:2], r[2] - askew, *r[3:5], r[5] - askew, r[6]])) for r in rows]
+    lines = [text[0]] + [
+        ",".join(map(str, [*r[:2], r[2] - askew, *r[3:5], r[5] - askew, r[6]])) for r in rows
+    ]
     path = tmp_path / "askew.csv"
     path.write_text("\n".join(lines) + "\n")
     with pytest.raises(OtherConvention, match="--offset-deg") as caught:
@@ -174,7 +213,9 @@ def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
 
 
 def test_a_collection_file_says_it_for_all_data_beside_it(tmp_path) -> None:
-    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "picture", 0.0, True, 3)
+    table = foreign_tables.Foreign(
+        "made", foreign_tables.canonical, ".csv", "picture", 0.0, True, 3
+    )
     path = table.made(tmp_path)
     file = tmp_path / "collection.toml"
     file.write_text(f'{file.read_text()}\n[data]\nangles = "clockwise"\nframe = "mirrored"\n')
@@ -203,18 +244,26 @@ def test_a_recording_in_another_convention_is_brought_to_ours() -> None:
     poses = [[0.0, 0.3, 0.1, 0.5], [0.1, 0.32, 0.15, 0.9]]
     record = cm.evidence.PushRecord(poses, poses, [[0.0, 1.0, 2.0, 0.1]])
     written = cm.evidence.PushRecord(
-        [[t, x, -y, -a] for t, x, y, a in poses], [[t, x, -y, -a] for t, x, y, a in poses], [[0.0, 1.0, -2.0, -0.1]]
+        [[t, x, -y, -a] for t, x, y, a in poses],
+        [[t, x, -y, -a] for t, x, y, a in poses],
+        [[0.0, 1.0, -2.0, -0.1]],
     )
     found = Convention("clockwise", "mirrored").record(written)
-    assert found.displacement == pytest.approx(record.displacement) and found.turn == pytest.approx(record.turn)
+    assert found.displacement == pytest.approx(record.displacement) and found.turn == pytest.approx(
+        record.turn
+    )
     assert found.ft_wrench == pytest.approx(record.ft_wrench)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("table", [one for one in thirty() if one.posed], ids=lambda one: one.name)
 @pytest.mark.filterwarnings("ignore::cyclemap.errors.DoubtfulInput")
-def test_thirty_foreign_tables_are_read_right_or_refused_with_what_mends_them(tmp_path, table) -> None:
-    """As it stands, or after what the refusal says, every push is what happened; half of the tables are not in ours."""
+def test_thirty_foreign_tables_are_read_right_or_refused_with_what_mends_them(
+    tmp_path, table
+) -> None:
+    """As it stands, or after what the refusal says, every push is what happened; half of the tables
+    are not in ours.
+    """
     path, told = table.made(tmp_path, with_collection=False), {}
     for _ in range(2):
         pushes = read(path, **told)
@@ -233,7 +282,8 @@ def test_thirty_foreign_tables_are_read_right_or_refused_with_what_mends_them(tm
 
 
 def test_another_loop_than_the_tables_is_not_taken_for_another_convention(tmp_path) -> None:
-    """Half as large an object misses everywhere: no reading beats another, and nothing is refused."""
+    """Half as large an object misses everywhere: no reading beats another,
+    and nothing is refused."""
     table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 1.0, True, 3)
     pushes = cm.load_pushes(table.made(tmp_path, with_collection=False))
     assert isinstance(pushes, PushTable)

@@ -10,7 +10,14 @@ from hypothesis import strategies as st
 from refusals import refused
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, push_name, scan_facts, scan_name
+from cyclemap.evidence.pushes.mit_names import (
+    PushFacts,
+    ScanFacts,
+    push_facts,
+    push_name,
+    scan_facts,
+    scan_name,
+)
 
 
 @pytest.mark.parametrize("suffix", ["", ".h5", ".hdf5", ".json", ".H5"])
@@ -22,9 +29,15 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts,
         ("a=2500_v=-1_i=0.000_s=0.700_t=0.000", (2.5, math.nan, 0.0, 0.7, 0.0, math.nan)),
     ],
 )
-def test_a_name_gives_its_facts_in_si_units_and_an_accelerated_push_no_speed(told, facts, suffix) -> None:
+def test_a_name_gives_its_facts_in_si_units_and_an_accelerated_push_no_speed(
+    told, facts, suffix
+) -> None:
     path = f"normal/motion_surface=plywood_shape=rect1_{told}{suffix}"
-    assert repr(push_facts(path)) == repr(push_facts(Path(path))) == repr(PushFacts("plywood", "rect1", *facts))
+    assert (
+        repr(push_facts(path))
+        == repr(push_facts(Path(path)))
+        == repr(PushFacts("plywood", "rect1", *facts))
+    )
 
 
 @pytest.mark.parametrize(
@@ -46,7 +59,9 @@ def test_any_other_name_says_nothing(name) -> None:
     assert push_facts(name) is None and scan_facts(name) is None
 
 
-TEXTS = st.from_regex(r"[A-Za-z][\w.-]{0,12}", fullmatch=True, alphabet=st.characters(codec="ascii"))
+TEXTS = st.from_regex(
+    r"[A-Za-z][\w.-]{0,12}", fullmatch=True, alphabet=st.characters(codec="ascii")
+)
 NUMBERS = st.floats(0.0, 1e4) | st.decimals(0, 2000, places=3).map(float)
 SIGNED = st.floats(-1e3, 1e3) | st.decimals(-2, 2, places=3).map(float)
 REPETITIONS = st.integers(0, 99_999).map(float) | st.just(math.nan)
@@ -83,7 +98,11 @@ def test_any_facts_of_a_scan_come_back_from_its_name(surface, degrees, speed, re
 
 
 def test_every_name_of_the_measured_files_is_written_as_it_is(measured_data) -> None:
-    names = [path.stem for path in (measured_data / "mit_files").iterdir() if path.suffix in (".h5", ".json")]
+    names = [
+        path.stem
+        for path in (measured_data / "mit_files").iterdir()
+        if path.suffix in (".h5", ".json")
+    ]
     assert len(names) == 91 and [push_name(push_facts(f"{name}.h5")) for name in names] == names
 
 

@@ -1,4 +1,6 @@
-"""Tables as laboratories keep them: each read as the pushes that it holds, or refused with the sentence that helps."""
+"""Tables as laboratories keep them: each read as the pushes that it holds, or refused with the
+sentence that helps.
+"""
 
 import json
 import math
@@ -37,14 +39,20 @@ def wrapped(degrees):
 @pytest.mark.parametrize(
     ("text", "guessed"),
     [
-        ("Nr;Winkel vorher [°]\n" + "".join(f"{n};{x:.4f}\n" for n, x in enumerate(WRAPPED)).replace(".", ","), False),
+        (
+            "Nr;Winkel vorher [°]\n"
+            + "".join(f"{n};{x:.4f}\n" for n, x in enumerate(WRAPPED)).replace(".", ","),
+            False,
+        ),
         ("yaw\n" + "".join(f"{math.radians(x):.8f}\n" for x in WRAPPED), True),
         # The search for a unit takes a step a bracket, not one for every pair of them.
         ("yaw_deg," + "[" * 10_000 + "\n" + "".join(f"{x},1\n" for x in WRAPPED), False),
     ],
     ids=["semicolons and decimal commas", "radians by their size", "ten thousand brackets"],
 )
-def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path, text, guessed) -> None:
+def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(
+    tmp_path, text, guessed
+) -> None:
     path = tmp_path / "messung.csv"
     path.write_text(text)
     assert is_own(path)
@@ -61,7 +69,10 @@ def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(tmp_path
         ["yaw_deg,mark", *(f"{x},1," for x in WRAPPED)],
         ["t,trial,yaw_deg", *(f"{9.3 * n:.2f},{n},{x}" for n, x in enumerate(WRAPPED))],
         ["t,yaw_deg", *(f"{9.3 * n:.2f},{x}" for n, x in enumerate(WRAPPED))],
-        ["time,yaw_deg", *(f"2026-11-20T10:{n // 6:02}:{n % 6}0,{x}" for n, x in enumerate(WRAPPED))],
+        [
+            "time,yaw_deg",
+            *(f"2026-11-20T10:{n // 6:02}:{n % 6}0,{x}" for n, x in enumerate(WRAPPED)),
+        ],
     ],
     ids=[
         "decimal commas alone",
@@ -80,20 +91,31 @@ def test_a_row_a_push_is_read_as_it_stands(tmp_path, lines) -> None:
 
 
 def test_all_angles_and_all_places_are_guessed_in_one_unit(tmp_path) -> None:
-    """Orientations after a push go on past a turn, and one end of a table in millimetres may lie near its origin."""
+    """Orientations after a push go on past a turn, and one end of a table in millimetres may lie
+    near its origin.
+    """
     path = tmp_path / "poses.csv"
     ends = np.radians(np.array(WRAPPED) + 100.0)
     starts = zip(np.radians(WRAPPED), ends, strict=True)
-    path.write_text("x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0.1,1.5,{a},40,-70,{b}\n" for a, b in starts))
+    path.write_text(
+        "x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0.1,1.5,{a},40,-70,{b}\n" for a, b in starts)
+    )
     found = read_own_table(path).columns
     assert ends.max() > 7.0 and found["theta1"] == pytest.approx(ends)
     assert found["x0"] == pytest.approx(1e-4) and found["y1"] == pytest.approx(-0.07)
 
 
 @pytest.mark.parametrize(("spread", "random"), [(math.pi, True), (0.3, False)])
-def test_orientations_set_at_random_are_told_from_those_that_a_reset_makes(tmp_path, spread, random) -> None:
-    path, starts = tmp_path / "poses.csv", 1.0 + np.random.default_rng(3).uniform(-spread, spread, 100)
-    path.write_text("x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0,0,{a},0.04,-0.07,{a + 1.3}\n" for a in starts))
+def test_orientations_set_at_random_are_told_from_those_that_a_reset_makes(
+    tmp_path, spread, random
+) -> None:
+    path, starts = (
+        tmp_path / "poses.csv",
+        1.0 + np.random.default_rng(3).uniform(-spread, spread, 100),
+    )
+    path.write_text(
+        "x0,y0,yaw0,x1,y1,yaw1\n" + "".join(f"0,0,{a},0.04,-0.07,{a + 1.3}\n" for a in starts)
+    )
     found = read_own_table(path, units=["rad", "m"])
     assert any("no cycle among them" in line for line in found.words) == random
     (tmp_path / "read.csv").write_text(found.csv_text())
@@ -103,7 +125,9 @@ def test_orientations_set_at_random_are_told_from_those_that_a_reset_makes(tmp_p
 def test_a_spreadsheet_is_read_and_one_cut_short_or_packed_too_tightly_is_refused(tmp_path) -> None:
     pytest.importorskip("openpyxl")
     path = tmp_path / "log.xlsx"
-    frame = pandas.DataFrame({"Push": range(12), "Start angle (deg)": WRAPPED, "Remark": ["ok"] * 12})
+    frame = pandas.DataFrame(
+        {"Push": range(12), "Start angle (deg)": WRAPPED, "Remark": ["ok"] * 12}
+    )
     frame.to_excel(path, index=False)
     assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-9)
     whole = path.read_bytes()
@@ -129,7 +153,9 @@ def test_columns_of_any_name_as_told(tmp_path) -> None:
     rows = pairwise(THETA_DEG)
     path.write_text("alpha,beta\n" + "".join(f"{a},{b}\n" for a, b in rows))
     told = {"theta0": "alpha", "theta_next": "beta"}
-    assert wrapped(orientations(tmp_path, path, told, ["deg"])) == pytest.approx(wrapped(THETA_DEG[:-1]))
+    assert wrapped(orientations(tmp_path, path, told, ["deg"])) == pytest.approx(
+        wrapped(THETA_DEG[:-1])
+    )
     assert not read_own_table(path, told, ["deg"]).guessed
 
 
@@ -154,17 +180,23 @@ def test_missing_rows_make_no_pair_across_them_and_are_told(tmp_path) -> None:
     found = read_own_table(path, {"theta0": "theta0_degrees"}, ["deg"])
     assert len(found.columns["theta0"]) == 8
     assert np.degrees(found.columns["theta_next"] - found.columns["theta0"]) == pytest.approx(27.3)
-    assert any("no pair across gaps in the numbers of the pushes: 1" in line for line in found.words)
+    assert any(
+        "no pair across gaps in the numbers of the pushes: 1" in line for line in found.words
+    )
     assert "left out for want of an orientation: 1 of 11 rows" in found.words
 
 
 def stream(rate=30.0):
-    """Two cycles of a tracked object: rest, push, rest, drag back, and again; t, x, y, theta (degrees)."""
+    """Two cycles of a tracked object: rest, push, rest, drag back, and again; t, x, y, theta
+    (degrees).
+    """
     t, x, theta = [], [], []
     marks = [(0.0, 10.0), (40.0, 75.0), (0.0, 22.0), (41.0, 86.0), (0.0, 35.0)]
     for (x0, a0), (x1, a1) in pairwise(marks):
         moving, still = np.linspace(0.0, 1.0, int(2 * rate)), np.ones(int(1.5 * rate))
-        share = np.concatenate([moving, still]) if t else np.concatenate([0.0 * still, moving, still])
+        share = (
+            np.concatenate([moving, still]) if t else np.concatenate([0.0 * still, moving, still])
+        )
         x += (x0 + (x1 - x0) * share).tolist()
         theta += (a0 + (a1 - a0) * share).tolist()
         t = (np.arange(len(x)) / rate).tolist()
@@ -197,12 +229,20 @@ def test_a_lerobot_data_set_has_a_push_an_episode(tmp_path) -> None:
     (home / "meta").mkdir(parents=True)
     (home / "data" / "chunk-000").mkdir(parents=True)
     names = ["block_x", "block_y", "block_angle"]
-    (home / "meta" / "info.json").write_text(json.dumps({"features": {"observation.state": {"names": names}}}))
+    (home / "meta" / "info.json").write_text(
+        json.dumps({"features": {"observation.state": {"names": names}}})
+    )
     rows = []
     for episode, (start, turn) in enumerate(zip(THETA_DEG, TURN_DEG, strict=True)):
         for share in (0.0, 0.5, 1.0):
             state = [0.1 * share, 0.02, math.radians(start + turn * share)]
-            rows.append({"observation.state": state, "episode_index": episode, "frame_index": int(2 * share)})
+            rows.append(
+                {
+                    "observation.state": state,
+                    "episode_index": episode,
+                    "frame_index": int(2 * share),
+                }
+            )
     pandas.DataFrame(rows).to_parquet(home / "data" / "chunk-000" / "file-000.parquet")
     columns = {"x": "block_x", "y": "block_y", "theta": "block_angle"}
     found = read_own_table(home, columns, ["rad", "m"])
@@ -229,11 +269,17 @@ def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStam
     with writer:
         joined = [writer.add_connection(name, message, typestore=store) for name in topics]
         for seconds, place, angle in zip(*stream(), strict=True):
-            header = head(stamp=time(int(seconds), int(seconds % 1 * 1e9)), frame_id="world", **count)
+            header = head(
+                stamp=time(int(seconds), int(seconds % 1 * 1e9)), frame_id="world", **count
+            )
             if message == "geometry_msgs/msg/PoseStamped":
                 half = math.radians(angle) / 2.0
-                turn = kinds["geometry_msgs/msg/Quaternion"](0.0, 0.0, math.sin(half), math.cos(half))
-                pose = kinds["geometry_msgs/msg/Pose"](kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0), turn)
+                turn = kinds["geometry_msgs/msg/Quaternion"](
+                    0.0, 0.0, math.sin(half), math.cos(half)
+                )
+                pose = kinds["geometry_msgs/msg/Pose"](
+                    kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0), turn
+                )
                 told = kinds[message](header, pose)
             else:
                 told = kinds[message](header, place, 0.0)
@@ -246,7 +292,12 @@ def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, ki
     path = tmp_path / ("run.bag" if kind == "ros1" else "run")
     bag(path, kind)
     assert is_own(path)
-    refused(read_own_table, path, told=r"--columns pose=TOPIC; with poses: /box, /tip", kind=DataFileError)
+    refused(
+        read_own_table,
+        path,
+        told=r"--columns pose=TOPIC; with poses: /box, /tip",
+        kind=DataFileError,
+    )
     for place in (path, *path.glob("*.mcap")):
         found = read_own_table(place, {"pose": "/box"})
         assert is_own(place)
@@ -256,7 +307,9 @@ def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, ki
 
 @pytest.mark.parametrize("kind", ["ros1", "sqlite", "mcap"])
 def test_a_bag_without_poses_or_cut_off_is_refused_with_what_gets_one_on(tmp_path, kind) -> None:
-    warm, path = (tmp_path / (f"{name}.bag" if kind == "ros1" else name) for name in ("warm", "run"))
+    warm, path = (
+        tmp_path / (f"{name}.bag" if kind == "ros1" else name) for name in ("warm", "run")
+    )
     bag(warm, kind, ["/heat"], "sensor_msgs/msg/Temperature")
     told = r"give the topic of the object's pose, .*; with poses: none among /heat"
     refused(read_own_table, warm, told=told, kind=DataFileError)
@@ -281,23 +334,50 @@ def test_an_mcap_file_of_another_house_is_refused_with_what_to_write_instead(tmp
 @pytest.mark.parametrize(
     ("name", "content", "told", "message"),
     [
-        ("ab.csv", "alpha,beta\n1,2\n3,4\n", {}, "say which, --columns theta0=NAME; it has alpha, beta"),
-        ("after.csv", "yaw,yaw_after\n1,2\n3,4\n", {}, r"or before the next one\? Say --columns theta1=yaw_after"),
+        (
+            "ab.csv",
+            "alpha,beta\n1,2\n3,4\n",
+            {},
+            "say which, --columns theta0=NAME; it has alpha, beta",
+        ),
+        (
+            "after.csv",
+            "yaw,yaw_after\n1,2\n3,4\n",
+            {},
+            r"or before the next one\? Say --columns theta1=yaw_after",
+        ),
         ("speed.csv", "yaw\n1\n2\n3\n", {"speed": "yaw"}, "--columns speed="),
         ("empty.csv", "yaw\n", {}, "1 lines; a header and rows are wanted"),
-        ("words.csv", "yaw,remark\nlots,none\nsome,few\n", {}, "no column of numbers among yaw, remark"),
+        (
+            "words.csv",
+            "yaw,remark\nlots,none\nsome,few\n",
+            {},
+            "no column of numbers among yaw, remark",
+        ),
         ("two.csv", "yaw_before,angle_start\n1,2\n3,4\n", {}, "may both be theta0: say which"),
         ("short.csv", "yaw\n12\n", {}, "1 pushes|0 pushes"),
-        ("turned.csv", "qx,qy,qz\n0,0,1\n0,0,1\n", {}, "of a quaternion all of qx, qy, qz, qw are wanted"),
+        (
+            "turned.csv",
+            "qx,qy,qz\n0,0,1\n0,0,1\n",
+            {},
+            "of a quaternion all of qx, qy, qz, qw are wanted",
+        ),
         ("told.csv", "yaw\n1\n2\n", {"theta0": "yaww"}, "no column yaww for theta0; it has yaw"),
         ("wide.csv", "yaw,mark\n1,2,3\n4,5,6\n", {}, "3 fields below 2 names: 1,2,3"),
-        ("when.csv", "t,yaw\n0,1\n33,2\n66,3\n", {}, "do several rows follow one push, .* --units s or ms"),
+        (
+            "when.csv",
+            "t,yaw\n0,1\n33,2\n66,3\n",
+            {},
+            "do several rows follow one push, .* --units s or ms",
+        ),
         ("back.csv", "t,yaw\n3,1\n3,2\n3,3\n", {}, "its times do not rise"),
         ("fake.xlsx", "yaw\n1\n2\n", {}, "not a spreadsheet that can be read"),
         ("fake.parquet", "yaw\n1\n2\n", {}, "not parquet that can be read"),
     ],
 )
-def test_what_cannot_be_read_is_refused_with_what_is_wanted(tmp_path, name, content, told, message) -> None:
+def test_what_cannot_be_read_is_refused_with_what_is_wanted(
+    tmp_path, name, content, told, message
+) -> None:
     path = tmp_path / name
     path.write_text(content)
     refused(read_own_table, path, told, told=message)
@@ -306,20 +386,31 @@ def test_what_cannot_be_read_is_refused_with_what_is_wanted(tmp_path, name, cont
 @pytest.mark.parametrize("suffix", [".xlsx", ".parquet", ".mcap"])
 def test_a_pipe_is_refused_and_not_waited_for_and_so_is_an_unknown_unit(tmp_path, suffix) -> None:
     os.mkfifo(tmp_path / f"pipe{suffix}")
-    refused(read_own_table, tmp_path / f"pipe{suffix}", told="is a pipe or a device", kind=DataFileError)
+    refused(
+        read_own_table, tmp_path / f"pipe{suffix}", told="is a pipe or a device", kind=DataFileError
+    )
     refused(read_own_table, tmp_path / f"pipe{suffix}", units=["furlongs"], told="--units furlongs")
 
 
-def test_rows_out_of_order_are_put_in_order_by_their_numbers_or_times_and_that_is_said(tmp_path) -> None:
+def test_rows_out_of_order_are_put_in_order_by_their_numbers_or_times_and_that_is_said(
+    tmp_path,
+) -> None:
     order = np.random.default_rng(2).permutation(12)
     columns = {"push": np.arange(12), "time": 9.3 * np.arange(12)}
     for name, numbers in columns.items():
         path = tmp_path / f"{name}.csv"
-        path.write_text(f"{name},yaw_deg\n" + "".join(f"{numbers[n]},{WRAPPED[n]}\n" for n in order))
+        path.write_text(
+            f"{name},yaw_deg\n" + "".join(f"{numbers[n]},{WRAPPED[n]}\n" for n in order)
+        )
         assert any("put in the order of their" in line for line in read_own_table(path).words)
-        assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+        assert wrapped(orientations(tmp_path, path)) == pytest.approx(
+            wrapped(THETA_DEG[:-1]), abs=1e-4
+        )
     path.write_text("push,yaw_deg\n" + "".join(f"{n // 2},{x}\n" for n, x in enumerate(WRAPPED)))
-    assert any("there twice: rows are taken in their own order" in line for line in read_own_table(path).words)
+    assert any(
+        "there twice: rows are taken in their own order" in line
+        for line in read_own_table(path).words
+    )
 
 
 def test_columns_that_say_nothing_are_listed_and_names_of_surface_and_object_kept(tmp_path) -> None:
@@ -336,10 +427,16 @@ def test_columns_that_say_nothing_are_listed_and_names_of_surface_and_object_kep
 @pytest.mark.parametrize("suffix", [".jsonl", ".ndjson", ".json"])
 def test_rows_of_json_are_read_and_a_push_of_the_mit_layout_is_none(tmp_path, suffix) -> None:
     path = tmp_path / f"log{suffix}"
-    path.write_text("".join(json.dumps({"rep": n, "object": {"yaw_deg": x}}) + "\n" for n, x in enumerate(WRAPPED)))
+    path.write_text(
+        "".join(
+            json.dumps({"rep": n, "object": {"yaw_deg": x}}) + "\n" for n, x in enumerate(WRAPPED)
+        )
+    )
     assert is_own(path)
     told = {"theta0": "object_yaw_deg"}
-    assert wrapped(orientations(tmp_path, path, told)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+    assert wrapped(orientations(tmp_path, path, told)) == pytest.approx(
+        wrapped(THETA_DEG[:-1]), abs=1e-4
+    )
     push = tmp_path / "push.json"
     push.write_text(json.dumps({"object_pose": [], "tip_pose": [], "ft_wrench": []}))
     assert not is_own(push)
@@ -351,8 +448,15 @@ def test_what_may_be_turns_or_radians_and_a_stream_taken_for_pushes_is_refused(t
     path = tmp_path / "log.csv"
     path.write_text("yaw\n" + "".join(f"{x / 360.0}\n" for x in WRAPPED))
     refused(read_own_table, path, told="are these turns, or radians")
-    assert wrapped(orientations(tmp_path, path, units=["turns"])) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
+    assert wrapped(orientations(tmp_path, path, units=["turns"])) == pytest.approx(
+        wrapped(THETA_DEG[:-1]), abs=1e-4
+    )
     t, x, theta = stream()
     pandas.DataFrame({"stamp": t, "x": x, "alpha_deg": theta}).to_csv(path, index=False)
     refused(read_own_table, path, told="--columns theta=NAME")
-    refused(read_own_table, path, {"theta0": "alpha_deg"}, told="say --columns theta=alpha_deg in place of theta0")
+    refused(
+        read_own_table,
+        path,
+        {"theta0": "alpha_deg"},
+        told="say --columns theta=alpha_deg in place of theta0",
+    )

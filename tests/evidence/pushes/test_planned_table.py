@@ -1,4 +1,6 @@
-"""A table of planned pushes comes back as it was filled in, by corners or by poses, in CSV or Excel."""
+"""A table of planned pushes comes back as it was filled in, by corners or by poses, in CSV or
+Excel.
+"""
 
 import io
 import math
@@ -31,7 +33,8 @@ LOOP = cm.CollectionLoop.mit("isotropic", slider=PLATE)
 READ = (2e-3, math.radians(1.5))
 PUSHES = candidate_pushes(LOOP, 5, math.radians(15.0), 0.15, 3)
 STATES = [
-    (one.start, Pose(0.03, -0.02, one.start.theta + 0.7), Pose(0.01, 0.04, one.start.theta - 0.3)) for one in PUSHES
+    (one.start, Pose(0.03, -0.02, one.start.theta + 0.7), Pose(0.01, 0.04, one.start.theta - 0.3))
+    for one in PUSHES
 ]
 
 
@@ -47,7 +50,10 @@ def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool =
                 told = [1e3 * part for mark in marks_of(PLATE) for part in pose.to_world(*mark)]
                 names = mark_columns(state)
             else:
-                told, names = [1e3 * pose.x, 1e3 * pose.y, math.degrees(pose.theta) % 360.0], pose_columns(state)
+                told, names = (
+                    [1e3 * pose.x, 1e3 * pose.y, math.degrees(pose.theta) % 360.0],
+                    pose_columns(state),
+                )
             for name, value in zip(names, told, strict=True):
                 frame.loc[number, name] = round(value, 3)
     path = folder / f"plan.{'xlsx' if excel else 'csv'}"
@@ -61,13 +67,21 @@ def as_read(path: Path) -> pd.DataFrame:
 
 
 @pytest.mark.parametrize(("by", "excel"), [("corners", False), ("pose", False), ("corners", True)])
-def test_poses_and_rods_come_back_whichever_way_they_were_measured(tmp_path: Path, by: str, excel: bool) -> None:
+def test_poses_and_rods_come_back_whichever_way_they_were_measured(
+    tmp_path: Path, by: str, excel: bool
+) -> None:
     if excel:
         pytest.importorskip("openpyxl")
     table = as_read(filled(tmp_path, by, excel=excel))
-    assert len(table) == len(PUSHES) and (table["error_mm"] == 2.0).all() and (table["frames_agree"] == 1).all()
+    assert (
+        len(table) == len(PUSHES)
+        and (table["error_mm"] == 2.0).all()
+        and (table["frames_agree"] == 1).all()
+    )
     for row, poses, planned in zip(table.to_dict("records"), STATES, PUSHES, strict=True):
-        for names, pose in zip((("x0", "y0", "th0"), ("x1", "y1", "th1"), ("x0n", "y0n", "th0n")), poses, strict=True):
+        for names, pose in zip(
+            (("x0", "y0", "th0"), ("x1", "y1", "th1"), ("x0n", "y0n", "th0n")), poses, strict=True
+        ):
             x, y, theta = (row[name] for name in names)
             assert (x, y) == pytest.approx((pose.x, pose.y), abs=5e-6)
             assert math.remainder(theta - pose.theta, 2.0 * math.pi) == pytest.approx(0.0, abs=1e-4)
@@ -101,15 +115,24 @@ def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None
     frame = pd.read_csv(path)
     frame.loc[2, ["a_x1_mm", "a_y1_mm"]] = frame.loc[2, ["b_x1_mm", "b_y1_mm"]].to_numpy()
     frame.to_csv(path, index=False)
-    refused(filled_text, path, told="push 3: after the push marks a and b are .* mm apart", kind=DataFileError)
+    refused(
+        filled_text,
+        path,
+        told="push 3: after the push marks a and b are .* mm apart",
+        kind=DataFileError,
+    )
     frame.loc[2, "a_x1_mm"] = math.nan
     frame.to_csv(path, index=False)
-    refused(filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError)
+    refused(
+        filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError
+    )
     frame.drop(columns="way_x").to_csv(path, index=False)
     assert not is_planned(path)
 
 
-def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(tmp_path: Path) -> None:
+def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(
+    tmp_path: Path,
+) -> None:
     path = filled(tmp_path)
     frame = pd.read_csv(path)
     end = STATES[3][1]
@@ -119,7 +142,12 @@ def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(
     # A turn by 30 degrees moves a mark that is 50 mm and more from the middle by 26 mm and more.
     frame.loc[3, "theta1_deg"] += 30.0
     frame.to_csv(path, index=False)
-    refused(filled_text, path, told="push 4: after the push marks and pose contradict .* mm", kind=DataFileError)
+    refused(
+        filled_text,
+        path,
+        told="push 4: after the push marks and pose contradict .* mm",
+        kind=DataFileError,
+    )
 
 
 def test_swapped_marks_are_warned_of_and_turned_objects_are_not(tmp_path: Path) -> None:
@@ -132,7 +160,10 @@ def test_swapped_marks_are_warned_of_and_turned_objects_are_not(tmp_path: Path) 
     }
     frame = pd.read_csv(path)
     frame.rename(columns=names).to_csv(path, index=False)
-    with pytest.warns(DoubtfulInput, match="push 1: the object lay half a turn .* in 5 of 5 pushes: if marks a and b"):
+    with pytest.warns(
+        DoubtfulInput,
+        match="push 1: the object lay half a turn .* in 5 of 5 pushes: if marks a and b",
+    ):
         filled_text(path)
     # A robot's frame may be turned against the room's: its poses are believed.
     path = filled(tmp_path, "pose")
@@ -150,7 +181,13 @@ def test_a_push_that_is_read_twice_is_refused(tmp_path: Path, copies: int, rows:
     paths = [tmp_path / f"read{number}.csv" for number in range(copies)]
     for copy in paths:
         copy.write_text(filled_text(path)[0])
-    refused(collected_blocks, paths, LOOP, told="the push of .* again, all readings the same", kind=DataFileError)
+    refused(
+        collected_blocks,
+        paths,
+        LOOP,
+        told="the push of .* again, all readings the same",
+        kind=DataFileError,
+    )
 
 
 @pytest.mark.parametrize(
@@ -174,29 +211,40 @@ def test_what_was_planned_and_is_lost_is_refused_with_push_and_column(
     refused(filled_text, path, told=words, kind=DataFileError)
 
 
-def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(tmp_path: Path) -> None:
+def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(
+    tmp_path: Path,
+) -> None:
     path = filled(tmp_path, "pose")
     frame = pd.read_csv(path)
     frame[["rod_x0_mm", "rod_y0_mm", "rod_x1_mm", "rod_y1_mm"]] = (10.0, 20.0, 30.0, 45.0)
     frame.to_csv(path, index=False)
     table = as_read(path)
-    assert np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045)) and "frames_agree" not in table.columns
+    assert (
+        np.allclose(table[["tip_x0", "tip_y1"]], (0.01, 0.045))
+        and "frames_agree" not in table.columns
+    )
     # A row that was added by hand needs nothing that was planned.
     frame.loc[1, ["push_mm", "rod_x_mm", "way_x", "mark_a_x_mm"]] = math.nan
     frame.to_csv(path, index=False)
     assert len(as_read(path)) == len(PUSHES)
 
 
-def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift(tmp_path: Path) -> None:
+def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "read.csv"
     path.write_text(filled_text(filled(tmp_path))[0])
     data = collected_blocks([path], LOOP)
     along, _, turned, dragged = push_noise(READ, by_hand=True)
     sizes = {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
     assert data.noise == pytest.approx(sizes)
-    assert not {name for block in data.blocks for name in block.parameters if name.startswith("tip_offset")}
+    assert not {
+        name for block in data.blocks for name in block.parameters if name.startswith("tip_offset")
+    }
     table = pd.read_csv(path).drop(columns=["error_mm", "error_deg", "frames_agree"])
     table.to_csv(tmp_path / "plain.csv", index=False)
     plain = collected_blocks([tmp_path / "plain.csv"], LOOP)
     assert plain.noise == {}
-    assert {name for block in plain.blocks for name in block.parameters if name.startswith("tip_offset")}
+    assert {
+        name for block in plain.blocks for name in block.parameters if name.startswith("tip_offset")
+    }

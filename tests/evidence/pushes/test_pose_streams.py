@@ -1,4 +1,6 @@
-"""Streams of poses: pushes are found by where the ring is at rest, whatever noise, pauses and lost rows there are."""
+"""Streams of poses: pushes are found by where the ring is at rest, whatever noise, pauses and lost
+rows there are.
+"""
 
 import math
 from itertools import pairwise
@@ -17,15 +19,21 @@ pytest.importorskip("pandas")
 
 
 def made(tmp_path, noise_mm, convention="ours", seed=3):
-    """A stream of 72 cycles with pauses of 2.5 s in two pushes and three rows in a hundred lost, and what it holds."""
-    table = foreign_tables.Foreign("made", foreign_tables.stream, ".csv", convention, noise_mm, True, seed)
+    """A stream of 72 cycles with pauses of 2.5 s in two pushes and three rows in a hundred lost,
+    and what it holds.
+    """
+    table = foreign_tables.Foreign(
+        "made", foreign_tables.stream, ".csv", convention, noise_mm, True, seed
+    )
     return table, table.made(tmp_path, with_collection=False)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise_mm", [0.0, 0.3, 1.0])
 def test_pushes_are_told_from_drags_through_noise_pauses_and_lost_rows(tmp_path, noise_mm) -> None:
-    """Every push that is given is one that happened, and follows the one before it where it says so."""
+    """Every push that is given is one that happened, and follows the one before it where it says
+    so.
+    """
     table, path = made(tmp_path, noise_mm)
     found = read_own_table(path)
     assert agrees(found.columns, table)
@@ -57,7 +65,12 @@ def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_p
         rows += [now] * 40 + [now + share * (later - now) for share in np.linspace(0.0, 1.0, 60)]
         now = later
     table = np.array(rows)
-    stream = {"t": np.arange(len(table)) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    stream = {
+        "t": np.arange(len(table)) / 30.0,
+        "x": table[:, 0],
+        "y": table[:, 1],
+        "theta": table[:, 2],
+    }
     with pytest.raises(UnclearStream, match="give a column episode") as caught:
         cut_stream(tmp_path / "walk.csv", stream)
     from cyclemap.views.stream_page import stream_page
@@ -66,21 +79,36 @@ def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_p
 
 
 def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path) -> None:
-    """Pushes that are alike, and a gripper that brings the object anywhere between them: two kinds in turn."""
+    """Pushes that are alike, and a gripper that brings the object anywhere between them: two kinds
+    in turn.
+    """
     rows, now = [], np.array([0.0, 0.0, 0.2])
     marks = [now]
     for number in range(10):
         c, s = math.cos(now[2]), math.sin(now[2])
         pushed = now + np.array([0.05 * c, 0.05 * s, 1.0])
-        now = np.array([0.03 * math.sin(7.0 * number), 0.02 * number, pushed[2] - 1.4 + 0.1 * math.cos(5.0 * number)])
+        now = np.array(
+            [
+                0.03 * math.sin(7.0 * number),
+                0.02 * number,
+                pushed[2] - 1.4 + 0.1 * math.cos(5.0 * number),
+            ]
+        )
         marks += [pushed, now]
     for a, b in pairwise(marks):
         rows += [a] * 40 + [a + share * (b - a) for share in np.linspace(0.0, 1.0, 60)]
     table = np.array(rows + [now] * 40)
-    stream = {"t": np.arange(len(table)) / 30.0, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    stream = {
+        "t": np.arange(len(table)) / 30.0,
+        "x": table[:, 0],
+        "y": table[:, 1],
+        "theta": table[:, 2],
+    }
     columns, seen = cut_stream(tmp_path / "gripper.csv", stream)
     turned = columns["theta1"] - columns["theta0"]
-    assert turned == pytest.approx(1.0, abs=0.02) and len(turned) == 10 and "two kinds" in seen.words
+    assert (
+        turned == pytest.approx(1.0, abs=0.02) and len(turned) == 10 and "two kinds" in seen.words
+    )
 
 
 def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
@@ -92,8 +120,11 @@ def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("noise_mm", "pauses"), [(0.0, ()), (0.3, (1, 11, 12)), (1.0, (5,))])
-def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(tmp_path, noise_mm, pauses) -> None:
-    """Two poses again and again: a pause within a push does not make drags of all that follow it."""
+def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(
+    tmp_path, noise_mm, pauses
+) -> None:
+    """Two poses again and again: a pause within a push does not make drags of all
+    that follow it."""
     loop, rng = cm.CollectionLoop.mit("plywood", accuracy=1e-6), np.random.default_rng(7)
     theta, frames, starts, rate = 1.0, [], [], 30.0
     for number in range(30):
@@ -103,16 +134,29 @@ def test_pushes_of_a_collection_that_locked_in_are_told_through_pauses(tmp_path,
         a, b, c = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
         share = np.linspace(0.0, 1.0, int(7.5 * rate))
         if number in pauses:
-            share = np.concatenate([share[share < 0.4], np.full(int(2.5 * rate), 0.4), share[share >= 0.4]])
+            share = np.concatenate(
+                [share[share < 0.4], np.full(int(2.5 * rate), 0.4), share[share >= 0.4]]
+            )
         back = np.linspace(0.0, 1.0, int(5.0 * rate))
         still = int(rate * rng.uniform(0.8, 1.6))
-        frames += [np.repeat(a[None], still, axis=0), a + share[:, None] * (b - a), np.repeat(b[None], still, axis=0)]
+        frames += [
+            np.repeat(a[None], still, axis=0),
+            a + share[:, None] * (b - a),
+            np.repeat(b[None], still, axis=0),
+        ]
         frames.append(b + back[:, None] * (c - b))
         starts.append(theta)
         theta = later
     table = np.concatenate([*frames, np.repeat(c[None], 40, axis=0)])
-    table = table + noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.standard_normal(table.shape)
-    stream = {"t": np.arange(len(table)) / rate, "x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    table = table + noise_mm * np.array([1e-3, 1e-3, math.radians(1.0)]) * rng.standard_normal(
+        table.shape
+    )
+    stream = {
+        "t": np.arange(len(table)) / rate,
+        "x": table[:, 0],
+        "y": table[:, 1],
+        "theta": table[:, 2],
+    }
     columns, _ = cut_stream(tmp_path / "locked.csv", stream)
     assert columns["theta0"] == pytest.approx(starts, abs=0.01 + 0.03 * noise_mm)
     assert np.degrees(columns["theta1"] - columns["theta0"]).min() > 60.0

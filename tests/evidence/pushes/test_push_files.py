@@ -1,4 +1,5 @@
-"""Files of the MIT layout are read as they are, refused where they are damaged, and written whole."""
+"""Files of the MIT layout are read as they are, refused where they are damaged,
+and written whole."""
 
 import json
 import os
@@ -15,7 +16,12 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file, write_push_file
+from cyclemap.evidence.pushes.push_files import (
+    PushRecord,
+    ScanRecord,
+    read_push_file,
+    write_push_file,
+)
 from cyclemap.mechanics.slider import Slider
 
 RECT1 = Slider.mit("rect1").outline_points()
@@ -32,7 +38,9 @@ def refusal(path: Path) -> str:
 def test_motion_is_that_of_the_object_in_its_initial_frame_and_whole_turns_count(turn) -> None:
     push = PushRecord(**made_push(start=(0.3, 0.1, -2.5), moved=(0.03, -0.09), turn=turn))
     assert push.displacement == pytest.approx((0.03, -0.09), abs=1e-12)
-    assert push.turn == pytest.approx(turn, abs=1e-9) and push.end[2] == pytest.approx(-2.5 + turn, abs=1e-9)
+    assert push.turn == pytest.approx(turn, abs=1e-9) and push.end[2] == pytest.approx(
+        -2.5 + turn, abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.12, -0.3])
@@ -69,13 +77,21 @@ def test_without_contact_there_is_no_force_ratio() -> None:
 
 @pytest.mark.parametrize("degrees", [0, 75, 210, 333])
 def test_a_scan_gives_the_force_along_and_across_its_motion(tmp_path, degrees) -> None:
-    scan = read_push_file(write(tmp_path / f"{SCAN_NAME}.h5", made_scan(np.deg2rad(degrees), 2.0, -0.3)))
-    assert isinstance(scan, ScanRecord) and scan_forces(scan) == pytest.approx((2.0, -0.3), abs=1e-9)
+    scan = read_push_file(
+        write(tmp_path / f"{SCAN_NAME}.h5", made_scan(np.deg2rad(degrees), 2.0, -0.3))
+    )
+    assert isinstance(scan, ScanRecord) and scan_forces(scan) == pytest.approx(
+        (2.0, -0.3), abs=1e-9
+    )
 
 
 def test_a_scan_is_known_by_its_name_or_by_its_tables(tmp_path) -> None:
     scan = made_scan()
-    as_push = {"tip_pose": scan["tip_array"], "ft_wrench": scan["ft_wrench"], "object_pose": scan["tip_array"]}
+    as_push = {
+        "tip_pose": scan["tip_array"],
+        "ft_wrench": scan["ft_wrench"],
+        "object_pose": scan["tip_array"],
+    }
     assert isinstance(read_push_file(write(tmp_path / "any.h5", scan)), ScanRecord)
     assert isinstance(read_push_file(write(tmp_path / f"{SCAN_NAME}.h5", as_push)), ScanRecord)
     assert isinstance(read_push_file(write(tmp_path / "any2.h5", as_push)), PushRecord)
@@ -96,16 +112,25 @@ def put(row, column, value):
 
 
 BAD_TABLES = [
-    (lambda: {k: v for k, v in made_push().items() if k != "tip_pose"}, "table tip_pose is missing; the file has ft_"),
+    (
+        lambda: {k: v for k, v in made_push().items() if k != "tip_pose"},
+        "table tip_pose is missing; the file has ft_",
+    ),
     (lambda: {}, "table object_pose, tip_pose, ft_wrench is missing; the file has none"),
     (lambda: changed("tip_pose", lambda rows: rows[:, :3]), "4 columns"),
     (lambda: changed("ft_wrench", lambda rows: rows.ravel()), "4 columns"),
     (lambda: changed("object_pose", lambda rows: rows[:1]), r"object_pose has shape \(1, 4\)"),
     (lambda: changed("object_pose", put(7, 2, np.nan)), "object_pose, row 7, column 2 is nan"),
     (lambda: changed("ft_wrench", put(3, 1, -np.inf)), "ft_wrench, row 3, column 1 is -inf"),
-    (lambda: changed("tip_pose", put(5, 0, 9e8)), "tip_pose: the clock runs backwards by 1e[+]08 s behind row 4"),
+    (
+        lambda: changed("tip_pose", put(5, 0, 9e8)),
+        "tip_pose: the clock runs backwards by 1e[+]08 s behind row 4",
+    ),
     (lambda: changed("tip_pose", lambda rows: rows[::-1]), "tip_pose: the clock runs backwards"),
-    (lambda: changed("object_pose", put(0, 1, 350.0)), "column 1 is 350; it must be a number within 100 .SI units"),
+    (
+        lambda: changed("object_pose", put(0, 1, 350.0)),
+        "column 1 is 350; it must be a number within 100 .SI units",
+    ),
     (lambda: changed("object_pose", lambda rows: rows.astype(str).astype(object)), "number"),
 ]
 
@@ -113,7 +138,9 @@ BAD_TABLES = [
 @pytest.mark.parametrize("suffix", ["h5", "json"])
 @pytest.mark.parametrize(("tables", "said"), BAD_TABLES)
 def test_bad_tables_are_refused_with_the_reason(tmp_path, suffix, tables, said) -> None:
-    refused(read_push_file, write(tmp_path / f"bad.{suffix}", tables()), told=said, kind=DataFileError)
+    refused(
+        read_push_file, write(tmp_path / f"bad.{suffix}", tables()), told=said, kind=DataFileError
+    )
 
 
 @pytest.mark.parametrize(
@@ -126,7 +153,10 @@ def test_bad_tables_are_refused_with_the_reason(tmp_path, suffix, tables, said) 
         (b"\xff\xfe\x00", "not JSON"),
         (b"[" * 100_000, "nested too deeply"),
         (b'{"object_pose": ' + b"9" * 5000 + b"}", "not JSON that can be used"),
-        (b'{"object_pose": [[0,0,0,0],[1,0,0]], "tip_pose": 1, "ft_wrench": 1}', "rows of different lengths"),
+        (
+            b'{"object_pose": [[0,0,0,0],[1,0,0]], "tip_pose": 1, "ft_wrench": 1}',
+            "rows of different lengths",
+        ),
         (b'{"object_pose": [[0,0,0,null]], "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
         (b'{"object_pose": [[0,0,0,"1"]], "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
         (b'{"object_pose": {"a": 1}, "tip_pose": 1, "ft_wrench": 1}', "other than numbers"),
@@ -140,7 +170,11 @@ def test_bad_json_is_refused(tmp_path, text, said) -> None:
 
 def test_a_header_that_claims_gigabytes_is_refused_before_anything_is_read(tmp_path) -> None:
     large, small = {"shape": (2**26, 4)}, {"shape": (10, 4), "maxshape": (None, 4)}
-    kinds = {"chunked": large | {"chunks": (1000, 4)}, "packed": large | {"compression": "gzip"}, "plain": large}
+    kinds = {
+        "chunked": large | {"chunks": (1000, 4)},
+        "packed": large | {"compression": "gzip"},
+        "plain": large,
+    }
     for name, options in {**kinds, "chunk": small | {"chunks": (2**26, 4)}}.items():
         path = tmp_path / f"{name}.h5"
         with h5py.File(path, "w") as file:
@@ -156,11 +190,22 @@ def table(file: h5py.File, rows: int = 60, **options) -> h5py.Dataset:
 @pytest.mark.parametrize(
     ("put", "said"),
     [
-        (lambda file, _: table(file, chunks=(20, 4)), "object_pose has rows that are not in the file"),
-        (lambda file, _: table(file, chunks=(20, 4)).write_direct(np.ones((20, 4)), None, np.s_[40:]), "has rows"),
+        (
+            lambda file, _: table(file, chunks=(20, 4)),
+            "object_pose has rows that are not in the file",
+        ),
+        (
+            lambda file, _: table(file, chunks=(20, 4)).write_direct(
+                np.ones((20, 4)), None, np.s_[40:]
+            ),
+            "has rows",
+        ),
         (lambda file, other: table(file, 2, external=[(other, 0, 64)]), "no table"),
         (lambda file, _: file.create_group("object_pose"), "no table"),
-        (lambda file, other: file.update(object_pose=h5py.ExternalLink(other, "object_pose")), "a link to elsewhere"),
+        (
+            lambda file, other: file.update(object_pose=h5py.ExternalLink(other, "object_pose")),
+            "a link to elsewhere",
+        ),
     ],
 )
 def test_a_table_that_is_not_wholly_in_the_file_is_refused(tmp_path, put, said) -> None:
@@ -189,15 +234,21 @@ def open_files() -> int:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("suffix", "options"), [("h5", {}), ("h5", {"compression": "gzip"}), ("json", {})], ids=["plain", "packed", "json"]
+    ("suffix", "options"),
+    [("h5", {}), ("h5", {"compression": "gzip"}), ("json", {})],
+    ids=["plain", "packed", "json"],
 )
-def test_damage_at_random_is_refused_or_loads_finite_poses_and_leaves_no_file_open(tmp_path, suffix, options) -> None:
+def test_damage_at_random_is_refused_or_loads_finite_poses_and_leaves_no_file_open(
+    tmp_path, suffix, options
+) -> None:
     whole = write(tmp_path / f"whole.{suffix}", made_push(samples=12), **options).read_bytes()
     path, before, outcome = tmp_path / f"{PUSH_NAME}.{suffix}", open_files(), {True: 0, False: 0}
     for seed in range(500):
         chance, damaged = random.Random(seed), bytearray(whole)
         for _ in range(chance.choice([1, 2, 8])):
-            damaged[chance.randrange(len(damaged))] = chance.choice([0, 255, *b"059", chance.randrange(256)])
+            damaged[chance.randrange(len(damaged))] = chance.choice(
+                [0, 255, *b"059", chance.randrange(256)]
+            )
         path.write_bytes(damaged[: chance.choice([len(damaged), chance.randrange(len(damaged))])])
         try:
             push = read_push_file(path)
@@ -218,9 +269,14 @@ PUSH, SCAN = PushRecord(**made_push()), ScanRecord(*made_scan().values())
 @pytest.mark.parametrize("suffix", [".h5", ".hdf5", ".json", ".H5"])
 @pytest.mark.parametrize(
     ("name", "record", "tables"),
-    [(PUSH_NAME, PUSH, ("object_pose", "tip_pose", "ft_wrench")), (SCAN_NAME, SCAN, ("tip", "ft_wrench"))],
+    [
+        (PUSH_NAME, PUSH, ("object_pose", "tip_pose", "ft_wrench")),
+        (SCAN_NAME, SCAN, ("tip", "ft_wrench")),
+    ],
 )
-def test_what_is_written_is_read_back_to_the_last_bit(tmp_path, name, record, tables, suffix) -> None:
+def test_what_is_written_is_read_back_to_the_last_bit(
+    tmp_path, name, record, tables, suffix
+) -> None:
     path = tmp_path / "new" / f"{name}{suffix}"
     size = write_push_file(path, record)
     assert size == path.stat().st_size > 0
@@ -254,14 +310,25 @@ def test_what_cannot_be_written_is_told_by_name(tmp_path) -> None:
 
 @pytest.mark.parametrize("suffix", [".h5", ".json"])
 def test_a_disk_that_is_full_leaves_the_old_file_and_nothing_else(tmp_path, suffix) -> None:
-    """The system itself refuses to write beyond a limit: as a full disk does, in the middle of the file."""
+    """The system itself refuses to write beyond a limit: as a full disk does, in the middle of the
+    file.
+    """
     path = tmp_path / f"push{suffix}"
     write_push_file(path, PUSH)
     before = path.read_bytes()
-    limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    limits, handler = (
+        resource.getrlimit(resource.RLIMIT_FSIZE),
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN),
+    )
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(before) // 2, limits[1]))
     try:
-        refused(write_push_file, path, PUSH, told=r"cannot be written .*nothing was left half-written", kind=OSError)
+        refused(
+            write_push_file,
+            path,
+            PUSH,
+            told=r"cannot be written .*nothing was left half-written",
+            kind=OSError,
+        )
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         signal.signal(signal.SIGXFSZ, handler)

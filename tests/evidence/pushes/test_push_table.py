@@ -1,4 +1,5 @@
-"""Pushes of files, folders and CSV tables become one table, and what is wrong with a file is told."""
+"""Pushes of files, folders and CSV tables become one table,
+and what is wrong with a file is told."""
 
 import os
 from pathlib import Path
@@ -9,7 +10,12 @@ from made_pushes import PUSH_NAME, made_push, turned, write
 from refusals import refused
 
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.pushes.push_table import PUSH_COLUMNS, SCAN_COLUMNS, load_pushes, read_push_csv
+from cyclemap.evidence.pushes.push_table import (
+    PUSH_COLUMNS,
+    SCAN_COLUMNS,
+    load_pushes,
+    read_push_csv,
+)
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 from cyclemap.text_files import read_csv_table
 
@@ -36,14 +42,19 @@ def test_poses_give_the_motion_in_the_initial_frame_and_the_shorter_turn(tmp_pat
 
 def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
     for number in range(3):
-        write(tmp_path / "h5" / f"{PUSH_NAME}_rep={number:04d}.h5", made_push((0.3, 0.1, 0.4 * number), turn=8.0))
+        write(
+            tmp_path / "h5" / f"{PUSH_NAME}_rep={number:04d}.h5",
+            made_push((0.3, 0.1, 0.4 * number), turn=8.0),
+        )
     table = load_pushes(tmp_path / "h5").table
     table.to_csv(tmp_path / "pushes.csv", index=False)
     again = load_pushes(tmp_path / "pushes.csv").table
     kept = [name for name in table.columns if name not in ("path", "samples")]
     assert len(again) == 3 and again["dtheta"].min() > 7.9
     for name in kept[2:]:
-        assert again[name].to_numpy() == pytest.approx(table[name].to_numpy(), abs=1e-12, nan_ok=True)
+        assert again[name].to_numpy() == pytest.approx(
+            table[name].to_numpy(), abs=1e-12, nan_ok=True
+        )
     assert again[kept[:2]].equals(table[kept[:2]])
 
 
@@ -52,8 +63,14 @@ def test_a_table_written_to_csv_is_read_back_as_it_was(tmp_path) -> None:
     [
         (f"{POSES}\n0,0,0,0,0,left\n", "line 2: theta1 is 'left'"),
         (f"{POSES}\n0,0,0,0,0,0\n0,0,nan,0,0,0\n", "line 3: theta0 is 'nan'"),
-        (f"{POSES}\n0,0,0,,0,0\n", "line 2: x1 is ''; it must be a number, and 1 of 1 rows lack one"),
-        (f"{POSES}\n350,0,0,0,0,0\n", "line 2: x0 is 350; it must be a number within 100 .SI units"),
+        (
+            f"{POSES}\n0,0,0,,0,0\n",
+            "line 2: x1 is ''; it must be a number, and 1 of 1 rows lack one",
+        ),
+        (
+            f"{POSES}\n350,0,0,0,0,0\n",
+            "line 2: x0 is 350; it must be a number within 100 .SI units",
+        ),
         (f"speed,{POSES}\nfast,0,0,0,0,0,0\n", "line 2: speed is 'fast'"),
         (f"{POSES}\n0,0,0\n", "line 2: 3 of 6 fields"),
         ("when,what\n1,2\n", "line 1: the header is when,what"),
@@ -65,24 +82,38 @@ def test_a_bad_table_is_refused_by_line_and_reported(tmp_path, text, said) -> No
     refused(read_push_csv, path, told=said, kind=DataFileError)
     loaded = load_pushes(tmp_path)
     assert tuple(loaded.table.columns) == PUSH_COLUMNS and loaded.table.empty and loaded.scans.empty
-    assert [entry.path for entry in loaded.unreadable] == [path] and str(tmp_path) not in loaded.unreadable[0].reason
+    assert [entry.path for entry in loaded.unreadable] == [path] and str(
+        tmp_path
+    ) not in loaded.unreadable[0].reason
 
 
 def test_measured_plywood_gives_the_pairs_of_its_staircase_in_order(measured_data: Path) -> None:
     path = measured_data / "plywood_rect1_theta0_2000.csv"
     table, pairs = load_pushes(path).table, read_theta0_pairs(path)
     assert len(table) == 1996
-    assert np.array_equal(table["theta0"], pairs.theta) and np.array_equal(table["theta_next"], pairs.theta_next)
-    assert set(range(2000)) - set(table["repetition"]) == {0, 1252, 1391, 1999} and table["dtheta"].isna().all()
+    assert np.array_equal(table["theta0"], pairs.theta) and np.array_equal(
+        table["theta_next"], pairs.theta_next
+    )
+    assert (
+        set(range(2000)) - set(table["repetition"]) == {0, 1252, 1391, 1999}
+        and table["dtheta"].isna().all()
+    )
 
 
 @pytest.mark.slow
-def test_the_tree_of_measured_data_loads_whole_and_names_the_table_that_holds_no_pushes(measured_data: Path) -> None:
+def test_the_tree_of_measured_data_loads_whole_and_names_the_table_that_holds_no_pushes(
+    measured_data: Path,
+) -> None:
     loaded = load_pushes(measured_data)
     assert [entry.path.name for entry in loaded.unreadable] == ["mit_rect1_wrench_twist_v10.csv"]
     assert len(loaded.table) == 91 + 3492 + 1908 + 4718 + 217 + 1119 + 1996
     ends = loaded.table[loaded.table["path"].str.endswith("endpoints_v10.csv")]
-    assert len(ends) == 3492 and sorted(ends["object"].unique()) == ["ellip1", "hex", "rect1", "rect2"]
+    assert len(ends) == 3492 and sorted(ends["object"].unique()) == [
+        "ellip1",
+        "hex",
+        "rect1",
+        "rect2",
+    ]
     assert ends["speed"].unique() == pytest.approx([0.01])
     # Pushes of 50 mm: none moves an object farther than the rod goes, give or take the measurement.
     assert np.hypot(ends["dx"], ends["dy"]).max() < 0.055
@@ -98,26 +129,39 @@ def test_measured_drag_backs_turn_the_object_as_their_own_column_says(measured_d
 
 def repeated(folder: Path, starts: dict[int, float], turn: float = 1.2) -> None:
     for number, start in starts.items():
-        write(folder / f"{PUSH_NAME}_rep={number:04d}.h5", made_push(start=(0.35, -0.03, start), turn=turn))
+        write(
+            folder / f"{PUSH_NAME}_rep={number:04d}.h5",
+            made_push(start=(0.35, -0.03, start), turn=turn),
+        )
 
 
 def test_a_row_holds_the_facts_of_the_name_and_the_motion_of_the_series(tmp_path) -> None:
-    path = write(tmp_path / f"{PUSH_NAME}_rep=0007.h5", made_push((0.3, 0.1, 3.0), (0.03, -0.09), 1.2, 0.12, 50))
+    path = write(
+        tmp_path / f"{PUSH_NAME}_rep=0007.h5",
+        made_push((0.3, 0.1, 3.0), (0.03, -0.09), 1.2, 0.12, 50),
+    )
     loaded = load_pushes(path)
-    assert tuple(loaded.table.columns) == PUSH_COLUMNS and tuple(loaded.scans.columns) == SCAN_COLUMNS
+    assert (
+        tuple(loaded.table.columns) == PUSH_COLUMNS and tuple(loaded.scans.columns) == SCAN_COLUMNS
+    )
     assert (len(loaded.table), len(loaded.scans), loaded.unreadable) == (1, 0, ())
     row = loaded.table.iloc[0]
     assert (row.surface, row.object, row.path, row.samples) == ("plywood", "rect1", str(path), 50)
     facts = ["acceleration", "speed", "side", "fraction", "angle", "repetition"]
     assert row[facts].tolist() == [0.0, 0.02, 0.0, 0.7, 0.0, 7.0]
     assert row[["x0", "y0", "theta0", "theta1"]].tolist() == pytest.approx([0.3, 0.1, 3.0, 4.2])
-    assert row[["dx", "dy", "dtheta", "force_ratio"]].tolist() == pytest.approx([0.03, -0.09, 1.2, 0.12])
-    assert [row.x1, row.y1] == pytest.approx((np.array([0.3, 0.1]) + turned(3.0, [0.03, -0.09])).tolist())
+    assert row[["dx", "dy", "dtheta", "force_ratio"]].tolist() == pytest.approx(
+        [0.03, -0.09, 1.2, 0.12]
+    )
+    assert [row.x1, row.y1] == pytest.approx(
+        (np.array([0.3, 0.1]) + turned(3.0, [0.03, -0.09])).tolist()
+    )
     assert np.isnan(row.theta_next)
 
 
 def test_the_next_start_is_that_of_the_next_repetition_on_the_lift(tmp_path) -> None:
-    # Each cycle turns the object by 0.5: the starts climb past half a turn, where recorded angles wrap.
+    # Each cycle turns the object by 0.5: the starts climb past half a turn, where recorded angles
+    # wrap.
     repeated(tmp_path, {number: 2.0 + 0.5 * number for number in range(6)})
     table = load_pushes(tmp_path).table
     assert table["repetition"].tolist() == [0, 1, 2, 3, 4, 5]
@@ -126,7 +170,9 @@ def test_the_next_start_is_that_of_the_next_repetition_on_the_lift(tmp_path) -> 
     assert table["theta0"].max() <= np.pi < table["theta_next"].max()
 
 
-def test_no_successor_is_found_across_a_gap_another_set_or_folder_or_a_file_that_cannot_be_read(tmp_path) -> None:
+def test_no_successor_is_found_across_a_gap_another_set_or_folder_or_a_file_that_cannot_be_read(
+    tmp_path,
+) -> None:
     repeated(tmp_path / "plywood", {0: 0.0, 2: 0.1})
     repeated(tmp_path / "other", {1: 0.2, 3: 0.3})
     write(tmp_path / "plywood" / f"{PUSH_NAME.replace('v=20', 'v=50')}_rep=0001.h5", made_push())
@@ -135,12 +181,18 @@ def test_no_successor_is_found_across_a_gap_another_set_or_folder_or_a_file_that
     repeated(tmp_path / "cut", dict.fromkeys(range(4), 0.3))
     (tmp_path / "cut" / f"{PUSH_NAME}_rep=0002.h5").write_bytes(b"cut")
     loaded = load_pushes(tmp_path / "cut")
-    assert loaded.table["theta_next"].notna().tolist() == [True, False, False] and len(loaded.unreadable) == 1
+    assert (
+        loaded.table["theta_next"].notna().tolist() == [True, False, False]
+        and len(loaded.unreadable) == 1
+    )
 
 
 def test_rows_come_in_one_order_whatever_the_order_of_the_files(tmp_path) -> None:
     names = [
-        f"motion_surface={s}_shape={o}_a=0_v={v}_i=0.000_s=0.700_t=0.000" for s in "ba" for o in "dc" for v in (9, 10)
+        f"motion_surface={s}_shape={o}_a=0_v={v}_i=0.000_s=0.700_t=0.000"
+        for s in "ba"
+        for o in "dc"
+        for v in (9, 10)
     ]
     for place, name in enumerate(names):
         write(tmp_path / str(len(names) - place) / f"{name}.json", made_push())
@@ -152,12 +204,20 @@ def test_rows_come_in_one_order_whatever_the_order_of_the_files(tmp_path) -> Non
 def test_a_file_of_unknown_name_or_object_has_all_but_what_that_tells(tmp_path) -> None:
     row = load_pushes(write(tmp_path / "tuesday.json", made_push())).table.iloc[0]
     assert row[["dx", "dy", "dtheta"]].tolist() == pytest.approx([0.03, -0.09, 1.2])
-    assert row[["surface", "object", "speed", "side", "angle", "repetition", "force_ratio"]].isna().all()
-    row = load_pushes(write(tmp_path / f"{PUSH_NAME.replace('rect1', 'butter')}.h5", made_push())).table.iloc[0]
+    assert (
+        row[["surface", "object", "speed", "side", "angle", "repetition", "force_ratio"]]
+        .isna()
+        .all()
+    )
+    row = load_pushes(
+        write(tmp_path / f"{PUSH_NAME.replace('rect1', 'butter')}.h5", made_push())
+    ).table.iloc[0]
     assert row.object == "butter" and row.dtheta == pytest.approx(1.2) and np.isnan(row.force_ratio)
 
 
-def test_bad_files_and_closed_folders_are_named_with_their_reasons_and_the_rest_is_kept(tmp_path, monkeypatch) -> None:
+def test_bad_files_and_closed_folders_are_named_with_their_reasons_and_the_rest_is_kept(
+    tmp_path, monkeypatch
+) -> None:
     good, scandir = write(tmp_path / "set" / f"{PUSH_NAME}_rep=0000.h5", made_push()), os.scandir
     (tmp_path / "a-cut.h5").write_bytes(good.read_bytes()[:-1000])
     (tmp_path / "b-empty.json").touch()
@@ -175,8 +235,14 @@ def test_bad_files_and_closed_folders_are_named_with_their_reasons_and_the_rest_
     assert len(seen) == 3 and seen == sorted(seen) and seen[-1] == 1.0
     assert loaded.table["path"].tolist() == [str(good)]
     reasons = {entry.path.name: entry.reason for entry in loaded.unreadable}
-    said = {"a-cut.h5": "cut short or damaged", "b-empty.json": "empty", "closed": "entered (Permission denied)"}
-    assert reasons.keys() == said.keys() and all(words in reasons[name] for name, words in said.items())
+    said = {
+        "a-cut.h5": "cut short or damaged",
+        "b-empty.json": "empty",
+        "closed": "entered (Permission denied)",
+    }
+    assert reasons.keys() == said.keys() and all(
+        words in reasons[name] for name, words in said.items()
+    )
     assert not any(str(tmp_path) in reason for reason in reasons.values())
 
 
@@ -186,10 +252,14 @@ def test_a_place_without_push_files_is_refused_by_name(tmp_path) -> None:
     refused(load_pushes, tmp_path / "none", told="there is nothing there")
 
 
-def test_rows_without_a_pose_are_left_out_and_told_and_other_empty_fields_do_no_harm(tmp_path) -> None:
+def test_rows_without_a_pose_are_left_out_and_told_and_other_empty_fields_do_no_harm(
+    tmp_path,
+) -> None:
     rows = [f"0,0,{0.1 * n},0.03,-0.07,{0.1 * n + 1.2},{'' if n == 4 else 0.7}" for n in range(20)]
     rows[7], rows[11] = "nan,nan,nan,0.03,-0.07,1.2,0.7", "0,0,0.1,,,,0.7"
-    with pytest.warns(DoubtfulInput, match="2 of 20 rows left out for want of a pose, the first in line 9"):
+    with pytest.warns(
+        DoubtfulInput, match="2 of 20 rows left out for want of a pose, the first in line 9"
+    ):
         found = read_push_csv(csv(tmp_path, f"{POSES},fraction\n" + "\n".join(rows) + "\n"))
     assert len(found) == 18 and np.isnan(found[4]["fraction"])
 
@@ -197,4 +267,7 @@ def test_rows_without_a_pose_are_left_out_and_told_and_other_empty_fields_do_no_
 def test_places_in_millimetres_under_our_names_are_not_taken_for_metres(tmp_path) -> None:
     path = csv(tmp_path, f"{POSES}\n" + "".join(f"50,10,0.{n},80,-60,1.{n}\n" for n in range(10)))
     (bad,) = load_pushes(path).unreadable
-    assert "moves the object by 76.16 m: are its places in millimetres? Say so, --units mm" in bad.reason
+    assert (
+        "moves the object by 76.16 m: are its places in millimetres? Say so, --units mm"
+        in bad.reason
+    )

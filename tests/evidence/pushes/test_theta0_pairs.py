@@ -1,4 +1,6 @@
-"""Measured (θ0, next θ0) pairs: three layouts, every way in which a file can be wrong, and sums of known pairs."""
+"""Measured (θ0, next θ0) pairs: three layouts, every way in which a file can be wrong, and sums of
+known pairs.
+"""
 
 import pickle
 from pathlib import Path
@@ -10,7 +12,13 @@ from hypothesis import strategies as st
 from refusals import refused
 
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence import Theta0Pairs, angle_histogram, measured_overlay, read_theta0_pairs, turn_bins
+from cyclemap.evidence import (
+    Theta0Pairs,
+    angle_histogram,
+    measured_overlay,
+    read_theta0_pairs,
+    turn_bins,
+)
 
 HEADER = "rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n"
 STAIRCASE = (
@@ -34,10 +42,17 @@ def degrees(values):
     return np.rad2deg(values).round(9).tolist()
 
 
-def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path_with_their_numbers(csv) -> None:
+def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path_with_their_numbers(
+    csv,
+) -> None:
     pairs = read_theta0_pairs(csv(STAIRCASE))
     assert (degrees(pairs.theta), degrees(pairs.theta_next)) == ([330.0, 370.0], [370.0, 375.0])
-    assert degrees(pairs.turn) == [40.0, 5.0] and degrees(pairs.path) == [350.0, 330.0, 370.0, 375.0]
+    assert degrees(pairs.turn) == [40.0, 5.0] and degrees(pairs.path) == [
+        350.0,
+        330.0,
+        370.0,
+        375.0,
+    ]
     assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
     assert dict(pairs.dropped) == {"jump": 1}
     copy = pickle.loads(pickle.dumps(pairs))
@@ -45,7 +60,9 @@ def test_staircase_layout_keeps_unflagged_pairs_on_the_unwrapped_path_with_their
     assert np.array_equal(copy.theta, pairs.theta) and np.array_equal(copy.path, pairs.path)
 
 
-def test_a_missing_rep_makes_no_pair_and_breaks_no_path_and_a_path_without_neighbours_stays_whole(csv) -> None:
+def test_a_missing_rep_makes_no_pair_and_breaks_no_path_and_a_path_without_neighbours_stays_whole(
+    csv,
+) -> None:
     """What happened in cycles that were not recorded is unknown, and no sign of a move."""
     text = HEADER + "0,10.0,10.0,5.0,\n1,15.0,15.0,5.0,\n7,90.0,90.0,5.0,\n8,95.0,95.0,,\n"
     pairs = read_theta0_pairs(csv(text))
@@ -62,18 +79,31 @@ def test_two_columns_take_the_shorter_way_round(csv) -> None:
 
 
 def test_pairs_of_which_each_begins_where_the_one_before_ended_are_in_order(csv) -> None:
-    """They are what the single column of their beginnings and the last end is; one gap, and nothing is known."""
+    """They are what the single column of their beginnings and the last end is; one gap, and nothing
+    is known.
+    """
     chained = read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n-5.004,12\n372,350\n"))
     alone = read_theta0_pairs(csv("theta0_deg\n340\n355\n12\n350\n"))
-    assert (degrees(alone.path), degrees(alone.turn)) == ([340.0, 355.0, 372.0, 350.0], [15.0, 17.0, -22.0])
+    assert (degrees(alone.path), degrees(alone.turn)) == (
+        [340.0, 355.0, 372.0, 350.0],
+        [15.0, 17.0, -22.0],
+    )
     assert np.degrees(chained.path) == pytest.approx(np.degrees(alone.path), abs=0.01)
     for pairs in (chained, alone):
-        assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == ([0.0, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0])
-    assert read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path is None
+        assert (pairs.cycle.tolist(), pairs.path_cycle.tolist()) == (
+            [0.0, 1.0, 2.0],
+            [0.0, 1.0, 2.0, 3.0],
+        )
+    assert (
+        read_theta0_pairs(csv("theta0_deg,theta_next_deg\n340,355\n355,12\n12.02,350\n")).path
+        is None
+    )
 
 
 def made_chain(jitter_deg: float, moved: tuple[int, ...] = (), rows: int = 60) -> np.ndarray:
-    """(rows, 2) degrees: a noisy loop's θ0 and the next, measured with jitter; `moved` begin elsewhere."""
+    """(rows, 2) degrees: a noisy loop's θ0 and the next, measured with jitter; `moved` begin
+    elsewhere.
+    """
     random, theta, made = np.random.default_rng(3), 40.0, []
     for row in range(rows):
         theta = random.uniform(0.0, 360.0) if row in moved else theta
@@ -84,13 +114,19 @@ def made_chain(jitter_deg: float, moved: tuple[int, ...] = (), rows: int = 60) -
 
 
 def as_text(pairs: np.ndarray) -> str:
-    return "theta0_deg,theta_next_deg\n" + "".join(f"{a % 360.0:.4f},{b % 360.0:.4f}\n" for a, b in pairs)
+    return "theta0_deg,theta_next_deg\n" + "".join(
+        f"{a % 360.0:.4f},{b % 360.0:.4f}\n" for a, b in pairs
+    )
 
 
-def test_a_chain_measured_twice_with_jitter_is_in_order_and_its_path_that_of_the_beginnings(csv) -> None:
+def test_a_chain_measured_twice_with_jitter_is_in_order_and_its_path_that_of_the_beginnings(
+    csv,
+) -> None:
     made = made_chain(0.2)
     pairs = read_theta0_pairs(csv(as_text(made)))
-    assert np.allclose(np.rad2deg(pairs.path[:-1] - pairs.path[0]), made[:, 0] - made[0, 0], atol=1e-3)
+    assert np.allclose(
+        np.rad2deg(pairs.path[:-1] - pairs.path[0]), made[:, 0] - made[0, 0], atol=1e-3
+    )
     assert np.allclose(np.rad2deg(pairs.turn), made[:, 1] - made[:, 0], atol=1e-3)
     assert pairs.unbroken.path.size == pairs.path.size == 61
 
@@ -99,7 +135,10 @@ def test_an_object_moved_by_hand_is_told_and_the_longest_run_is_between_two_move
     with pytest.warns(DoubtfulInput, match="2 of 60 pairs do not begin where the one before ended"):
         pairs = read_theta0_pairs(csv(as_text(made_chain(0.2, moved=(12, 47)))))
     assert pairs.path.size == 61 and pairs.theta.size == 60
-    assert pairs.unbroken.path_cycle.tolist() == list(range(12, 47)) and pairs.unbroken.theta.size == 60
+    assert (
+        pairs.unbroken.path_cycle.tolist() == list(range(12, 47))
+        and pairs.unbroken.theta.size == 60
+    )
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -107,7 +146,9 @@ def test_neither_shuffled_pairs_nor_a_sweep_over_theta0_are_taken_for_a_chain(cs
     random = np.random.default_rng(seed)
     shuffled = random.permutation(made_chain(0.0))
     theta = np.sort(random.uniform(0.0, 360.0, 60))
-    sweep = np.column_stack([theta, theta + 9.0 + 6.0 * np.sin(np.deg2rad(theta)) + random.normal(size=60)])
+    sweep = np.column_stack(
+        [theta, theta + 9.0 + 6.0 * np.sin(np.deg2rad(theta)) + random.normal(size=60)]
+    )
     even = sweep - theta[:, None] + 6.0 * np.arange(60)[:, None]
     for made in (shuffled, sweep, even):
         assert read_theta0_pairs(csv(as_text(made))).path is None
@@ -125,7 +166,10 @@ def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
         ("\n\n", "the file is empty"),
         ("theta0_deg,theta_next_deg\n", "line 1: a header but no rows"),
         ("angle,next\n1,2\n", "line 1: the header is angle,next; it must be rep,theta0_accum_deg"),
-        ("rep,theta0_accum_deg\n1,2\n", "line 1: column theta0_mod360_deg, dtheta_to_next_deg, flag is missing"),
+        (
+            "rep,theta0_accum_deg\n1,2\n",
+            "line 1: column theta0_mod360_deg, dtheta_to_next_deg, flag is missing",
+        ),
         ("theta_next_deg\n1\n", "line 1: column theta0_deg is missing"),
         ("theta0_deg,theta_next_deg\n1,2\n3,four\n", "line 3: theta_next_deg is 'four'"),
         ("theta0_deg,theta_next_deg\n1,2\nnan,4\n", "line 3: theta0_deg is 'nan'"),
@@ -134,15 +178,30 @@ def test_byte_order_mark_crlf_blanks_and_capitals_are_harmless(csv) -> None:
         ("theta0_deg,theta_next_deg\n1,2\n3", "line 3: 1 of 2 fields; the line is cut off"),
         ("theta0_deg,theta_next_deg\n1,2,3\n", "line 2: 3 of 2 fields"),
         ("theta0_deg\n12\n", "line 2: a single θ0 makes no pair"),
-        ("theta0_deg,theta0_next_deg\n1,2\n3,4\n", "line 1: the header has theta0_next_deg beside theta0_deg: name it"),
-        ("theta_nxt_deg,theta0_deg\n1,2\n3,4\n", "line 1: the header has theta_nxt_deg beside theta0_deg: name it"),
+        (
+            "theta0_deg,theta0_next_deg\n1,2\n3,4\n",
+            "line 1: the header has theta0_next_deg beside theta0_deg: name it",
+        ),
+        (
+            "theta_nxt_deg,theta0_deg\n1,2\n3,4\n",
+            "line 1: the header has theta_nxt_deg beside theta0_deg: name it",
+        ),
         (b"theta0_deg\n\xff\xfe\n", "byte 11 is not UTF-8"),
         ('theta0_deg\n"1\n2\n', "mend the quotes"),
         (HEADER + "0,10,10,5,jump\n1,15,15,,\n", "line 3: no row without a flag"),
-        (HEADER + "0,10,10,5,\n1,16,16,,\n", "line 2: dtheta_to_next_deg is 5, the next row says 6; a row is missing"),
-        (HEADER + "0,10,10,5,\n1,15,25,,\n", "line 3: theta0_accum_deg and theta0_mod360_deg disagree (15 and 25)"),
+        (
+            HEADER + "0,10,10,5,\n1,16,16,,\n",
+            "line 2: dtheta_to_next_deg is 5, the next row says 6; a row is missing",
+        ),
+        (
+            HEADER + "0,10,10,5,\n1,15,25,,\n",
+            "line 3: theta0_accum_deg and theta0_mod360_deg disagree (15 and 25)",
+        ),
         (HEADER + "0,10,10,5,\n1,15,15\n", "line 3: 3 of 5 fields"),
-        (HEADER + "0,10,10,5,\n1,15,15,5,\n", "line 3: the last row has a next θ0: the file is cut off"),
+        (
+            HEADER + "0,10,10,5,\n1,15,15,5,\n",
+            "line 3: the last row has a next θ0: the file is cut off",
+        ),
     ],
 )
 def test_bad_file_is_refused_by_name_and_line(csv, text, said) -> None:
@@ -153,7 +212,9 @@ def test_bad_file_is_refused_by_name_and_line(csv, text, said) -> None:
 
 
 def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
-    refused(read_theta0_pairs, tmp_path / "none.csv", told="there is no such file", kind=DataFileError)
+    refused(
+        read_theta0_pairs, tmp_path / "none.csv", told="there is no such file", kind=DataFileError
+    )
     refused(read_theta0_pairs, tmp_path, told="cannot be read", kind=DataFileError)
 
 
@@ -164,7 +225,12 @@ def test_absent_file_and_folder_are_refused(tmp_path: Path) -> None:
         ([1.0], [1.0, 2.0], {}, "two equally long lists"),
         ([np.nan], [1.0], {}, "not finite"),
         ([1.0], [np.inf], {}, "not finite"),
-        ([0.0, 1.0], [0.0, 1.0], {"cycle": [0.0]}, r"cycle has shape \(1,\) for angles of shape \(2,\)"),
+        (
+            [0.0, 1.0],
+            [0.0, 1.0],
+            {"cycle": [0.0]},
+            r"cycle has shape \(1,\) for angles of shape \(2,\)",
+        ),
         ([0.0, 1.0], [0.0, 1.0], {"cycle": [0.0, np.nan]}, r"cycle has shape \(2,\)"),
         ([0.0, 1.0], [0.0, 1.0], {"path_cycle": [0.0, 1.0]}, "path_cycle has shape"),
     ],
@@ -199,7 +265,8 @@ def test_bin_medians_follow_the_map_and_shrug_off_outliers() -> None:
     spoiled[::10] += 3.0
     bins = turn_bins(Theta0Pairs(pairs.theta, spoiled))
     assert bins.centre.size == 72
-    # A tenth of outliers shifts a median within the spread of the turn over its bin: slope 0.12, 5 degrees.
+    # A tenth of outliers shifts a median within the spread of the turn over its bin: slope 0.12, 5
+    # degrees.
     assert np.abs(bins.median - turn(bins.centre)).max() < 0.12 * np.deg2rad(2.5)
 
 
@@ -216,7 +283,9 @@ def test_histogram_is_a_density_for_any_angles(theta, bins) -> None:
     assert np.sum(histogram.density * np.diff(histogram.edges)) == pytest.approx(1.0, abs=1e-12)
 
 
-@pytest.mark.parametrize(("angle", "index"), [(0.0, 0), (-1e-20, 7), (TURN - 1e-12, 7), (np.pi, 4), (-0.1, 7)])
+@pytest.mark.parametrize(
+    ("angle", "index"), [(0.0, 0), (-1e-20, 7), (TURN - 1e-12, 7), (np.pi, 4), (-0.1, 7)]
+)
 def test_histogram_counts_an_angle_in_its_own_bin(angle, index) -> None:
     assert np.flatnonzero(angle_histogram(np.array([angle]), 8).density).tolist() == [index]
 

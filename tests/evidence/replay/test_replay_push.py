@@ -55,7 +55,11 @@ def test_a_tip_that_trembles_backwards_never_travels_back_and_one_that_stays_is_
     place = np.column_stack([[0.0, 0.01, 0.0099, 0.02, 0.0198, 0.03], np.zeros(6)])
     assert tip_path(table(place))[1] == pytest.approx([0.0, 0.01, 0.01, 0.02, 0.02, 0.03])
     for far, told in ((0.0005, r"0\.5"), (0.0, "0")):
-        refused(tip_path, table([[0.0, 0.0], [far, 0.0]]), told=f"the tip moves {told} mm: it pushes nothing")
+        refused(
+            tip_path,
+            table([[0.0, 0.0], [far, 0.0]]),
+            told=f"the tip moves {told} mm: it pushes nothing",
+        )
 
 
 MILLIMETRE = 1e-3
@@ -70,7 +74,9 @@ def simulated(model, place=(0.012, 0.075), direction=-math.pi / 2 + 0.3, distanc
     course, before = push.trajectory, distance - push.travel
     if push.ended == "left":
         before = float(np.hypot(*(course.pusher[0] - start)))
-    poses = np.column_stack([np.interp(travel, before + course.path, column) for column in course.pose.T])
+    poses = np.column_stack(
+        [np.interp(travel, before + course.path, column) for column in course.pose.T]
+    )
     tip = start + np.outer(travel, (math.cos(heading), math.sin(heading)))
     return record_of(time, poses, tip), push
 
@@ -86,7 +92,9 @@ def simulated(model, place=(0.012, 0.075), direction=-math.pi / 2 + 0.3, distanc
         ("ellip1", (0.028, 0.060), -1.5),
     ],
 )
-def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(name, place, direction) -> None:
+def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(
+    name, place, direction
+) -> None:
     model = model_of(name)
     record, push = simulated(model, place, direction)
     replay = replay_push(record, model)
@@ -103,7 +111,9 @@ def test_the_simulators_own_motion_is_replayed_to_a_hundredth_of_a_millimetre(na
 
 @pytest.mark.parametrize("overlap", [0.3, 1.5, 4.0])
 def test_a_rod_that_starts_inside_is_moved_out_along_the_normal_and_no_further(overlap) -> None:
-    """The tip recorded too deep by a constant is a calibration's offset: undone, the replay is exact again."""
+    """The tip recorded too deep by a constant is a calibration's offset: undone, the replay is
+    exact again.
+    """
     model = model_of("rect1")
     radius = model.pusher.radius
     record, _ = simulated(model, place=(0.010, 0.045 + radius + 1e-7), direction=-math.pi / 2)
@@ -130,7 +140,9 @@ BENT = [[0.008, 0.1], [0.008, 0.045], [0.018, 0.022]]
 AROUND = [[0.0, 0.09], [0.0, 0.03], [0.0, 0.09], [0.11, 0.09], [0.11, -0.02], [0.03, -0.02]]
 
 
-@pytest.mark.parametrize(("name", "corners"), [("rect1", BENT), ("ellip2", BENT), ("rect1", AROUND)])
+@pytest.mark.parametrize(
+    ("name", "corners"), [("rect1", BENT), ("ellip2", BENT), ("rect1", AROUND)]
+)
 def test_a_path_that_bends_is_the_same_pushes_one_after_the_other(name, corners) -> None:
     model, pose, share = model_of(name), START, np.linspace(0.0, 1.0, 501)
     places = np.array([world(START, corner) for corner in corners])
@@ -138,7 +150,9 @@ def test_a_path_that_bends_is_the_same_pushes_one_after_the_other(name, corners)
         push = WorldPush(tuple(place.tolist()), math.atan2(leg[1], leg[0]), float(np.hypot(*leg)))
         with suppress(RodMissesObject):
             pose = model.push(pose, push).end
-    tip = np.stack([np.interp(share, np.linspace(0.0, 1.0, len(places)), at) for at in places.T], axis=-1)
+    tip = np.stack(
+        [np.interp(share, np.linspace(0.0, 1.0, len(places)), at) for at in places.T], axis=-1
+    )
     still = np.tile([START.x, START.y, START.theta], (len(share), 1))
     replay = replay_push(record_of(share, still, tip), model)
     assert replay.strokes == len(corners) - 1 and replay.straightness > 1 * MILLIMETRE
@@ -167,7 +181,8 @@ BUTTER = dataset_sliders()["butter"]
 @pytest.mark.parametrize("friction", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("offset", [-0.02, 0.004, 0.03])
 def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offset) -> None:
-    """Two routes: a chain of contacts with sides and corners, and the exact contact of the ellipse."""
+    """Two routes: a chain of contacts with sides and corners,
+    and the exact contact of the ellipse."""
     whole, rod = Ellipse(SEMI_X, SEMI_Y), Pusher(friction=friction)
     exact, cut = (
         QuasiStaticModel(Slider(outline), FRICTION, rod, PatchFootprint(whole), accuracy=1e-6)
@@ -181,11 +196,17 @@ def test_an_ellipse_cut_into_192_sides_moves_as_the_ellipse_does(friction, offse
     assert np.ptp(wanted[1][:, 0]) > 0.002 and found[2:] == wanted[2:]
 
 
-def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_plates_inertia() -> None:
-    """Two routes to the inertia: the number given, and the second moment of area by triangles about the centre."""
+def test_the_butterfly_is_symmetric_as_large_as_the_datasets_mesh_and_has_its_plates_inertia() -> (
+    None
+):
+    """Two routes to the inertia: the number given, and the second moment of area by triangles about
+    the centre.
+    """
     outline, p = BUTTER.outline, BUTTER.outline.array
     points = {(round(x, 9), round(y, 9)) for x, y in outline.vertices}
-    assert {(round(-x, 9), y) for x, y in points} == points == {(x, round(-y, 9)) for x, y in points}
+    assert (
+        {(round(-x, 9), y) for x, y in points} == points == {(x, round(-y, 9)) for x, y in points}
+    )
     assert np.abs(p).max(axis=0) == pytest.approx([0.0477, 0.0786], abs=1e-4)
     assert outline.centroid == pytest.approx((0.0, 0.0), abs=1e-12)
     q = np.roll(p, -1, axis=0)

@@ -11,7 +11,15 @@ from refusals import refused
 
 import cyclemap as cm
 from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
-from cyclemap.mechanics import EllipseFriction, FrameShift, PatchFootprint, PlatePressure, Pusher, Slider, WorldPush
+from cyclemap.mechanics import (
+    EllipseFriction,
+    FrameShift,
+    PatchFootprint,
+    PlatePressure,
+    Pusher,
+    Slider,
+    WorldPush,
+)
 from cyclemap.mechanics.outline import Ellipse
 
 
@@ -20,7 +28,8 @@ def push_name(kind="rect1", speed=20, repetition=0):
 
 
 def write_push(path, model, off=0.0, depth=0.0, aside=0.0):
-    """Write a push of the model by -y, its last poses `off` (m) too far along x, the tip `depth` (m) too deep.
+    """Write a push of the model by -y, its last poses `off` (m) too far along x, the tip `depth`
+    (m) too deep.
 
     aside : m, of the tip along the object's x axis.
     """
@@ -28,11 +37,15 @@ def write_push(path, model, off=0.0, depth=0.0, aside=0.0):
     push = model.push(START, WorldPush(tuple(start.tolist()), heading, 0.05), 0.5e-3)
     time, travel = clock(0.05, 80)
     course = push.trajectory
-    poses = np.column_stack([np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T])
+    poses = np.column_stack(
+        [np.interp(travel, 0.05 - push.travel + course.path, part) for part in course.pose.T]
+    )
     poses[:, 0] += off * np.clip((travel - 0.04) / 0.01, 0.0, 1.0)
     toward = np.array([math.cos(heading), math.sin(heading)])
     record = record_of(time, poses, start + np.outer(travel + depth, toward))
-    tables = {name: getattr(record, name).tolist() for name in ("object_pose", "tip_pose", "ft_wrench")}
+    tables = {
+        name: getattr(record, name).tolist() for name in ("object_pose", "tip_pose", "ft_wrench")
+    }
     path.write_text(json.dumps(tables))
 
 
@@ -49,9 +62,13 @@ def folder(tmp_path_factory):
     write_push(home / push_name("rect2"), square, depth=0.05)
     write_push(home / "some_push.json", square)
     (home / push_name("tri1")).write_text("{")
-    (home / "ends.csv").write_text("x0,y0,theta0,x1,y1,theta1\n0,0,0,0.01,0,0.1\n0,0,0,0.02,0,0.1\n")
+    (home / "ends.csv").write_text(
+        "x0,y0,theta0,x1,y1,theta1\n0,0,0,0.01,0,0.1\n0,0,0,0.02,0,0.1\n"
+    )
     scan = {"tip_array": [[0, 0, 0, 0], [1, 0.1, 0, 0]], "ft_wrench": [[0, 1, 0, 0], [1, 1, 0, 0]]}
-    (home / "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json").write_text(json.dumps(scan))
+    (home / "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json").write_text(
+        json.dumps(scan)
+    )
     return home
 
 
@@ -61,16 +78,22 @@ def replayed(folder):
 
 
 def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) -> None:
-    assert list(replayed.table.columns) == list(REPLAY_COLUMNS) and len(replayed.table) == len(replayed.replays) == 5
+    assert (
+        list(replayed.table.columns) == list(REPLAY_COLUMNS)
+        and len(replayed.table) == len(replayed.replays) == 5
+    )
     reasons = {file.path.name: file.reason for file in replayed.not_replayed}
-    assert len(reasons) == len(replayed.not_replayed) == 6 and len(reasons) + 5 == len(list(folder.iterdir()))
+    assert len(reasons) == len(replayed.not_replayed) == 6 and len(reasons) + 5 == len(
+        list(folder.iterdir())
+    )
     for name, reason in {
         push_name("star"): "object 'star' has no outline",
         push_name("rect2"): "mm inside the object, more than the 5 mm",
         "some_push.json": "does not say which object",
         push_name("tri1"): "not JSON, or cut short",
         "ends.csv": "no tip path",
-        "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json": "a friction scan, not a push",
+        "record_surface=abs_shape=rect1_a=0_v=20_deg=30_rep=000.json": "a friction scan, not a "
+        "push",
     }.items():
         assert reason in reasons[name]
 
@@ -101,14 +124,23 @@ def test_any_slider_may_be_given_by_its_name(folder) -> None:
 
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
     slider = Slider.mit("rect1")
-    pressed = replace(model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8))
+    pressed = replace(
+        model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8)
+    )
     write_push(tmp_path / push_name(), pressed, aside=0.02)
-    own = replay_pushes(tmp_path, FRICTION, plates=[PlatePressure("rect1", rim_share=0.8)], pusher=pressed.pusher)
+    own = replay_pushes(
+        tmp_path, FRICTION, plates=[PlatePressure("rect1", rim_share=0.8)], pusher=pressed.pusher
+    )
     plain = replay_pushes(tmp_path, EllipseFriction.isotropic(0.25), pusher=pressed.pusher)
     row, beside = own.table.iloc[0], plain.table.iloc[0]
     assert row["error"] < 5e-5 and abs(row["turn_error"]) < 1e-3
-    assert row["isotropic_error"] == pytest.approx(beside["error"], abs=1e-6) and beside["error"] > 3e-4
-    assert own.by("object").iloc[0]["isotropic_mean_error"] == pytest.approx(beside["error"], abs=1e-6)
+    assert (
+        row["isotropic_error"] == pytest.approx(beside["error"], abs=1e-6)
+        and beside["error"] > 3e-4
+    )
+    assert own.by("object").iloc[0]["isotropic_mean_error"] == pytest.approx(
+        beside["error"], abs=1e-6
+    )
 
 
 def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> None:
@@ -126,7 +158,9 @@ def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> N
     path.write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]))
     asked = {"pusher": model.pusher, "select": {"surface": "abs"}}
     found = replay_pushes(path, FRICTION, frames=[FrameShift("rect1", 1e-3, -2e-3)], **asked)
-    assert found.table["side"].tolist() == [0.0, 1.0, 2.0] and set(found.table["surface"]) == {"abs"}
+    assert found.table["side"].tolist() == [0.0, 1.0, 2.0] and set(found.table["surface"]) == {
+        "abs"
+    }
     assert found.table["error"].max() < 1e-6 and found.table["turn_error"].abs().max() < 1e-4
     assert found.table["isotropic_error"].min() > 1e-4
     assert [one.reason for one in found.not_replayed] == ["line 5: the robot was 9 mm off its way"]
@@ -135,10 +169,22 @@ def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> N
 
 pytestmark = pytest.mark.slow
 
-COUNTS = {("abs", "butter"): 40, ("abs", "ellip1"): 13, ("abs", "ellip3"): 10, ("abs", "hex"): 14, ("abs", "rect1"): 13}
-# Bounds on the mean error at the end: mm, degrees. Measured: 5.0 and 3.7, 2.2 and 4.3, 4.9 and 8.6, 2.5 and 3.7,
-# 2.6 and 2.3.
-BOUNDS = {"butter": (5.5, 4.2), "ellip1": (2.6, 4.9), "ellip3": (5.6, 9.6), "hex": (2.9, 4.2), "rect1": (2.9, 2.7)}
+COUNTS = {
+    ("abs", "butter"): 40,
+    ("abs", "ellip1"): 13,
+    ("abs", "ellip3"): 10,
+    ("abs", "hex"): 14,
+    ("abs", "rect1"): 13,
+}
+# Bounds on the mean error at the end: mm, degrees. Measured: 5.0 and 3.7, 2.2 and 4.3, 4.9 and 8.6,
+# 2.5 and 3.7, 2.6 and 2.3.
+BOUNDS = {
+    "butter": (5.5, 4.2),
+    "ellip1": (2.6, 4.9),
+    "ellip3": (5.6, 9.6),
+    "hex": (2.9, 4.2),
+    "rect1": (2.9, 2.7),
+}
 
 
 @pytest.fixture(scope="module")
@@ -150,16 +196,25 @@ def test_each_of_the_91_files_is_replayed_as_one_straight_stroke(measured_replay
     assert measured_replays.not_replayed == ()
     assert len(measured_replays.table) == len(set(measured_replays.table["path"])) == 91
     groups = measured_replays.by("surface", "object")
-    counts = dict(zip(zip(groups["surface"], groups["object"], strict=True), groups["count"], strict=True))
+    counts = dict(
+        zip(zip(groups["surface"], groups["object"], strict=True), groups["count"], strict=True)
+    )
     assert counts == {**COUNTS, ("plywood", "hex"): 1}
     table = measured_replays.table
-    assert (table["strokes"] == 1).all() and table["touched"].all() and table["straightness"].max() < 0.16e-3
-    # Outlines fit: rod and object start within 1.6 mm of contact, and overlap by no more than a third of one.
+    assert (
+        (table["strokes"] == 1).all()
+        and table["touched"].all()
+        and table["straightness"].max() < 0.16e-3
+    )
+    # Outlines fit: rod and object start within 1.6 mm of contact, and overlap by no more than a
+    # third of one.
     assert table["start_gap"].abs().max() < 1.6e-3 and table["shift"].max() < 0.35e-3
     assert (table["shift"] > 0.0).sum() == (table["start_gap"] < 0.0).sum() > 10
 
 
-def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_them(measured_replays) -> None:
+def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_them(
+    measured_replays,
+) -> None:
     groups, table = measured_replays.by("object").set_index("object"), measured_replays.table
     assert set(groups.index) == set(BOUNDS)
     for kind, (millimetres, degrees) in BOUNDS.items():
@@ -178,7 +233,9 @@ def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_
 
 @pytest.mark.parametrize("surface", ["plywood", "abs"])
 @pytest.mark.parametrize("plate", ["rect2", "tri3"])
-def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(measured_data, surface, plate) -> None:
+def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(
+    measured_data, surface, plate
+) -> None:
     floor = cm.load_material(f"{surface}-floor")
     name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
     found = cm.replay_pushes(

@@ -1,4 +1,6 @@
-"""A simulated collection is the loop's path in the dataset's layout, the same however often it was broken off."""
+"""A simulated collection is the loop's path in the dataset's layout, the same however often it was
+broken off.
+"""
 
 import math
 from dataclasses import replace
@@ -14,7 +16,12 @@ from cyclemap.errors import CycleMapError, UnsupportedContact
 from cyclemap.evidence import simulated_collection as module
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
-from cyclemap.evidence.simulated_collection import FILE_NAME, TRUTH_FILE, CollectionPlan, simulate_collection
+from cyclemap.evidence.simulated_collection import (
+    FILE_NAME,
+    TRUTH_FILE,
+    CollectionPlan,
+    simulate_collection,
+)
 from cyclemap.mechanics import DragBack, EllipseFriction, Material, Pusher, SidePush, load_material
 
 LOOP = CollectionLoop.mit("plywood", accuracy=1e-6)
@@ -25,7 +32,11 @@ CYCLES = 8
 
 
 def contents(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
 
 
 def truth(folder: Path) -> np.ndarray:
@@ -42,7 +53,9 @@ def undisturbed(tmp_path_factory) -> dict[str, bytes]:
 
 
 def simulate(folder, **changes):
-    return simulate_collection(LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes)
+    return simulate_collection(
+        LOOP, folder, **{"cycles": CYCLES, "noise": NOISY, "wear_to": WORN, "seed": 3} | changes
+    )
 
 
 def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
@@ -52,14 +65,20 @@ def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
     folder = tmp_path / "plywood_changed" / "rect1" / "normal"
     assert sorted(path.name for path in folder.iterdir()) == [name.format(0), name.format(1)]
     assert made.bytes == sum(path.stat().st_size for path in folder.iterdir())
-    assert sorted(path.name for path in tmp_path.iterdir()) == [FILE_NAME, "plywood_changed", TRUTH_FILE]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        FILE_NAME,
+        "plywood_changed",
+        TRUTH_FILE,
+    ]
     pushes = load_pushes(tmp_path)
     assert pushes.unreadable == () and pushes.table["speed"].tolist() == [0.05, 0.05]
 
 
 @pytest.mark.slow
 def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
-    """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard errors."""
+    """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard
+    errors.
+    """
     sigma, cycles = 0.02, 60
     made = simulate_collection(LOOP, tmp_path, cycles, noise=RecordingNoise(turn=sigma), seed=1)
     theta = truth(made.folder)
@@ -72,21 +91,32 @@ def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
 
 
 def test_scatter_may_depend_on_the_orientation_and_on_the_cycle_before() -> None:
-    """Its size is that of the noise at θ0, neighbours correlate as asked, and the first of many are those of few."""
+    """Its size is that of the noise at θ0, neighbours correlate as asked, and the first of many are
+    those of few.
+    """
     noise = cm.maps.LocalNoise((math.log(0.02), 0.5, 0.0), 0.6)
     plan = CollectionPlan(LOOP, 4000, cycle_noise=noise, seed=5)
-    kicks = np.array([plan.kick(cycle, theta) for cycle, theta in enumerate(np.linspace(0.0, 60.0, 4000).tolist())])
+    kicks = np.array(
+        [
+            plan.kick(cycle, theta)
+            for cycle, theta in enumerate(np.linspace(0.0, 60.0, 4000).tolist())
+        ]
+    )
     unit = kicks / noise.sigma(np.linspace(0.0, 60.0, 4000))
     assert np.std(unit) == pytest.approx(1.0, abs=0.05)
     assert np.mean(unit[1:] * unit[:-1]) == pytest.approx(0.6, abs=0.05)
     few = CollectionPlan(LOOP, 3, cycle_noise=noise, seed=5)
-    assert [few.kick(cycle, 0.3) for cycle in range(3)] == [plan.kick(cycle, 0.3) for cycle in range(3)]
+    assert [few.kick(cycle, 0.3) for cycle in range(3)] == [
+        plan.kick(cycle, 0.3) for cycle in range(3)
+    ]
 
 
 @pytest.mark.slow
 def test_noise_of_the_instruments_does_not_touch_the_path_and_another_seed_does(tmp_path) -> None:
     asked = {"noisy": {}, "clean": {"noise": RecordingNoise()}, "other": {"seed": 4}}
-    noisy, clean, other = (truth(simulate(tmp_path / name, **changes).folder) for name, changes in asked.items())
+    noisy, clean, other = (
+        truth(simulate(tmp_path / name, **changes).folder) for name, changes in asked.items()
+    )
     assert np.array_equal(noisy, clean) and np.abs(noisy - other)[1:].min() > 1e-3
 
 
@@ -95,17 +125,23 @@ def test_wear_goes_from_the_one_surface_to_the_other(tmp_path) -> None:
     table, theta = load_pushes(made.folder).table, truth(made.folder)
     worn = replace(LOOP, material=WORN)
     for row, loop in ((0, LOOP), (4, worn)):
-        assert table["dtheta"].iloc[row] == pytest.approx(loop.cycle(theta[row]).push_turn, abs=1e-5)
+        assert table["dtheta"].iloc[row] == pytest.approx(
+            loop.cycle(theta[row]).push_turn, abs=1e-5
+        )
         assert theta[row + 1] == pytest.approx(loop.cycle(theta[row]).theta_next, abs=1e-5)
     for row in (1, 2, 3):
         for loop in (LOOP, worn):
             assert abs(table["dtheta"].iloc[row] - loop.cycle(theta[row]).push_turn) > 1e-4
-    assert CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
+    assert (
+        CollectionPlan(LOOP, 1, wear_to=WORN).loop_at(0).material.friction == LOOP.material.friction
+    )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("calls", range(1, 2 * CYCLES, 3))
-def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(tmp_path, monkeypatch, undisturbed, calls) -> None:
+def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(
+    tmp_path, monkeypatch, undisturbed, calls
+) -> None:
     left = [calls]
 
     def stopping(real):
@@ -119,7 +155,9 @@ def test_a_run_stopped_between_files_ends_like_an_undisturbed_one(tmp_path, monk
 
     with monkeypatch.context() as patch:
         patch.setattr(module, "write_push_file", stopping(module.write_push_file))
-        patch.setattr(module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth))
+        patch.setattr(
+            module.CollectionFolder, "append_truth", stopping(module.CollectionFolder.append_truth)
+        )
         with pytest.raises(KeyboardInterrupt):
             simulate(tmp_path)
     made = simulate(tmp_path)
@@ -134,7 +172,9 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
     # As a run leaves it that was killed before its first file was whole.
     (tmp_path / f".{FILE_NAME}.123.part").write_text("version = ")
     told: list[float] = []
-    assert simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
+    assert (
+        simulate(tmp_path, progress=told.append).resumed == 0 and contents(tmp_path) == undisturbed
+    )
     assert told == [(n + 1) / CYCLES for n in range(CYCLES)]
     notes = tmp_path / TRUTH_FILE
     for damage, resumed in ((notes.read_text()[:-9], CYCLES - 1), ("0 0.0\n1 nan\n2 0.1\n", 0)):
@@ -154,8 +194,14 @@ def test_damaged_notes_are_made_again(tmp_path, undisturbed) -> None:
         ({"wear_to": None}, "wear_to is EllipseFriction.* there and none here"),
         ({"scans": True}, "scans is False there and True here"),
         ({"suffix": ".json"}, "suffix is .h5 there and .json here"),
-        ({"loop": replace(LOOP, pusher=Pusher(friction=0.2))}, "pusher is .*friction=0.15.* there and .*0.2"),
-        ({"loop": replace(LOOP, push=SidePush(distance=0.1))}, "push is .*distance=0.15.* there and .*0.1"),
+        (
+            {"loop": replace(LOOP, pusher=Pusher(friction=0.2))},
+            "pusher is .*friction=0.15.* there and .*0.2",
+        ),
+        (
+            {"loop": replace(LOOP, push=SidePush(distance=0.1))},
+            "push is .*distance=0.15.* there and .*0.1",
+        ),
         ({"loop": replace(LOOP, material=WORN)}, "friction is .*0.2545.* there and .*mu_a=0.2,"),
         ({"loop": replace(LOOP, accuracy=1e-7)}, "accuracy is 1e-06 there and 1e-07 here"),
     ],
@@ -214,7 +260,9 @@ def altered(path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("damage", [lambda path: path.write_bytes(b""), altered, Path.unlink])
-@pytest.mark.parametrize("pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"])
+@pytest.mark.parametrize(
+    "pattern", [TRUTH_FILE, "motion_*rep=0003.h5", "record_*deg=90*rep=000.h5"]
+)
 def test_what_was_damaged_since_is_made_again_to_the_bit(tmp_path, pattern, damage) -> None:
     made = simulate(tmp_path / "made", cycles=5, scans=True)
     before = contents(made.folder)
@@ -248,7 +296,9 @@ TURNS = (0.0, 0.5, -1.0)
 
 
 @pytest.mark.parametrize("given", [{}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}])
-def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(tmp_path, given) -> None:
+def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(
+    tmp_path, given
+) -> None:
     """By each loop's own `cycle`, in other steps: equal to the accuracy asked of it."""
     made = simulate_collection(BRIEF, tmp_path / "made", 3, start=2.0, noise=SILENT, **given)
     pushes, theta = load_pushes(made.folder), [2.0]
@@ -259,7 +309,9 @@ def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(tm
         cycle = loop.cycle(theta[-1])
         assert row.side == loop.push.side
         assert math.remainder(row.theta0 - theta[-1], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-5)
-        assert (row.dx, row.dy, row.dtheta) == pytest.approx((*cycle.push_displacement, cycle.push_turn), abs=1e-5)
+        assert (row.dx, row.dy, row.dtheta) == pytest.approx(
+            (*cycle.push_displacement, cycle.push_turn), abs=1e-5
+        )
         theta.append(cycle.theta_next + turn)
         ahead = theta[-1] - theta[-2] if not given and row.repetition < 2 else math.nan
         assert row.theta_next - row.theta0 == pytest.approx(ahead, abs=1e-5, nan_ok=True)
@@ -270,7 +322,9 @@ def test_the_table_read_back_is_the_path_of_each_cycles_loop_and_gripper_turn(tm
 def test_the_surface_wears_under_changing_pushes_too(tmp_path) -> None:
     worn = {"wear_to": load_material("abs"), "noise": SILENT, "suffix": ".json"}
     made = simulate_collection(BRIEF, tmp_path / "made", 3, cycle_loops=LOOPS, **worn)
-    fresh = simulate_collection(BRIEF, tmp_path / "fresh", 3, cycle_loops=LOOPS, noise=SILENT, suffix=".json")
+    fresh = simulate_collection(
+        BRIEF, tmp_path / "fresh", 3, cycle_loops=LOOPS, noise=SILENT, suffix=".json"
+    )
     assert abs(made.theta_last - fresh.theta_last) > 1e-4
 
 
@@ -280,7 +334,15 @@ def test_a_collection_is_gone_on_with_only_by_the_same_cycles(tmp_path) -> None:
     again = simulate_collection(BRIEF, folder, 3, cycle_loops=LOOPS, **given)
     assert (again.written, again.resumed) == (0, 3)
     for other in ({"cycle_loops": LOOPS[::-1]}, {"cycle_loops": LOOPS, "gripper_turns": TURNS}, {}):
-        refused(simulate_collection, BRIEF, folder, 3, told="asked for otherwise: cycle_by_cycle", **other, **given)
+        refused(
+            simulate_collection,
+            BRIEF,
+            folder,
+            3,
+            told="asked for otherwise: cycle_by_cycle",
+            **other,
+            **given,
+        )
 
 
 @pytest.mark.parametrize(

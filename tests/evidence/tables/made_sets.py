@@ -30,7 +30,9 @@ def noisy_set(seed: int, count: int = 300, sigma: float = 0.03) -> PushSet:
 
 
 def worn_turn(theta, cycle):
-    """The turn of a cycle (rad): a bottleneck at 180° that opens with the cycle number, and no other slow zone."""
+    """The turn of a cycle (rad): a bottleneck at 180° that opens with the cycle number, and no
+    other slow zone.
+    """
     return 0.26 + 0.25 * np.cos(theta) + 1e-4 * cycle
 
 
@@ -43,12 +45,16 @@ def worn_pairs(count: int = 900, sigma: float = 0.02, seed: int = 0) -> Theta0Pa
 
 
 def write_collection(file: Path, path, turns) -> Path:
-    """Pushes of rect1 in the world: orientation ``path`` (rad, any turn), turn of each push ``turns``, small moves."""
+    """Pushes of rect1 in the world: orientation ``path`` (rad, any turn), turn of each push
+    ``turns``, small moves.
+    """
     rng, rows = np.random.default_rng(0), [HEADER]
     for n, (theta, turn) in enumerate(zip(path, turns, strict=True)):
         dx, dy = np.array([0.04, -0.08]) + 0.001 * rng.standard_normal(2)
         x, y = np.cos(theta) * dx - np.sin(theta) * dy, np.sin(theta) * dx + np.cos(theta) * dy
         start, end = np.mod(theta, TURN), np.mod(theta + turn, TURN)
-        rows.append(f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{start:.9f},{0.35 + x:.9f},{-0.03 + y:.9f},{end:.9f}")
+        rows.append(
+            f"plywood,rect1,20,0,0.7,0,{n},0.35,-0.03,{start:.9f},{0.35 + x:.9f},{-0.03 + y:.9f},{end:.9f}"
+        )
     file.write_text("\n".join(rows) + "\n")
     return file

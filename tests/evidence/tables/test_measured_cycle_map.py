@@ -9,15 +9,27 @@ from made_sets import TURN, worn_pairs, worn_turn
 from refusals import refused
 
 from cyclemap.evidence.laws.fit_map import fit_map
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, is_covered, read_theta0_pairs, turn_bins
-from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, full_turns, measured_cycle_map, turn_pace
+from cyclemap.evidence.pushes.theta0_pairs import (
+    Theta0Pairs,
+    is_covered,
+    read_theta0_pairs,
+    turn_bins,
+)
+from cyclemap.evidence.tables.measured_cycle_map import (
+    MeasuredCycleMap,
+    full_turns,
+    measured_cycle_map,
+    turn_pace,
+)
 
 pytestmark = pytest.mark.slow
 
 
 def rotation(turns_a_push: float, count: int = 200):
     path = 0.3 + TURN * turns_a_push * np.arange(count + 1.0)
-    return path, fit_map(path[:-1], path[1:], cycle=np.arange(float(count)), harmonics=0, wear_degree=0)
+    return path, fit_map(
+        path[:-1], path[1:], cycle=np.arange(float(count)), harmonics=0, wear_degree=0
+    )
 
 
 @pytest.mark.parametrize("pace", [0.05, -0.05])
@@ -33,7 +45,9 @@ def test_jitter_about_the_mark_makes_no_turn_and_a_path_that_goes_nowhere_has_no
     still, fitted = rotation(0.001, 60)
     found = turn_pace(fitted, still, np.arange(61.0), level=2.0, runs=3)
     assert found.measured.size == found.predicted.size == 0 and np.isnan(found.inside)
-    path = np.concatenate([np.linspace(0.0, 1.0, 20), 1.0 + 0.1 * np.cos(np.arange(50.0)), np.linspace(1.0, 9.0, 80)])
+    path = np.concatenate(
+        [np.linspace(0.0, 1.0, 20), 1.0 + 0.1 * np.cos(np.arange(50.0)), np.linspace(1.0, 9.0, 80)]
+    )
     assert full_turns(path, level=1.0).size == 2
 
 
@@ -41,10 +55,15 @@ def test_turns_of_the_maps_own_paths_lie_in_their_ranges_as_often_as_they_should
     pairs = worn_pairs(900)
     fitted = fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, harmonics=1, wear_degree=1)
     paths = fitted.paths(np.zeros(2), 900, seed=7)
-    inside = [turn_pace(fitted, path, np.arange(901.0), level=0.0, runs=40, seed=k) for k, path in enumerate(paths)]
+    inside = [
+        turn_pace(fitted, path, np.arange(901.0), level=0.0, runs=40, seed=k)
+        for k, path in enumerate(paths)
+    ]
     counts = [found.measured.size for found in inside]
     assert min(counts) >= 10
-    assert np.average([found.inside for found in inside], weights=counts) == pytest.approx(0.95, abs=0.04)
+    assert np.average([found.inside for found in inside], weights=counts) == pytest.approx(
+        0.95, abs=0.04
+    )
 
 
 GRID = np.linspace(0.0, TURN, 90)
@@ -63,7 +82,10 @@ def test_the_made_map_is_found_with_its_wear_its_scatter_and_its_bottleneck(made
         assert not state.fixed_points
         (passage,) = state.passages
         assert passage.theta == pytest.approx(np.pi, abs=0.05)
-        assert passage.lower < worn_turn(np.pi, state.cycle) < passage.upper and passage.upper - passage.lower < 0.02
+        assert (
+            passage.lower < worn_turn(np.pi, state.cycle) < passage.upper
+            and passage.upper - passage.lower < 0.02
+        )
         assert state.slowest.theta == pytest.approx(np.pi, abs=0.05)
     assert (made.early.cycle, made.late.cycle) == (pytest.approx(112.375), pytest.approx(786.625))
 
@@ -85,8 +107,15 @@ def test_the_made_path_turns_and_crowds_as_its_map_foretells(made) -> None:
 def test_without_wear_early_and_late_are_one_map() -> None:
     shares: list[float] = []
     found = measured_cycle_map(worn_pairs(400), wear=False, runs=5, progress=shares.append)
-    assert shares == sorted(shares) and shares[-1] == 1.0 and not found.wears and found.fitted.wear.degree == 0
-    assert np.array_equal(found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID))
+    assert (
+        shares == sorted(shares)
+        and shares[-1] == 1.0
+        and not found.wears
+        and found.fitted.wear.degree == 0
+    )
+    assert np.array_equal(
+        found.fitted.map_at(0.0).turn(GRID), found.fitted.map_at(399.0).turn(GRID)
+    )
     assert found.early.slowest == found.late.slowest and found.forecast is not None
 
 
@@ -116,7 +145,9 @@ def test_no_wear_is_told_of_short_runs(count) -> None:
     assert not found.wears and found.fitted.wear.degree == 0
 
 
-def steady_pairs(low: float, high: float, seed: int, least: float = 0.02, count: int = 120) -> Theta0Pairs:
+def steady_pairs(
+    low: float, high: float, seed: int, least: float = 0.02, count: int = 120
+) -> Theta0Pairs:
     """Pairs in no order from an arc, of a map that turns least, by ``least`` (rad), at 180°."""
     rng = np.random.default_rng(seed)
     theta = rng.uniform(low, high, count)
@@ -129,8 +160,13 @@ def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
     low, high = np.radians([230.0, 320.0])
     for seed in range(10):
         found = measured_cycle_map(steady_pairs(low, high, seed), harmonics=2)
-        told = [one.theta for one in (*found.late.passages, *found.late.undecided, found.late.slowest)]
-        told += [one.points[0] for one in found.late.fixed_points] + [found.quietest[0], found.loudest[0]]
+        told = [
+            one.theta for one in (*found.late.passages, *found.late.undecided, found.late.slowest)
+        ]
+        told += [one.points[0] for one in found.late.fixed_points] + [
+            found.quietest[0],
+            found.loudest[0],
+        ]
         assert all(low - 0.02 <= theta <= high + 0.02 for theta in told)
         assert is_covered(found.pairs.theta, [found.late.slowest.theta]).all()
         assert (found.late.fixed_points, found.late.undecided) == ((), ())
@@ -146,9 +182,13 @@ def test_the_interval_of_the_least_turn_holds_the_true_turn(harmonics, reach) ->
     assert np.mean(held) >= 0.9
 
 
-@pytest.mark.parametrize(("least", "kinds"), [(-0.05, "fixed"), (0.0, "undecided"), (0.05, "passage")])
+@pytest.mark.parametrize(
+    ("least", "kinds"), [(-0.05, "fixed"), (0.0, "undecided"), (0.05, "passage")]
+)
 def test_fixed_points_bottlenecks_and_what_cannot_be_told_apart(least, kinds) -> None:
-    """Scatter of 0.02 rad and 120 pairs tell a least turn of 0.05 rad, either way, and not one of 0."""
+    """Scatter of 0.02 rad and 120 pairs tell a least turn of 0.05 rad, either way, and not one of
+    0.
+    """
     told = []
     for seed in range(10):
         state = measured_cycle_map(steady_pairs(0.0, TURN, seed, least), harmonics=1).late
@@ -167,7 +207,9 @@ def test_paths_that_leave_the_measured_orientations_foretell_nothing() -> None:
 
 def test_too_few_pairs_are_refused_by_number() -> None:
     pairs = worn_pairs(12)
-    refused(measured_cycle_map, pairs, told="12 pairs are too few for a cycle map; give at least 20")
+    refused(
+        measured_cycle_map, pairs, told="12 pairs are too few for a cycle map; give at least 20"
+    )
 
 
 @cache
@@ -176,11 +218,15 @@ def plywood(folder: Path) -> MeasuredCycleMap:
 
 
 def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
-    """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay within one of it."""
+    """Residuals in units of the fitted scatter have size 1, and their medians over 5° bins stay
+    within one of it.
+    """
     found = plywood(measured_data)
     pairs, worn = found.pairs, found.fitted.wear
     assert (pairs.theta.size, worn.degree) == (1996, 2)
-    law = np.array([float(worn.at(n)(theta)) for n, theta in zip(pairs.cycle, pairs.theta, strict=True)])
+    law = np.array(
+        [float(worn.at(n)(theta)) for n, theta in zip(pairs.cycle, pairs.theta, strict=True)]
+    )
     scatter = worn.whole.noise(pairs.theta)
     assert np.sqrt(np.mean(((pairs.turn - law) / scatter) ** 2)) == pytest.approx(1.0, abs=0.05)
     late = pairs.cycle >= 500
@@ -192,11 +238,15 @@ def test_the_plywood_law_is_fitted_to_within_its_noise(measured_data) -> None:
 
 
 def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measured_data) -> None:
-    """17.48 turns of pushes 500 to 2000, 0.23 of them by two jumps that no map explains; without wear 20 and more."""
+    """17.48 turns of pushes 500 to 2000, 0.23 of them by two jumps that no map explains; without
+    wear 20 and more.
+    """
     forecast = plywood(measured_data).forecast
     pace, explained = forecast.pace, forecast.measured_turns - forecast.left_out_turns
     assert (forecast.first_cycle, pace.measured.size) == (500.0, 17)
-    assert (forecast.measured_turns, forecast.left_out_turns) == pytest.approx((17.48, 0.2276), abs=5e-3)
+    assert (forecast.measured_turns, forecast.left_out_turns) == pytest.approx(
+        (17.48, 0.2276), abs=5e-3
+    )
     assert np.mean(forecast.turns) == pytest.approx(16.4, abs=0.3)
     assert abs(explained - np.mean(forecast.turns)) < 1.5 * np.std(forecast.turns) < 1.7
     assert pace.measured[[0, -1]] == pytest.approx([257.0, 45.0], abs=2.0)
@@ -215,14 +265,23 @@ def test_the_drifting_plywood_map_makes_the_measured_turns_steps_and_peak(measur
 def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> None:
     found = plywood(measured_data)
     for state in (found.early, found.late):
-        assert not state.fixed_points and np.rad2deg(state.slowest.theta) == pytest.approx(95.5, abs=4.0)
+        assert not state.fixed_points and np.rad2deg(state.slowest.theta) == pytest.approx(
+            95.5, abs=4.0
+        )
     assert found.late.slowest.turn > 5.0 * found.early.slowest.turn > 0.0
     assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
 
 
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:
-    """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5 turns, not 16.4."""
+    """With the folds of seed 2 the one-standard-error rule takes degree 1, which foretells 19.5
+    turns, not 16.4.
+    """
     pairs = read_theta0_pairs(measured_data / "plywood_rect1_theta0_2000.csv")
     other = measured_cycle_map(pairs, runs=2, seed=2).fitted.wear
-    assert fit_map(pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None, seed=2).wear.degree == 1
+    assert (
+        fit_map(
+            pairs.theta, pairs.theta_next, cycle=pairs.cycle, noise_harmonics=None, seed=2
+        ).wear.degree
+        == 1
+    )
     assert other.degree == plywood(measured_data).fitted.wear.degree == 2

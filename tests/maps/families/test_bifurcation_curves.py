@@ -21,7 +21,9 @@ PLANE = (0.0, 0.6), (-1.0, 2.0)
 
 def born(period, winding, ends):
     """A saddle-node of the sine family at K = 0.9."""
-    return saddle_nodes(lambda omega: CircleMap.arnold(omega, 0.9), ends, period, winding, resolution=2)[0]
+    return saddle_nodes(
+        lambda omega: CircleMap.arnold(omega, 0.9), ends, period, winding, resolution=2
+    )[0]
 
 
 def two_waves(shift, first, second):
@@ -32,7 +34,8 @@ def two_waves(shift, first, second):
 
 
 @pytest.mark.parametrize(
-    ("ratio", "ends"), [((0, 1), (0.1, 0.2)), ((1, 2), (0.45, 0.5)), ((1, 3), (0.33, 0.345)), ((2, 5), (0.4, 0.405))]
+    ("ratio", "ends"),
+    [((0, 1), (0.1, 0.2)), ((1, 2), (0.45, 0.5)), ((1, 3), (0.33, 0.345)), ((2, 5), (0.4, 0.405))],
 )
 def test_edges_of_sine_tongues_end_in_their_tips_at_no_kick_and_agree_with_the_tongues(ratio, ends):
     edge = follow_bifurcation(CircleMap.arnold, born(ratio[1], ratio[0], ends), 0.9, *PLANE)
@@ -43,12 +46,16 @@ def test_edges_of_sine_tongues_end_in_their_tips_at_no_kick_and_agree_with_the_t
     within = np.flatnonzero((edge.second > 0.2) & (edge.second < 1.0))[::6]
     assert within.size >= 2
     for index in within:
-        known = tongue(lambda omega, K=edge.second[index]: CircleMap.arnold(omega, K), ratio, (-0.5, 1.0))
+        known = tongue(
+            lambda omega, K=edge.second[index]: CircleMap.arnold(omega, K), ratio, (-0.5, 1.0)
+        )
         assert min(abs(edge.first[index] - side) for side in (known.left, known.right)) < 1e-10
 
 
 def test_fixed_points_of_the_sine_family_double_on_a_hyperbola_with_a_known_coefficient():
-    (start,) = period_doublings(lambda omega: CircleMap.arnold(omega, 2.5), (0.1, 0.5), resolution=4)
+    (start,) = period_doublings(
+        lambda omega: CircleMap.arnold(omega, 2.5), (0.1, 0.5), resolution=4
+    )
     curve = follow_bifurcation(CircleMap.arnold, start, 2.5, (-1.0, 1.0), (-1.0, 5.0))
     assert curve.first.min() < -0.5 and curve.first.max() > 0.5  # round the fold in K at K = 2
     assert np.max(np.abs((TWO_PI * curve.first) ** 2 - curve.second**2 + 4)) < 1e-12
@@ -70,7 +77,8 @@ def test_a_loop_of_period_doublings_closes():
 
 
 def test_cusps_and_generalised_flips_of_random_families_lie_within_their_bounds_of_their_equations_roots():
-    """The equations of each point, written out for two waves with phases, are solved by themselves."""
+    """The equations of each point, written out for two waves with phases,
+    are solved by themselves."""
     rng, counts = np.random.default_rng(4), {"cusp": 0, "generalised flip": 0}
     for _ in range(3):
         phase, twist = rng.uniform(-0.3, 0.3, 2)
@@ -94,10 +102,16 @@ def test_cusps_and_generalised_flips_of_random_families_lie_within_their_bounds_
             ],
         }
         for height, finder in ((0.4, saddle_nodes), (2.87, period_doublings)):
-            for start in finder(lambda p, height=height: family(p, height), (-2.2, 2.2), resolution=4):
-                for point in follow_bifurcation(family, start, height, (-2.5, 2.5), (0.1, 3.5)).special:
+            for start in finder(
+                lambda p, height=height: family(p, height), (-2.2, 2.2), resolution=4
+            ):
+                for point in follow_bifurcation(
+                    family, start, height, (-2.5, 2.5), (0.1, 3.5)
+                ).special:
                     guess = [point.points[0], float(point.first), float(point.second)]
-                    root, _, done, _ = fsolve(conditions[point.kind], guess, xtol=1e-14, full_output=True)
+                    root, _, done, _ = fsolve(
+                        conditions[point.kind], guess, xtol=1e-14, full_output=True
+                    )
                     assert done == 1 or max(np.abs(conditions[point.kind](root))) < 1e-13
                     assert point.first.holds(root[1]) and point.second.holds(root[2])
                     assert point.first.error_bound < 1e-7 and point.second.error_bound < 1e-7
@@ -126,7 +140,12 @@ def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
 
     def family(p, q):
         return CircleMap(
-            lambda x: x + p + q * (np.abs(np.mod(x + np.pi, TWO_PI) - np.pi) - np.pi / 2) - 0.2 * np.sin(x),
+            lambda x: (
+                x
+                + p
+                + q * (np.abs(np.mod(x + np.pi, TWO_PI) - np.pi) - np.pi / 2)
+                - 0.2 * np.sin(x)
+            ),
             lambda x: 1 + q * np.where(np.mod(x, TWO_PI) < np.pi, 1.0, -1.0) - 0.2 * np.cos(x),
             breaks=[0.0, np.pi],
         )
@@ -149,12 +168,18 @@ def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
 @pytest.mark.slow
 def test_all_curves_of_a_plane_are_met_once():
     curves = bifurcation_curves(CircleMap.arnold, (-0.6, 0.6), (0.0, 4.0), lines=2)
-    assert sorted(curve.kind for curve in curves) == ["period-doubling", "saddle-node", "saddle-node"]
+    assert sorted(curve.kind for curve in curves) == [
+        "period-doubling",
+        "saddle-node",
+        "saddle-node",
+    ]
 
 
 def test_what_is_no_start_is_refused():
     start = born(1, 0, (0.1, 0.2))
     refused(follow_bifurcation, CircleMap.arnold, 0.3, 0.9, *PLANE, told="start is 0.3")
-    refused(follow_bifurcation, CircleMap.arnold, start, 0.5, *PLANE, told="there is no saddle-node")
+    refused(
+        follow_bifurcation, CircleMap.arnold, start, 0.5, *PLANE, told="there is no saddle-node"
+    )
     refused(follow_bifurcation, CircleMap.arnold, start, 0.9, (0.5, 0.1), (0, 1), told="first")
     refused(bifurcation_curves, CircleMap.arnold, (0.0, 1.0), (0.0, 1.0), lines=0, told="lines")

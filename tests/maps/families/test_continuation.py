@@ -48,7 +48,9 @@ def broken_line(p, drift=0.0):
         (0.5, np.pi / 2, 0.5 / TWO_PI, ["saddle-node"] * 2),  # started on its saddle-node
     ],
 )
-def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(K, start, at, kinds):
+def test_the_fixed_points_of_the_sine_family_form_one_loop_given_in_closed_form(
+    K, start, at, kinds
+):
     branch = follow_orbit(arnold(K), start, (-0.5, 0.5), at=at)
     theta = branch.points[:, 0]
     assert branch.ends == ("closed", "closed")
@@ -99,7 +101,8 @@ def test_a_broken_line_has_its_border_collisions_at_its_corners_moving_or_not(dr
         assert one.parameter.error_bound < 1e-13
         assert abs(np.mod(one.theta - corner + drift * level + np.pi, TWO_PI) - np.pi) < 1e-13
         assert not one.jump
-    # Two orbits vanish where 1 lies between the one-sided multipliers; at the middle corner one goes on as one.
+    # Two orbits vanish where 1 lies between the one-sided multipliers; at the middle corner one
+    # goes on as one.
     assert [one.folds for one in found] == [True, False, True]
     assert abs(found[1].multiplier - 0.5) < 1e-9
     assert abs(found[1].left_multiplier - 0.8) < 1e-9
@@ -115,9 +118,13 @@ def test_a_branch_ends_where_a_point_meets_a_jump():
     assert high.parameter.holds(0.4)
     assert low.jump and high.jump and not high.folds
     assert np.max(np.abs(fixed.points[:, 0] - TWO_PI * fixed.parameter / 0.4)) < 1e-13
-    # Period 2 lives on (1 - λ)(1 + λ/(1 + λ))... between its two collisions; the right one in closed form.
+    # Period 2 lives on (1 - λ)(1 + λ/(1 + λ))... between its two collisions; the right one in
+    # closed form.
     double = follow_orbit(
-        partial(contraction, 0.6), periodic_orbits(contraction(0.6, 0.65), 2, 1)[0], (0.0, 1.5), at=0.65
+        partial(contraction, 0.6),
+        periodic_orbits(contraction(0.6, 0.65), 2, 1)[0],
+        (0.0, 1.5),
+        at=0.65,
     )
     edge = max(float(one.parameter) for one in double.special)
     assert abs(edge - plateau(0.6, Fraction(1, 2))[1]) < 1e-14
@@ -127,7 +134,8 @@ def test_a_branch_ends_where_a_point_meets_a_jump():
 def test_a_symmetric_family_passes_a_pitchfork_as_a_branch_point():
     def family(p):
         return CircleMap(
-            lambda x: x + p * np.sin(x) + 0.3 * np.sin(2 * x), lambda x: 1 + p * np.cos(x) + 0.6 * np.cos(2 * x)
+            lambda x: x + p * np.sin(x) + 0.3 * np.sin(2 * x),
+            lambda x: 1 + p * np.cos(x) + 0.6 * np.cos(2 * x),
         )
 
     branch = follow_orbit(family, 0.0, (-1.0, 0.0), at=-0.9)
@@ -173,7 +181,8 @@ def test_the_edges_of_a_tongue_are_its_saddle_nodes_or_border_collisions(finder,
 
 @pytest.mark.slow
 def test_a_branch_born_and_gone_inside_the_range_is_found():
-    """Ω(p) dips below K/2π only between two values of p; nothing exists at either end of the range."""
+    """Ω(p) dips below K/2π only between two values of p;
+    nothing exists at either end of the range."""
 
     def family(p):
         return CircleMap.arnold(0.2 - 0.1 * np.exp(-((p - 0.43) ** 2) / 0.01), 0.9)
@@ -184,7 +193,9 @@ def test_a_branch_born_and_gone_inside_the_range_is_found():
     assert len(found) == 2
     for one, sign in zip(found, (-1, 1), strict=True):
         assert abs(one.parameter - (0.43 + sign * away)) <= one.parameter.error_bound + 2e-16
-    assert saddle_nodes(family, (0.0, 1.0), resolution=1) == []  # no grid point inside: the stated resolution
+    assert (
+        saddle_nodes(family, (0.0, 1.0), resolution=1) == []
+    )  # no grid point inside: the stated resolution
 
 
 def test_period_doublings_have_a_list_of_their_own():
@@ -193,7 +204,9 @@ def test_period_doublings_have_a_list_of_their_own():
 
 
 def test_bounds_hold_for_families_moved_by_what_they_may_be_off():
-    """Saddle-nodes of period 1 and 2, and kinks: the family moved by a wave of 1e-6 rad, its breaks left alone."""
+    """Saddle-nodes of period 1 and 2, and kinks: the family moved by a wave of 1e-6 rad, its breaks
+    left alone.
+    """
     off = 1e-6
 
     def changed(plain, claim, size):
@@ -216,5 +229,9 @@ def test_bounds_hold_for_families_moved_by_what_they_may_be_off():
         assert len(given) == len(others) > 0
         for one, other in zip(given, others, strict=True):
             error = abs(one.parameter - other.parameter)
-            assert 0.01 * off < error <= 1.001 * one.parameter.error_bound + other.parameter.error_bound
+            assert (
+                0.01 * off
+                < error
+                <= 1.001 * one.parameter.error_bound + other.parameter.error_bound
+            )
             assert one.parameter.error_bound < 10.0 * off

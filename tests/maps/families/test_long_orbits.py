@@ -23,7 +23,9 @@ from tests.maps.known_maps import KNOWN_TURNS
 
 @pytest.mark.slow
 def test_an_attractor_is_followed_until_its_saddle_node_from_either_side():
-    """Two wells, of which a tilt fills the shallow one first: it is seen only by a path that comes from within it."""
+    """Two wells, of which a tilt fills the shallow one first: it is seen only by a path that comes
+    from within it.
+    """
 
     def tilted(p):
         return CircleMap(lambda x: x + p - 0.1 * np.sin(x) - 0.3 * np.sin(2 * x))
@@ -35,7 +37,9 @@ def test_an_attractor_is_followed_until_its_saddle_node_from_either_side():
     [last] = np.flatnonzero(np.diff(apart))
     # Where the paths join, the shallow well ends in a saddle-node.
     nodes = [float(found.parameter) for found in saddle_nodes(tilted, (0.1, 0.3), resolution=4)]
-    assert np.all(apart[: last + 1]) and any(values[last] < node < values[last + 1] for node in nodes)
+    assert np.all(apart[: last + 1]) and any(
+        values[last] < node < values[last + 1] for node in nodes
+    )
 
 
 def test_exponents_over_a_plane_are_those_of_one_map_at_a_time():
@@ -51,8 +55,11 @@ def test_exponents_over_a_plane_are_those_of_one_map_at_a_time():
 def test_a_rotation_has_none_and_a_doubling_map_has_ln_2():
     turning = lyapunov_exponents(CircleMap.arnold, [0.1, 0.3], 0.0)
     assert np.all(turning.value == 0.0) and np.all(turning.error == 0.0)
-    # The tent-like family x → x + s sin 2x has F'(0) = 1 + 2s: at rest on 0 the exponent is its logarithm.
-    family = ParametricLift(lambda x, s: x + s * np.sin(2 * x), lambda x, s: 1 + 2 * s * np.cos(2 * x))
+    # The tent-like family x → x + s sin 2x has F'(0) = 1 + 2s: at rest on 0 the exponent is its
+    # logarithm.
+    family = ParametricLift(
+        lambda x, s: x + s * np.sin(2 * x), lambda x, s: 1 + 2 * s * np.cos(2 * x)
+    )
     at_rest = lyapunov_exponents(family, [-0.25, -0.5], start=0.0)
     np.testing.assert_allclose(at_rest.value[:1], np.log(0.5), rtol=1e-14)
     assert np.isneginf(at_rest.value[1]) and at_rest.error[1] == 0.0
@@ -63,19 +70,24 @@ TWO_PI = 2 * np.pi
 
 @pytest.mark.parametrize(("circle_map", "turns"), KNOWN_TURNS)
 def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(circle_map, turns):
-    means = [birkhoff_average(circle_map, iterates=n, start=1.0) for n in (100, 300, 1000, 3000, 10000)]
+    means = [
+        birkhoff_average(circle_map, iterates=n, start=1.0) for n in (100, 300, 1000, 3000, 10000)
+    ]
     errors = [abs(mean - TWO_PI * turns) for mean in means]
     bounds = [mean.error_bound for mean in means]
     assert all(error <= bound for error, bound in zip(errors, bounds, strict=True))
     assert errors[0] > 1e-9 and errors[-1] < 1e-14 and bounds[-1] < 1e-14
-    # A hundred times better for three times the length, at least twice: faster than the fourth power.
+    # A hundred times better for three times the length, at least twice: faster than the fourth
+    # power.
     steps = [a / max(b, 1e-16) for a, b in pairwise(bounds)]
     assert sum(step > 100 for step in steps) >= 2
 
 
 @pytest.mark.slow
 def test_chaotic_orbits_have_a_bound_of_a_plain_means_size():
-    """x → 3x (mod 2π): cos has mean 0 and variance 1/2; the bound is of the order of the sampling error."""
+    """x → 3x (mod 2π): cos has mean 0 and variance 1/2; the bound is of the order of the sampling
+    error.
+    """
     tripling = CircleMap(lambda x: 3 * x, degree=3)
     held = 0
     for start in np.linspace(0.1, 6.0, 40):
@@ -106,7 +118,9 @@ def test_flat_pieces_and_superstable_orbits_give_minus_infinity():
 
 @pytest.mark.parametrize("strength", [0.5, 0.99, 0.9999, 1.0, 1.0001, 1.5, 3.0])
 def test_near_critical_slopes_are_integrated_too(strength):
-    """E ln|1 - K cos θ| under a uniform law is ln((1 + √(1 - K²))/2) up to K = 1 and ln(K/2) beyond (Jensen)."""
+    """E ln|1 - K cos θ| under a uniform law is ln((1 + √(1 - K²))/2) up to K = 1 and ln(K/2) beyond
+    (Jensen).
+    """
     found = lyapunov_exponent(CircleMap.arnold(0.3, strength), WrappedNormal(8.0))
     known = np.log((1 + np.sqrt(1 - strength**2)) / 2) if strength <= 1 else np.log(strength / 2)
     assert abs(found - known) <= found.error_bound < (1e-6 if strength == 1.0 else 1e-11)
@@ -114,7 +128,14 @@ def test_near_critical_slopes_are_integrated_too(strength):
 
 @pytest.mark.parametrize(
     ("omega", "strength", "period"),
-    [(0.02, 0.9, 1), (0.9 / TWO_PI - 1e-6, 0.9, 1), (0.5, 0.9, 2), (0.34, 1.0, 3), (0.28, 1.0, 4), (0.41, 1.0, 5)],
+    [
+        (0.02, 0.9, 1),
+        (0.9 / TWO_PI - 1e-6, 0.9, 1),
+        (0.5, 0.9, 2),
+        (0.34, 1.0, 3),
+        (0.28, 1.0, 4),
+        (0.41, 1.0, 5),
+    ],
 )
 def test_stable_orbits_give_their_multiplier_whatever_their_period_and_however_slowly_they_attract(
     omega, strength, period
@@ -135,7 +156,9 @@ def test_quasi_periodic_orbits_have_exponent_zero_within_the_bound():
 
 @pytest.mark.slow
 def test_a_chaotic_orbit_has_a_statistical_bound():
-    """The Blaschke product e^{i} z(z - a)/(1 - az) keeps uniform measure: its exponent is ∫ ln F' dθ/2π."""
+    """The Blaschke product e^{i} z(z - a)/(1 - az) keeps uniform measure: its exponent is ∫ ln F'
+    dθ/2π.
+    """
     a = 0.4
     doubling = CircleMap(
         lambda x: 2 * x + 1 + 2 * np.arctan2(a * np.sin(x), 1 - a * np.cos(x)),
@@ -152,11 +175,15 @@ def test_a_chaotic_orbit_has_a_statistical_bound():
 
 
 def test_the_maps_own_error_counts_through_the_law():
-    """With max_error = ε the bound covers what a change of F by ε cos θ, its slope left alone, does."""
+    """With max_error = ε the bound covers what a change of F by ε cos θ, its slope left alone,
+    does.
+    """
     sine, noise, epsilon = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 1e-6
     plain = lyapunov_exponent(sine, noise)
     claimed = lyapunov_exponent(CircleMap(sine, sine.derivative, max_error=epsilon), noise)
-    shifted = lyapunov_exponent(CircleMap(lambda x: sine(x) + epsilon * np.cos(x), sine.derivative), noise)
+    shifted = lyapunov_exponent(
+        CircleMap(lambda x: sine(x) + epsilon * np.cos(x), sine.derivative), noise
+    )
     assert claimed == plain and plain.error_bound < 1e-12
     assert 1e-8 < abs(shifted - plain) <= claimed.error_bound <= 30 * abs(shifted - plain)
 
@@ -164,7 +191,9 @@ def test_the_maps_own_error_counts_through_the_law():
 def test_a_repelling_orbit_is_not_taken_for_the_attractor():
     """θ = 0 is a fixed point of slope -1.5 with Ω = 0, K = 2.5: only a start there stays there."""
     sine = CircleMap.arnold(0.0, 2.5)
-    (stable,) = (orbit for period in (1, 2) for orbit in periodic_orbits(sine, period) if orbit.stable)
+    (stable,) = (
+        orbit for period in (1, 2) for orbit in periodic_orbits(sine, period) if orbit.stable
+    )
     found = lyapunov_exponent(sine)
     assert abs(found - np.log(abs(stable.multiplier)) / stable.period) <= found.error_bound + 1e-12
     assert abs(lyapunov_exponent(sine, start=0.0) - np.log(1.5)) < 1e-14
@@ -175,9 +204,12 @@ def test_a_repelling_orbit_is_not_taken_for_the_attractor():
 def test_several_attractors_are_said():
     """Two stable points with slopes 0.2 and 0.6: each from its own side."""
     two = CircleMap(
-        lambda x: x - 0.3 * np.sin(2 * x) - 0.2 * np.sin(x), lambda x: 1 - 0.6 * np.cos(2 * x) - 0.2 * np.cos(x)
+        lambda x: x - 0.3 * np.sin(2 * x) - 0.2 * np.sin(x),
+        lambda x: 1 - 0.6 * np.cos(2 * x) - 0.2 * np.cos(x),
     )
-    with pytest.raises(InvalidInput, match=r"several attractors: .*-1\.6\d+ .*-0\.5\d+ .*give the start"):
+    with pytest.raises(
+        InvalidInput, match=r"several attractors: .*-1\.6\d+ .*-0\.5\d+ .*give the start"
+    ):
         lyapunov_exponent(two)
     assert abs(lyapunov_exponent(two, start=0.1) - np.log(0.2)) < 1e-12
     assert abs(lyapunov_exponent(two, start=3.0) - np.log(0.6)) < 1e-12
@@ -194,12 +226,17 @@ def test_the_error_of_differences_is_in_the_bound():
         exact = CircleMap.arnold(omega, strength)
         found, known = lyapunov_exponent(CircleMap(exact)), lyapunov_exponent(exact)
         assert abs(found - known) <= found.error_bound + known.error_bound
-        noisy, truth = (lyapunov_exponent(one, WrappedNormal(0.3)) for one in (CircleMap(exact), exact))
-        assert abs(noisy - truth) <= noisy.error_bound + truth.error_bound and noisy.error_bound < 1e-3
+        noisy, truth = (
+            lyapunov_exponent(one, WrappedNormal(0.3)) for one in (CircleMap(exact), exact)
+        )
+        assert (
+            abs(noisy - truth) <= noisy.error_bound + truth.error_bound and noisy.error_bound < 1e-3
+        )
 
 
 def test_a_lift_that_is_nowhere_smooth_is_refused_before_its_orbits_are_made():
-    """Weierstrass's sum with ab > 1 has a derivative nowhere, and few of its values tell as much."""
+    """Weierstrass's sum with ab > 1 has a derivative nowhere,
+    and few of its values tell as much."""
     asked = []
 
     def rough(theta):
@@ -207,6 +244,8 @@ def test_a_lift_that_is_nowhere_smooth_is_refused_before_its_orbits_are_made():
         return theta + 0.3 + 0.5 * sum(0.5**k * np.cos(3.0**k * theta) for k in range(20))
 
     for noise in (None, WrappedNormal(0.1)):
-        with pytest.raises(ConvergenceError, match=r"cannot be told from differences .* give the derivative"):
+        with pytest.raises(
+            ConvergenceError, match=r"cannot be told from differences .* give the derivative"
+        ):
             lyapunov_exponent(CircleMap(rough), noise)
     assert sum(asked) < 40_000

@@ -5,7 +5,14 @@ import pytest
 from refusals import refused
 from scipy.special import jv
 
-from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, mean_passage_time, response, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedNormal,
+    mean_passage_time,
+    response,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 SIGMA, K = 0.3, 0.9
@@ -18,7 +25,9 @@ def sine(omega):
 def wandering_jump(place):
     """Slopes of a half, with a jump up by 1 at ``place``."""
     x = np.array([0.0, place, place, TWO_PI])
-    return CircleMap.from_samples(x, [0.3, 0.3 + 0.5 * place, 1.3 + 0.5 * place, 0.3 + TWO_PI], [0.5] * 4)
+    return CircleMap.from_samples(
+        x, [0.3, 0.3 + 0.5 * place, 1.3 + 0.5 * place, 0.3 + TWO_PI], [0.5] * 4
+    )
 
 
 def differences(number, p, step):
@@ -46,9 +55,15 @@ def test_moments_and_winding_of_the_sine_family_move_as_its_bessel_operator_tell
     for function, truth in ((np.cos, first.real), (np.sin, first.imag)):
         value = found.expectation(function)
         assert value.holds(truth) and value.error_bound < 1e-8
-    assert found.rotation_number.holds(1 - K / TWO_PI * first.imag) and found.rotation_number.error_bound < 1e-9
+    assert (
+        found.rotation_number.holds(1 - K / TWO_PI * first.imag)
+        and found.rotation_number.error_bound < 1e-9
+    )
     theta = np.linspace(0.0, 6.0, 9)
-    shape = sum(np.exp(1j * k * theta) * part for k, part in zip(m[rest], moved, strict=True)).real / TWO_PI
+    shape = (
+        sum(np.exp(1j * k * theta) * part for k, part in zip(m[rest], moved, strict=True)).real
+        / TWO_PI
+    )
     assert np.max(np.abs(found.density(theta) - shape)) < 1e-9
 
 
@@ -59,12 +74,15 @@ def test_the_stable_direction_moves_as_its_closed_form():
 
 
 @pytest.mark.parametrize(
-    ("sigma", "arc", "lifted"), [(0.3, (0.0, 1.6), False), (0.3, (-3.0, 3.0), True), (0.15, (-1.0, 2.3), False)]
+    ("sigma", "arc", "lifted"),
+    [(0.3, (0.0, 1.6), False), (0.3, (-3.0, 3.0), True), (0.15, (-1.0, 2.3), False)],
 )
 def test_passage_times_move_as_their_differences(sigma, arc, lifted):
     noise = WrappedNormal(sigma)
     found = response(sine, 0.1, noise, (0.0, 0.2)).mean_passage_time(0.77, arc, lifted=lifted)
-    fair, doubt = differences(lambda p: float(mean_passage_time(sine(p), noise, 0.77, arc, lifted=lifted)), 0.1, 2e-5)
+    fair, doubt = differences(
+        lambda p: float(mean_passage_time(sine(p), noise, 0.77, arc, lifted=lifted)), 0.1, 2e-5
+    )
     assert abs(found - fair) <= found.error_bound + doubt
     assert found.error_bound < 1e-8 * abs(found) and doubt < 1e-5 * abs(found)
 
@@ -73,21 +91,38 @@ def test_windings_of_random_families_move_as_their_differences_and_where_a_jump_
     rng, noise = np.random.default_rng(11), WrappedNormal(0.5)
 
     def random_family():
-        size, phase, push = rng.uniform(-0.3, 0.3, 3), rng.uniform(0, TWO_PI, 3), rng.uniform(-1, 1, 3)
+        size, phase, push = (
+            rng.uniform(-0.3, 0.3, 3),
+            rng.uniform(0, TWO_PI, 3),
+            rng.uniform(-1, 1, 3),
+        )
         order = np.arange(1, 4)
 
         def family(p):
             return CircleMap(
-                lambda x: x + p + np.sum((size + p * push) * np.sin(np.multiply.outer(x, order) + phase), -1),
-                lambda x: 1 + np.sum((size + p * push) * order * np.cos(np.multiply.outer(x, order) + phase), -1),
+                lambda x: (
+                    x
+                    + p
+                    + np.sum((size + p * push) * np.sin(np.multiply.outer(x, order) + phase), -1)
+                ),
+                lambda x: (
+                    1
+                    + np.sum(
+                        (size + p * push) * order * np.cos(np.multiply.outer(x, order) + phase), -1
+                    )
+                ),
             )
 
         return family
 
-    families = [(random_family(), 0.1, (-0.5, 0.7)) for _ in range(8)] + [(wandering_jump, 2.5, (2.0, 3.0))]
+    families = [(random_family(), 0.1, (-0.5, 0.7)) for _ in range(8)] + [
+        (wandering_jump, 2.5, (2.0, 3.0))
+    ]
     for family, p, ends in families:
         found = response(family, p, noise, ends).rotation_number
-        fair, doubt = differences(lambda v, f=family: float(transfer_operator(f(v), noise).rotation_number), p, 1e-3)
+        fair, doubt = differences(
+            lambda v, f=family: float(transfer_operator(f(v), noise).rotation_number), p, 1e-3
+        )
         assert abs(found - fair) <= found.error_bound + doubt
         assert found.error_bound < 1e-6 and doubt < 1e-6
 

@@ -19,7 +19,9 @@ TWO_PI = 2 * np.pi
 
 
 def test_a_claimed_error_widens_the_enclosures_and_unmet_ones_say_so():
-    loose = ParametricLift(ARNOLD_FAMILY.lift, nondecreasing=ARNOLD_FAMILY.nondecreasing, max_error=0.05)
+    loose = ParametricLift(
+        ARNOLD_FAMILY.lift, nondecreasing=ARNOLD_FAMILY.nondecreasing, max_error=0.05
+    )
     omega = np.linspace(0.2, 0.8, 200)
     wide, plain = rotation_numbers(loose, omega, 0.6), rotation_numbers(ARNOLD_FAMILY, omega, 0.6)
     for shift in (-0.05, 0.05):
@@ -55,13 +57,17 @@ def test_a_parametric_lift_gives_circle_maps():
     assert isinstance(member, CircleMap)
     assert member.max_error == 1e-6
     assert member.breaks.tolist() == [1.0]
-    np.testing.assert_allclose(member.derivative(np.array([0.1, 4.0])), 1 + 0.4 * np.cos([0.2, 8.0]))
+    np.testing.assert_allclose(
+        member.derivative(np.array([0.1, 4.0])), 1 + 0.4 * np.cos([0.2, 8.0])
+    )
     assert waves.rises(np.zeros(3), np.array([0.2, 0.49, 0.7])).tolist() == [True, True, False]
     rng = np.random.default_rng(3)
     theta = rng.uniform(-9, 9, 50)
     for family, pair in ((ARNOLD_FAMILY, (0.3, -1.7)), (MOEBIUS_FAMILY, (0.6, 0.2))):
         np.testing.assert_allclose(family.lift(theta, *pair), family(*pair)(theta), atol=1e-14)
-        np.testing.assert_allclose(family.derivative(theta, *pair), family(*pair).derivative(theta), rtol=1e-13)
+        np.testing.assert_allclose(
+            family.derivative(theta, *pair), family(*pair).derivative(theta), rtol=1e-13
+        )
 
 
 def one_by_one(omega, K):
@@ -81,16 +87,22 @@ def test_many_at_once_and_map_by_map_agree():
     assert np.all((together.lower <= singly.upper) & (singly.lower <= together.upper))
     both = (together.period > 0) & (singly.period > 0)
     assert np.sum(both) > 10
-    assert np.all((together.winding == singly.winding)[both] & (together.period == singly.period)[both])
+    assert np.all(
+        (together.winding == singly.winding)[both] & (together.period == singly.period)[both]
+    )
 
 
-@pytest.mark.parametrize(("family", "known"), [(CircleMap.arnold, ARNOLD_FAMILY), (CircleMap.moebius, MOEBIUS_FAMILY)])
+@pytest.mark.parametrize(
+    ("family", "known"), [(CircleMap.arnold, ARNOLD_FAMILY), (CircleMap.moebius, MOEBIUS_FAMILY)]
+)
 def test_the_textbook_maps_are_recognised_and_done_many_at_once(family, known):
     first, second = np.linspace(0.1, 0.9, 9), np.linspace(0.1, 0.6, 7)
     plane, other = rotation_plane(family, first, second), rotation_plane(known, first, second)
     for name in ("value", "lower", "upper", "period", "winding"):
         np.testing.assert_array_equal(getattr(plane, name), getattr(other, name))
-    np.testing.assert_array_equal(rotation_numbers(family, first, 0.5).value, rotation_numbers(known, first, 0.5).value)
+    np.testing.assert_array_equal(
+        rotation_numbers(family, first, 0.5).value, rotation_numbers(known, first, 0.5).value
+    )
 
 
 @pytest.mark.parametrize("family", [ARNOLD_FAMILY, one_by_one])
@@ -105,7 +117,9 @@ def test_folded_maps_show_their_rotation_interval(family):
 
 
 def test_a_plane_of_folded_maps_encloses_what_each_map_gives_by_itself():
-    """Both bounds hold the whole rotation interval, which the maps one by one know far better; progress reaches 1."""
+    """Both bounds hold the whole rotation interval, which the maps one by one know far better;
+    progress reaches 1.
+    """
     told = []
     first, second = np.linspace(0.05, 0.95, 4), np.array([0.8, 1.3, 2.0, 3.0])
     plane = rotation_plane(CircleMap.arnold, first, second, progress=told.append)

@@ -5,7 +5,14 @@ import math
 import numpy as np
 from refusals import refused
 
-from cyclemap.maps import CircleMap, DriftingMap, fixed_points, orbit_branches, sample_staircase, slow_folds
+from cyclemap.maps import (
+    CircleMap,
+    DriftingMap,
+    fixed_points,
+    orbit_branches,
+    sample_staircase,
+    slow_folds,
+)
 
 TWO_PI = 2 * np.pi
 K = 0.9
@@ -16,7 +23,8 @@ def sine(omega):
 
 
 def cycles_until_gone(rate, begin=0.13):
-    """Cycles after the crossing of K/2π until a path that began at rest is a radian past the fold."""
+    """Cycles after the crossing of K/2π until a path that began at rest is a radian
+    past the fold."""
     theta, n = float(fixed_points(sine(begin))[0].points[0]), 0
     while theta < 0.5 * np.pi + 1.0:
         theta += TWO_PI * (begin + rate * n) - K * math.sin(theta)
@@ -46,7 +54,10 @@ def test_a_parameter_that_moves_the_other_way_loses_at_the_other_edge():
 def test_a_drifting_map_is_a_family_of_its_cycle_whose_rest_is_followed_to_the_loss():
     worn = DriftingMap.of_family(sine, lambda n: 0.13 + 1e-5 * n, 3000)
     (lost,) = slow_folds(worn.at, (0.0, 2999.0))
-    assert abs(lost.fold.parameter - (K / TWO_PI - 0.13) / 1e-5) <= lost.fold.parameter.error_bound + 1e-6
+    assert (
+        abs(lost.fold.parameter - (K / TWO_PI - 0.13) / 1e-5)
+        <= lost.fold.parameter.error_bound + 1e-6
+    )
     (branch,) = orbit_branches(worn.at, (0.0, 2999.0), resolution=2)
     start = next(orbit.points[0] for orbit in fixed_points(worn.at(0)) if orbit.stable)
     path = sample_staircase(worn, None, 2999, float(start)).theta

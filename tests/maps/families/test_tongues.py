@@ -1,4 +1,6 @@
-"""Tongue edges: closed forms, an extended system solved in extended precision, symmetry, orders, bad input."""
+"""Tongue edges: closed forms, an extended system solved in extended precision, symmetry, orders,
+bad input.
+"""
 
 from fractions import Fraction
 from functools import partial
@@ -21,8 +23,15 @@ def arnold(K):
 
 
 def exact_edge(K, ratio, omega, theta):
-    """G = 0, G' = 0 of the sine family by Newton's method in extended precision: a route without this package."""
-    two_pi, K, p, x = 2 * np.arccos(np.longdouble(-1)), np.longdouble(K), np.longdouble(omega), np.longdouble(theta)
+    """G = 0, G' = 0 of the sine family by Newton's method in extended precision: a route without
+    this package.
+    """
+    two_pi, K, p, x = (
+        2 * np.arccos(np.longdouble(-1)),
+        np.longdouble(K),
+        np.longdouble(omega),
+        np.longdouble(theta),
+    )
     for _ in range(8):
         y, d, dd, dp, ddp = x, np.longdouble(1), 0, 0, 0
         for _ in range(ratio.denominator):
@@ -75,7 +84,8 @@ def test_the_moebius_family_locks_at_zero_only(a):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("factor", "ratios"), [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])]
+    ("factor", "ratios"),
+    [(0.3, [(0, 1), (1, 2), (2, 5)]), (0.9, [(0, 1), (1, 2), (1, 3), (5, 8), (7, 40)])],
 )
 def test_the_piecewise_contraction_has_its_closed_form_right_edges(factor, ratios):
     for p, q in ratios:
@@ -96,14 +106,19 @@ def test_a_kinked_family_has_the_edges_its_lines_give():
 @pytest.mark.parametrize(
     ("width", "height", "slopes"),
     [
-        *((*size, slopes) for size in ((1e-3, 8e-4), (1e-3, 0.1), (3e-4, 2e-4)) for slopes in (True, False)),
+        *(
+            (*size, slopes)
+            for size in ((1e-3, 8e-4), (1e-3, 0.1), (3e-4, 2e-4))
+            for slopes in (True, False)
+        ),
         (6e-5, 5e-5, True),
     ],
 )
 def test_a_bump_is_found_wherever_it_lies(width, height, slopes):
     """6e-5 is a width of a tenth of a milliradian at half the height, the least that is promised.
 
-    Lower than its width the map is a homeomorphism, higher it folds; ``fixed_points`` is the other route.
+    Lower than its width the map is a homeomorphism, higher it folds; ``fixed_points`` is the other
+    route.
     """
     for place in 0.1 + 0.39 * np.arange(0, 16, 1 if slopes else 5):
         family = bumped(place, width, height, slopes=slopes)
@@ -116,25 +131,36 @@ def test_a_bump_is_found_wherever_it_lies(width, height, slopes):
 
 
 def test_a_bump_that_differences_step_over_is_refused_by_its_place():
-    """Without a derivative, differences a milliradian wide do not see a bump of 6e-5; the cells do, and say so."""
-    with pytest.raises(ConvergenceError, match=r"too rough to follow, most of all between θ = 0\.09.*none given"):
+    """Without a derivative, differences a milliradian wide do not see a bump of 6e-5; the cells do,
+    and say so.
+    """
+    with pytest.raises(
+        ConvergenceError, match=r"too rough to follow, most of all between θ = 0\.09.*none given"
+    ):
         tongue(bumped(0.1, 6e-5, 5e-5, slopes=False), 0, (-0.5, 0.6))
 
 
 @pytest.mark.parametrize("width", [2e-4, 2e-5, 2e-6])
 def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
-    """Samples are added where they leave room: on the highest hump, far finer than the first ones."""
+    """Samples are added where they leave room: on the highest hump,
+    far finer than the first ones."""
     family = bumped(1.5 * np.pi, width, 0.5 * width, K=0.2)
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
 
 
 @pytest.mark.parametrize("place", [0.1, 1.2345, 4.0])
 def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
-    """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by 0.1 of one."""
+    """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by
+    0.1 of one.
+    """
     for below, over in ((1e-3, 2e-4), (1.3e-3, 0.0)):
         circle = CircleMap(
-            lambda theta, below=below: theta - below + 1.2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
-            lambda theta: 1.0 - 1.2 * (theta - place) / 2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2)),
+            lambda theta, below=below: (
+                theta - below + 1.2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2))
+            ),
+            lambda theta: (
+                1.0 - 1.2 * (theta - place) / 2e-3 * np.exp(-(((theta - place) / 2e-3) ** 2))
+            ),
         )
         height, where = unseen_height(circle, Fraction(0), 1.0)
         assert over <= height + 1e-12 and height <= over + 1e-9
@@ -142,9 +168,12 @@ def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
 
 
 def test_what_is_not_seen_of_very_many_waves_is_in_the_edges_bound():
-    """2,000 waves touch the diagonal at once: the cells that are left have room, by which the edge may move."""
+    """2,000 waves touch the diagonal at once: the cells that are left have room, by which the edge
+    may move.
+    """
     family = lambda omega: CircleMap(  # noqa: E731
-        lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t), lambda t: 1.0 - 0.5 * np.sin(2000 * t)
+        lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t),
+        lambda t: 1.0 - 0.5 * np.sin(2000 * t),
     )
     left = tongue(family, 0, (-0.3, 0.3)).left
     assert left.holds(-2.5e-4 / TWO_PI)
@@ -168,8 +197,14 @@ def test_boundaries_over_a_second_parameter_are_the_single_tongues():
     for i, ratio in enumerate(curves.ratios):
         for j in (0, 6):
             single = tongue(arnold(strengths[j]), ratio, WIDE)
-            assert abs(single.left - curves.left[i, j]) <= single.left.error_bound + curves.left_error[i, j]
-            assert abs(single.right - curves.right[i, j]) <= single.right.error_bound + curves.right_error[i, j]
+            assert (
+                abs(single.left - curves.left[i, j])
+                <= single.left.error_bound + curves.left_error[i, j]
+            )
+            assert (
+                abs(single.right - curves.right[i, j])
+                <= single.right.error_bound + curves.right_error[i, j]
+            )
     assert np.array_equal(np.any(curves.folded, axis=0), strengths > 1)
     assert np.all(np.diff(curves.right - curves.left, axis=1) > 0)
 
@@ -211,7 +246,8 @@ def dropping(omega):
     ],
 )
 def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
-    """A saddle-node's orbit closes and has a multiplier of 1; a border collision's visits a break."""
+    """A saddle-node's orbit closes and has a multiplier of 1;
+    a border collision's visits a break."""
     found = tongue(family, ratio, (-1.0, 2.0))
     assert (found.left_kind, found.right_kind) == (kinds, kinds)
     for edge, orbit in ((found.left, found.left_orbit), (found.right, found.right_orbit)):

@@ -17,7 +17,12 @@ def lines(slopes, offsets, start, seams, degree, derivative):
     """Straight branches y = offset + slope·x and the map made of them."""
     ends = [start, *seams, start + TWO_PI]
     branches = [
-        (a, b, lambda x, s=s, c=c: c + s * x, (lambda x, s=s: np.full_like(x, s)) if derivative else None)
+        (
+            a,
+            b,
+            lambda x, s=s, c=c: c + s * x,
+            (lambda x, s=s: np.full_like(x, s)) if derivative else None,
+        )
         for a, b, s, c in zip(ends[:-1], ends[1:], slopes, offsets, strict=True)
     ]
     return branches, CircleMap.from_branches(branches, degree=degree)
@@ -26,22 +31,32 @@ def lines(slopes, offsets, start, seams, degree, derivative):
 @pytest.mark.parametrize("derivative", [True, False])
 @pytest.mark.parametrize("degree", [-2, -1, 0, 1, 2, 5])
 @pytest.mark.parametrize("start", [0.0, -0.5, 1.3, 9.0, -20.0])
-def test_every_branch_is_its_own_function_wherever_the_turn_starts_and_whatever_the_degree(start, degree, derivative):
+def test_every_branch_is_its_own_function_wherever_the_turn_starts_and_whatever_the_degree(
+    start, degree, derivative
+):
     seams = [start + 1.0, start + 4.0]
     branches, made = lines([0.5, -1.0, 2.0], [0.0, 3.0, -1.0], start, seams, degree, derivative)
     rng = np.random.default_rng(3)
     for first, last, line, _ in branches:
         x = rng.uniform(first, last, 50)
         for lap in (-2, 0, 3):
-            np.testing.assert_allclose(made(x + TWO_PI * lap), line(x) + TWO_PI * degree * lap, rtol=0, atol=1e-13)
+            np.testing.assert_allclose(
+                made(x + TWO_PI * lap), line(x) + TWO_PI * degree * lap, rtol=0, atol=1e-13
+            )
         slope = line(1.0) - line(0.0)
-        np.testing.assert_allclose(made.derivative(x), slope, rtol=0, atol=1e-13 if derivative else 1e-9)
+        np.testing.assert_allclose(
+            made.derivative(x), slope, rtol=0, atol=1e-13 if derivative else 1e-9
+        )
         base = np.mod(first, TWO_PI)
         lap = np.round((base - first) / TWO_PI)
-        np.testing.assert_allclose(made(base), line(first) + TWO_PI * degree * lap, rtol=0, atol=1e-13)
+        np.testing.assert_allclose(
+            made(base), line(first) + TWO_PI * degree * lap, rtol=0, atol=1e-13
+        )
         np.testing.assert_allclose(made.left(last), line(last), rtol=0, atol=1e-13)
         np.testing.assert_allclose(made.right(first), line(first), rtol=0, atol=1e-13)
-    np.testing.assert_allclose(made.breaks, np.sort(np.mod([start, *seams], TWO_PI)), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        made.breaks, np.sort(np.mod([start, *seams], TWO_PI)), rtol=0, atol=1e-14
+    )
     one = made.scalar()
     x = rng.uniform(-20, 20, 100)
     np.testing.assert_allclose([one(y) for y in x], made(x), rtol=0, atol=1e-13)
@@ -84,7 +99,10 @@ BAD_BRANCHES = {
     r"is \[\]: give a list .* at least one": [],
     "is 3: give a list": 3,
     r"branch 0 is \(0, 1\)": [(0, 1)],
-    "branch 1 starts at 2.5 but branch 0 ends at 2: a gap of 0.5": [(0, 2, one, None), (2.5, TWO_PI, one, None)],
+    "branch 1 starts at 2.5 but branch 0 ends at 2: a gap of 0.5": [
+        (0, 2, one, None),
+        (2.5, TWO_PI, one, None),
+    ],
     "an overlap of 0.25": [(0, 2, one, None), (1.75, TWO_PI, one, None)],
     "span 6 radians": [(0, 2, one, None), (2, 6, one, None)],
     "span 6.5": [(0, 6.5, one, None)],

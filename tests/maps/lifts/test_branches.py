@@ -22,17 +22,24 @@ def folded(seed, degree=1):
 
 
 def zigzag(degree=1):
-    """Straight branches with a fold at a kink, a kink that is none, a plateau, jumps up and down."""
+    """Straight branches with a fold at a kink, a kink that is none, a plateau,
+    jumps up and down."""
     rows = [(0.4, 1.0, 0.0, 0.5), (1.0, 1.8, 0.3, 2.0), (1.8, 2.5, 3.9, -1.0), (2.5, 3.5, 2.0, 0.0)]
     rows += [(3.5, 5.0, 0.25, 0.5), (5.0, 0.4 + TWO_PI, 1.0, 0.1)]
     return CircleMap.from_branches(
-        [(a, b, lambda x, p=p, q=q: p + q * x, lambda x, q=q: np.full_like(x, q)) for a, b, p, q in rows], degree=degree
+        [
+            (a, b, lambda x, p=p, q=q: p + q * x, lambda x, q=q: np.full_like(x, q))
+            for a, b, p, q in rows
+        ],
+        degree=degree,
     )
 
 
 def check_tiling(circle_map, parts):
     starts, ends = np.array([p.start for p in parts]), np.array([p.end for p in parts])
-    assert np.array_equal(ends[:-1], starts[1:]) and ends[-1] == pytest.approx(starts[0] + TWO_PI, abs=1e-14)
+    assert np.array_equal(ends[:-1], starts[1:]) and ends[-1] == pytest.approx(
+        starts[0] + TWO_PI, abs=1e-14
+    )
     assert 0 <= starts[0] < TWO_PI
     for part in parts:
         assert part.start_value == pytest.approx(float(circle_map.right(part.start)), abs=2e-13)
@@ -46,7 +53,9 @@ def test_the_sine_map_has_two_branches_cut_where_the_cosine_is_one_over_K(K):
     made = CircleMap.arnold(0.2, K)
     rising, falling = branches(made)
     fold = np.arccos(1 / K)
-    np.testing.assert_allclose([rising.start, rising.end], [fold, TWO_PI - fold], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        [rising.start, rising.end], [fold, TWO_PI - fold], rtol=0, atol=1e-12
+    )
     assert (rising.direction, falling.direction) == (1, -1)
     check_tiling(made, (rising, falling))
 
@@ -115,7 +124,9 @@ def test_preimages_under_a_blaschke_product_are_the_roots_of_its_polynomial(seed
         roots = np.roots(np.poly(zeros) - np.exp(1j * (angle - TWO_PI * 0.17)) * bottom)
         found = preimages(made, angle)
         assert found.size == 4
-        np.testing.assert_allclose(found, np.sort(np.mod(np.angle(roots), TWO_PI)), rtol=0, atol=1e-11)
+        np.testing.assert_allclose(
+            found, np.sort(np.mod(np.angle(roots), TWO_PI)), rtol=0, atol=1e-11
+        )
 
 
 @pytest.mark.slow
@@ -152,7 +163,9 @@ def test_a_fold_is_one_preimage_and_beside_its_level_there_are_two_or_none_more(
 
 
 def test_at_a_jump_the_value_from_the_right_is_taken_and_the_one_from_the_left_is_not():
-    made = CircleMap.from_branches([(1, 4, lambda x: 0.5 * x, None), (4, 1 + TWO_PI, lambda x: 0.5 * x + 1, None)])
+    made = CircleMap.from_branches(
+        [(1, 4, lambda x: 0.5 * x, None), (4, 1 + TWO_PI, lambda x: 0.5 * x + 1, None)]
+    )
     assert preimages(made, 3.0).tolist() == [4.0]
     assert preimages(made, 2.0).size == 0 and preimages(made, 2.5).size == 0
     np.testing.assert_allclose(preimages(made, 2.0 - 1e-9), [4 - 2e-9], atol=1e-14)

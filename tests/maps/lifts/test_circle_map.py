@@ -28,9 +28,13 @@ def sampled(count=300, start=0.0, slopes=True):
 def test_textbook_lifts_climb_by_a_turn_and_agree_with_their_scalar_forms_and_differences(exact):
     np.testing.assert_allclose(exact(GRID + TWO_PI) - exact(GRID), TWO_PI, rtol=1e-13)
     np.testing.assert_allclose(exact.turn(GRID), exact(GRID) - GRID, rtol=0, atol=0)
-    np.testing.assert_allclose([exact.scalar()(x) for x in GRID[::50]], exact(GRID[::50]), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        [exact.scalar()(x) for x in GRID[::50]], exact(GRID[::50]), rtol=0, atol=1e-14
+    )
     x = GRID[np.abs(GRID) < TWO_PI]
-    np.testing.assert_allclose(CircleMap(exact).derivative(x), exact.derivative(x), rtol=0, atol=2e-10)
+    np.testing.assert_allclose(
+        CircleMap(exact).derivative(x), exact.derivative(x), rtol=0, atol=2e-10
+    )
 
 
 @pytest.mark.parametrize("start", [0.0, 1.3, -9.0, TWO_PI])
@@ -66,7 +70,9 @@ def test_a_repeated_angle_with_equal_values_is_a_kink():
     made = CircleMap.from_samples(x, x, [1.0, 0.5, 1.5, 1.0])
     assert made.breaks.tolist() == [2.0]
     assert made.jumps()[0].size == 0
-    np.testing.assert_allclose([made.derivative(2.0, -1), made.derivative(2.0, 1)], [0.5, 1.5], atol=1e-12)
+    np.testing.assert_allclose(
+        [made.derivative(2.0, -1), made.derivative(2.0, 1)], [0.5, 1.5], atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("start", [0.0, 0.7])
@@ -86,7 +92,9 @@ def test_an_end_point_that_does_not_close_makes_a_break_at_the_start(start):
 
 def test_shape_preserving_branches_run_through_the_end_point():
     x = np.concatenate([np.linspace(0.2, 3.0, 60), np.linspace(3.0, 0.1 + TWO_PI, 60)])
-    y = np.where(np.arange(120) < 60, wavy(x), wavy(x) + 0.5 * (x - 0.2 - TWO_PI) * (x < 0.2 + TWO_PI))
+    y = np.where(
+        np.arange(120) < 60, wavy(x), wavy(x) + 0.5 * (x - 0.2 - TWO_PI) * (x < 0.2 + TWO_PI)
+    )
     made = CircleMap.from_samples(x, y)
     assert made.breaks.tolist() == [3.0]
     step = 1e-7
@@ -97,7 +105,11 @@ def test_shape_preserving_branches_run_through_the_end_point():
 def test_differences_never_reach_across_a_break():
     def kinked(x):
         base = np.mod(x, TWO_PI)
-        return x - base + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
+        return (
+            x
+            - base
+            + np.where(base < 2.0, 0.5 * base, 1.0 + (base - 2.0) * (TWO_PI - 1.0) / (TWO_PI - 2.0))
+        )
 
     made = CircleMap(kinked, breaks=[0.0, 2.0])
     x = np.array([0.0, 1e-9, 1e-4, 1.0, 2.0 - 1e-4, 2.0 - 1e-9, 2.0, 2.0 + 1e-4, 6.0])
@@ -108,8 +120,12 @@ def test_differences_never_reach_across_a_break():
 NOT_A_LIFT = {
     "is degree 1": lambda: CircleMap(lambda x: x + 0.1 * np.sin(x), degree=2),
     "not wrapped": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI)),
-    "jumps by 6.28": lambda: CircleMap(lambda x: TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)),
-    "jumps by 6.28.* none of its breaks": lambda: CircleMap(lambda x: np.mod(x + 1, TWO_PI), degree=0),
+    "jumps by 6.28": lambda: CircleMap(
+        lambda x: TWO_PI * np.floor(x / TWO_PI) + np.mod(x + 2, TWO_PI)
+    ),
+    "jumps by 6.28.* none of its breaks": lambda: CircleMap(
+        lambda x: np.mod(x + 1, TWO_PI), degree=0
+    ),
     "nan at": lambda: CircleMap(lambda x: np.where(np.cos(x) > 0.9, np.nan, x)),
     "inf at": lambda: CircleMap(lambda x: x, lambda x: np.where(np.cos(x) > 0.9, np.inf, 1.0)),
     "complex128": lambda: CircleMap(lambda x: x + 0j),
@@ -122,7 +138,9 @@ NOT_A_LIFT = {
     "must be vectorised": lambda: CircleMap(lambda x: math.sin(x) + x),
     "depending on the other entries": lambda: CircleMap(lambda x: x - x.mean() * (x.ndim == 2)),
     "derivative turns shape": lambda: CircleMap(lambda x: x, lambda x: np.ones(3)),
-    "scalar form differs from the lift by": lambda: CircleMap.with_scalar(lambda x: x, None, lambda x: x + 1e-3),
+    "scalar form differs from the lift by": lambda: CircleMap.with_scalar(
+        lambda x: x, None, lambda x: x + 1e-3
+    ),
     "degree must be": lambda: CircleMap(lambda x: x, degree=0.5),
     "it must be finite everywhere": lambda: CircleMap(lambda x: x * np.nan),
     "must be callables": lambda: CircleMap(3.0),
@@ -159,7 +177,10 @@ def test_a_jump_of_many_radians_is_taken_where_it_is_a_break_and_steep_lifts_are
     assert CircleMap(jumping, breaks=[0.0, TWO_PI - 2]).jumps()[0].size == 2
     steep = CircleMap.moebius(1 - 1e-9, 0.3)
     assert steep.derivative(0.0) > 1e9
-    assert CircleMap(lambda x: 2.0**30 * x, lambda x: np.full_like(x, 2.0**30), degree=2**30).degree == 2**30
+    assert (
+        CircleMap(lambda x: 2.0**30 * x, lambda x: np.full_like(x, 2.0**30), degree=2**30).degree
+        == 2**30
+    )
 
 
 def test_a_tiny_negative_break_is_a_break_at_zero():
@@ -180,11 +201,15 @@ def random_zeros(seed, count, reach=0.95):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_blaschke_product_is_the_product_of_its_factors_and_its_slope_the_sum_of_poisson_kernels(seed):
+def test_a_blaschke_product_is_the_product_of_its_factors_and_its_slope_the_sum_of_poisson_kernels(
+    seed,
+):
     zeros, omega = random_zeros(seed, seed % 5 + 1), 0.1 * seed
     made = CircleMap.blaschke(zeros, omega)
     z = np.exp(1j * GRID)
-    product = np.exp(2j * np.pi * omega) * np.prod([(z - a) / (1 - np.conj(a) * z) for a in zeros], axis=0)
+    product = np.exp(2j * np.pi * omega) * np.prod(
+        [(z - a) / (1 - np.conj(a) * z) for a in zeros], axis=0
+    )
     np.testing.assert_allclose(np.exp(1j * made(GRID)), product, rtol=0, atol=3e-13)
     kernels = np.sum([(1 - abs(a) ** 2) / np.abs(z - a) ** 2 for a in zeros], axis=0)
     np.testing.assert_allclose(made.derivative(GRID), kernels, rtol=3e-13)
@@ -207,5 +232,7 @@ def test_a_zero_close_to_the_circle_costs_no_digits():
     """Against tan(F/2) = (1 + a)/(1 - a)·tan(θ/2), which is exact for Ω = 0."""
     a = 1 - 2.0**-30
     made, x = CircleMap.moebius(a, 0.0), np.array([1e-12, 1e-10, 1e-9, 3e-9, 1e-6, 0.1, 2.0])
-    np.testing.assert_allclose(made(x), 2 * np.arctan((1 + a) / (1 - a) * np.tan(x / 2)), rtol=4e-15)
+    np.testing.assert_allclose(
+        made(x), 2 * np.arctan((1 + a) / (1 - a) * np.tan(x / 2)), rtol=4e-15
+    )
     assert made.derivative(0.0) == (1 + a) / (1 - a)

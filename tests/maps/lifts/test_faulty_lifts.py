@@ -59,7 +59,8 @@ def test_a_missing_break_is_named_where_there_are_only_differences(lift, places)
 def test_a_hidden_jump_is_named_where_the_derivative_is_given():
     for ask in (fixed_points, rotation_interval, lambda one: periodic_orbits(one, 2)):
         with pytest.raises(
-            ConvergenceError, match=r"jumps by 0\.5\d* radians at θ = (1\.99999|2\.0000|6\.28318).*none of"
+            ConvergenceError,
+            match=r"jumps by 0\.5\d* radians at θ = (1\.99999|2\.0000|6\.28318).*none of",
         ):
             ask(CircleMap(raised, np.ones_like))
     declared = CircleMap(raised, np.ones_like, [0.0, 2.0])
@@ -67,7 +68,9 @@ def test_a_hidden_jump_is_named_where_the_derivative_is_given():
 
 
 def test_with_its_derivative_a_hidden_kink_or_cliff_costs_nothing():
-    kinked = CircleMap(tent, lambda x: 1 + 0.3 / np.pi * np.sign(np.mod(x - 1 + np.pi, TWO_PI) - np.pi))
+    kinked = CircleMap(
+        tent, lambda x: 1 + 0.3 / np.pi * np.sign(np.mod(x - 1 + np.pi, TWO_PI) - np.pi)
+    )
     declared = CircleMap(tent, kinked.derivative, [1.0, 1 + np.pi])
     for period in (1, 2, 3):
         found, known = periodic_orbits(kinked, period), periodic_orbits(declared, period)
@@ -77,7 +80,9 @@ def test_with_its_derivative_a_hidden_kink_or_cliff_costs_nothing():
         lambda x: 1 + 4e6 * np.cos(x - 1) / np.cosh(np.clip(np.sin(x - 1) / 1e-7, -300, 300)) ** 2,
     )
     # F - id = 0.4 tanh(sin(x - 1)/1e-7) vanishes at 1 and 1 + π.
-    np.testing.assert_allclose([point.points[0] for point in fixed_points(steep)], [1.0, 1 + np.pi], atol=1e-12)
+    np.testing.assert_allclose(
+        [point.points[0] for point in fixed_points(steep)], [1.0, 1 + np.pi], atol=1e-12
+    )
 
 
 @pytest.mark.slow

@@ -42,7 +42,8 @@ def test_the_iterate_is_monotone_in_every_cell_and_the_cells_tile_the_turn(shift
 
 
 def test_turning_points_of_the_iterate_are_counted_by_the_chain_rule():
-    # (Fⁿ)' = 0 where some image up to the n-th is a fold: count the preimages of the folds one by one.
+    # (Fⁿ)' = 0 where some image up to the n-th is a fold: count the preimages of the folds one by
+    # one.
     folded = CircleMap.arnold(0.3, 3.0)
     folds = np.array([1.0, -1.0]) * np.arccos(1 / 3)
     once = monotone_cells(folded, 1, 0.0, 512)
@@ -61,13 +62,17 @@ def test_breaks_of_an_iterate_are_the_preimages_of_the_breaks():
     tripling = CircleMap(lambda x: 3 * x, lambda x: 3 + 0 * x, [0.0], degree=3)
     for n in (1, 2, 4, 7):
         cells, count = monotone_cells(tripling, n, 0.0, 512), 3 ** (n - 1)
-        np.testing.assert_allclose(cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12)
+        np.testing.assert_allclose(
+            cells.start[cells.cut], TWO_PI * np.arange(count) / count, atol=3e-12
+        )
 
 
 @pytest.mark.parametrize("width", [6e-4, 3e-4, 1.2e-4, 6e-5])
 @pytest.mark.parametrize("K", [0.0, 0.5, 0.9])
 def test_bumps_a_tenth_of_a_milliradian_wide_are_seen_wherever_they_lie(width, K):
-    """One that just folds the map makes it fall; one that bends it back over the diagonal adds two fixed points."""
+    """One that just folds the map makes it fall; one that bends it back over the diagonal adds two
+    fixed points.
+    """
     for place in 0.1 + 0.39 * np.arange(16):
         around = place + width * np.linspace(-5.0, 5.0, 2001)
         folding = bumped(place, width, 1.75 * width * (1.0 - K * np.cos(place)), K)(0.13)

@@ -26,7 +26,12 @@ def waved(waves, derivative):
 
     if derivative == "branches":
         return CircleMap.from_branches([(0.0, 3.0, lift, None), (3.0, TWO_PI, lift, None)])
-    return CircleMap(lift, (lambda x: 1 + 0.5 * np.cos(waves * x) + 0.2 * np.cos(x)) if derivative == "given" else None)
+    return CircleMap(
+        lift,
+        (lambda x: 1 + 0.5 * np.cos(waves * x) + 0.2 * np.cos(x))
+        if derivative == "given"
+        else None,
+    )
 
 
 MADE = [
@@ -54,7 +59,10 @@ def test_slopes_of_maps_made_of_maps_are_within_their_errors(waves, derivative):
 def tent(slope):
     """Two straight branches without a derivative."""
     top = slope * TWO_PI
-    branches = [(0, np.pi, lambda x: slope * x, None), (np.pi, TWO_PI, lambda x: top - slope * x, None)]
+    branches = [
+        (0, np.pi, lambda x: slope * x, None),
+        (np.pi, TWO_PI, lambda x: top - slope * x, None),
+    ]
     return CircleMap.from_branches(branches, degree=0)
 
 
@@ -70,6 +78,9 @@ def test_multipliers_carry_the_error_of_the_slope():
     assert len(orbits) == 2
     for orbit in orbits:
         assert abs(abs(orbit.multiplier) - 1.7**3) <= orbit.multiplier.error_bound < 1e-8
-    given, bare = CircleMap.arnold(0.1, 0.9), CircleMap(lambda x: x + 0.1 * TWO_PI - 0.9 * np.sin(x))
+    given, bare = (
+        CircleMap.arnold(0.1, 0.9),
+        CircleMap(lambda x: x + 0.1 * TWO_PI - 0.9 * np.sin(x)),
+    )
     for exact, found in zip(periodic_orbits(given, 1), periodic_orbits(bare, 1), strict=True):
         assert found.multiplier.holds(exact.multiplier) and exact.multiplier.error_bound < 1e-12

@@ -23,12 +23,16 @@ ARCS = [(-0.3, 0.4), (1.0, 1.05), (-4.0, 2.0), (7.0, 9.0), (-0.01, 6.0), (2.5, 3
 
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 def test_densities_leave_their_argument_alone_and_are_the_callers_own(law):
-    """Kernels are worked on in place: what a law is asked at stays as it was, and nothing that it returns is shared."""
+    """Kernels are worked on in place: what a law is asked at stays as it was, and nothing that it
+    returns is shared.
+    """
     x = np.linspace(-3.0, 3.0, 7)
     kept = x.copy()
     for lifted in (False, True):
         first, again = law.density(x, lifted), law.density(x, lifted)
-        assert np.array_equal(x, kept) and first.flags.writeable and not np.shares_memory(first, again)
+        assert (
+            np.array_equal(x, kept) and first.flags.writeable and not np.shares_memory(first, again)
+        )
         assert not np.shares_memory(first, x) and np.shape(law.density(0.5, lifted)) == ()
 
 
@@ -61,7 +65,10 @@ def test_slopes_are_the_derivatives_of_the_densities_and_are_odd(law):
     step = 1e-4 * min(1.0, np.sqrt(law.variance))
     weights = {1: 0.75, 2: -0.15, 3: 1 / 60}
     for lifted in (False, True):
-        ends = {k: law.density(x + k * step, lifted) - law.density(x - k * step, lifted) for k in weights}
+        ends = {
+            k: law.density(x + k * step, lifted) - law.density(x - k * step, lifted)
+            for k in weights
+        }
         slope, found = law.slope(x, lifted), sum(w * ends[k] for k, w in weights.items()) / step
         np.testing.assert_allclose(slope, found, rtol=0, atol=1e-9 * np.max(np.abs(slope)))
         np.testing.assert_allclose(law.slope(-x, lifted), -slope, rtol=1e-13, atol=1e-17)
@@ -76,7 +83,9 @@ def test_uniform_noise_overlaps_itself_exactly(law):
         inside = np.mean(np.mod(draws - low, TWO_PI) < high - low)
         assert abs(law.arc_probability(low, high) - inside) < 2e-5
     m = np.arange(-4, 10)
-    np.testing.assert_allclose(law.coefficients(m), [np.mean(np.cos(k * draws)) for k in m], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(
+        law.coefficients(m), [np.mean(np.cos(k * draws)) for k in m], rtol=0, atol=1e-8
+    )
     around = np.linspace(-np.pi, np.pi, 100_000, endpoint=False)
     assert law.density(around).mean() == pytest.approx(1 / TWO_PI, rel=1e-3)
 
@@ -110,7 +119,9 @@ def test_tails_agree_with_quadrature_in_sixty_digits(law, x, exceedance):
         (1e6, 40, 0.99920031951510975142, 1.0000005000005416675e-6),
     ],
 )
-def test_von_mises_coefficients_agree_with_bessel_functions_in_fifty_digits(kappa, order, coefficient, variance):
+def test_von_mises_coefficients_agree_with_bessel_functions_in_fifty_digits(
+    kappa, order, coefficient, variance
+):
     assert abs(VonMises(kappa).coefficients(order) / coefficient - 1) < 1e-14
     assert abs(VonMises(kappa).variance / variance - 1) < 1e-12
 
@@ -127,7 +138,8 @@ def test_concentrated_von_mises_noise_becomes_normal_without_a_seam():
 
 
 def test_cauchy_arcs_far_from_a_narrow_law_keep_their_digits():
-    """P = (s/2π)(cot(low/2) - cot(high/2)) to first order in s = 1 - r, with an error of order s²."""
+    """P = (s/2π)(cot(low/2) - cot(high/2)) to first order in s = 1 - r,
+    with an error of order s²."""
     s = 1e-9
     law, expected = WrappedCauchy(1 - s), s / TWO_PI * (1 / np.tan(0.5) - 1 / np.tan(0.55))
     assert abs(law.arc_probability(1.0, 1.1) / expected - 1) < 1e-7
@@ -138,7 +150,9 @@ def test_cauchy_arcs_far_from_a_narrow_law_keep_their_digits():
 def test_samples_follow_the_law_and_its_line_density_is_minus_the_slope_of_the_exceedance(law):
     draws = law.sample(np.random.default_rng(5), 200_000)
     found = [np.mean(np.cos(m * draws)) for m in (1, 2, 3)]
-    np.testing.assert_allclose(found, law.coefficients(np.arange(1, 4)), rtol=0, atol=5 / np.sqrt(200_000))
+    np.testing.assert_allclose(
+        found, law.coefficients(np.arange(1, 4)), rtol=0, atol=5 / np.sqrt(200_000)
+    )
     assert abs(np.mean(draws > 0.1) - law.exceedance(0.1)) < 5 / np.sqrt(200_000)
     if isinstance(law, WrappedCauchy):
         assert law.variance == np.inf

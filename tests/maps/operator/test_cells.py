@@ -4,14 +4,22 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import InvalidInput
-from cyclemap.maps import CircleMap, UniformNoise, WrappedNormal, lyapunov_exponent, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedNormal,
+    lyapunov_exponent,
+    transfer_operator,
+)
 from tests.maps.known_maps import DOUBLING, TWO_PI, logistic
 
 Z = np.linspace(0.0, TWO_PI, 2_000, endpoint=False)
 
 
 def blaschke(a):
-    """z → z (z - a)/(1 - a z): its stationary density is the Poisson kernel of its fixed point in the disc, here 0."""
+    """z → z (z - a)/(1 - a z): its stationary density is the Poisson kernel of its fixed point in
+    the disc, here 0.
+    """
     return CircleMap.blaschke([0.0, a])
 
 
@@ -75,10 +83,17 @@ def test_halving_the_cells_quarters_the_error_under_uniform_noise_and_halves_the
 
 
 def test_bounds_hold_on_random_maps_under_uniform_noise():
-    """Moments, rotation and density against sums in Fourier modes, of sine maps, half of them folded."""
+    """Moments, rotation and density against sums in Fourier modes, of sine maps, half of them
+    folded.
+    """
     rng, unfolded = np.random.default_rng(11), 0
     for _ in range(6):
-        omega, K, K2, h = rng.uniform(0, 1), rng.uniform(0.2, 1.8), rng.uniform(-0.3, 0.3), rng.uniform(0.6, 3.0)
+        omega, K, K2, h = (
+            rng.uniform(0, 1),
+            rng.uniform(0.2, 1.8),
+            rng.uniform(-0.3, 0.3),
+            rng.uniform(0.6, 3.0),
+        )
         circle_map = CircleMap(
             lambda x, o=omega, k=K, c=K2: x + TWO_PI * o - k * np.sin(x) + c * np.cos(2 * x),
             lambda x, k=K, c=K2: 1 - k * np.cos(x) - 2 * c * np.sin(2 * x),
@@ -87,7 +102,9 @@ def test_bounds_hold_on_random_maps_under_uniform_noise():
         moments = fourier_moments(circle_map, h, 200)
         for order in (1, 2, 5):
             assert abs(law.moment(order) - moments[order]) <= law.moment_error(order) + 1e-6
-        density = (1 + 2 * (np.exp(-1j * np.multiply.outer(Z, np.arange(1, 201))) @ moments[1:]).real) / TWO_PI
+        density = (
+            1 + 2 * (np.exp(-1j * np.multiply.outer(Z, np.arange(1, 201))) @ moments[1:]).real
+        ) / TWO_PI
         if np.min(circle_map.derivative(Z)) > 0.1:  # else the sum over waves falls too slowly
             unfolded += 1
             assert np.max(np.abs(law.density(Z) - density)) <= law.error_bound + 1e-4
@@ -97,12 +114,15 @@ def test_bounds_hold_on_random_maps_under_uniform_noise():
 
 
 def fourier_moments(circle_map, h, modes):
-    """E e^{imθ}, m = 0..modes, by E e^{imθ'} = κ_m Σ_k c_{mk} E e^{ikθ}, c by the trapezoidal rule."""
+    """E e^{imθ}, m = 0..modes, by E e^{imθ'} = κ_m Σ_k c_{mk} E e^{ikθ},
+    c by the trapezoidal rule."""
     theta = TWO_PI * np.arange(8 * modes) / (8 * modes)
     orders = np.arange(-modes, modes + 1)
     images = np.exp(1j * np.multiply.outer(orders, circle_map(theta)))
     matrix = (
-        np.sinc(orders * h / np.pi)[:, None] * (images @ np.exp(-1j * np.multiply.outer(theta, orders))) / theta.size
+        np.sinc(orders * h / np.pi)[:, None]
+        * (images @ np.exp(-1j * np.multiply.outer(theta, orders)))
+        / theta.size
     )
     system = np.eye(orders.size) - matrix
     system[modes] = np.eye(orders.size)[modes]
@@ -119,7 +139,12 @@ def test_what_the_map_may_be_off_is_in_the_bounds():
 
 
 def test_maps_that_do_not_expand_are_refused_without_noise():
-    for circle_map in (CircleMap.arnold(0.1, 0.9), CircleMap.arnold(0.3, 3.0), logistic(4.0), CircleMap.rigid(0.3)):
+    for circle_map in (
+        CircleMap.arnold(0.1, 0.9),
+        CircleMap.arnold(0.3, 3.0),
+        logistic(4.0),
+        CircleMap.rigid(0.3),
+    ):
         with pytest.raises(InvalidInput, match="expands"):
             transfer_operator(circle_map, None)
     with pytest.raises(InvalidInput, match="the noise is None"):

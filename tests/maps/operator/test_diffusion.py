@@ -3,17 +3,29 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, WrappedCauchy, WrappedNormal, sample_staircases, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    WrappedCauchy,
+    WrappedNormal,
+    sample_staircases,
+    transfer_operator,
+)
 from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
-JUMPING = CircleMap(lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0])
+JUMPING = CircleMap(
+    lambda x: x + np.where(np.mod(x, TWO_PI) < 3.0, 1.0, -0.8), np.ones_like, [0.0, 3.0]
+)
 
 
 def sampled_diffusion(circle_map, noise):
-    """D and its standard error: half the growth of the variance over the second half of many paths."""
+    """D and its standard error: half the growth of the variance over the second half
+    of many paths."""
     paths = sample_staircases(circle_map, noise, 280, np.linspace(0, TWO_PI, 20_000), seed=7)
-    middle, end = ((climb - climb.mean()) ** 2 for climb in (paths[:, cycle] - paths[:, 40] for cycle in (160, 280)))
+    middle, end = (
+        (climb - climb.mean()) ** 2
+        for climb in (paths[:, cycle] - paths[:, 40] for cycle in (160, 280))
+    )
     growth = (end - middle) / 240
     return growth.mean(), growth.std() / np.sqrt(growth.size)
 
@@ -28,7 +40,9 @@ def test_a_rotation_diffuses_by_its_noise_alone(noise, turns):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("noise", [WrappedNormal(0.4), WrappedNormal(0.8)], ids=repr)
-@pytest.mark.parametrize("circle_map", [CircleMap.arnold(0.3, 0.9), CircleMap.arnold(0.3, 3.0), JUMPING], ids=repr)
+@pytest.mark.parametrize(
+    "circle_map", [CircleMap.arnold(0.3, 0.9), CircleMap.arnold(0.3, 3.0), JUMPING], ids=repr
+)
 def test_monte_carlo_spreads_as_fast(noise, circle_map):
     found = transfer_operator(circle_map, noise).diffusion
     mean, error = sampled_diffusion(circle_map, noise)
@@ -38,7 +52,9 @@ def test_monte_carlo_spreads_as_fast(noise, circle_map):
 
 
 def test_two_equal_wells_make_a_walk_of_half_turns():
-    """Hops of ±π at rate Γ give D = π²Γ/2 and an eigenvalue 1 - 2Γ, so D = (π²/4)·gap where hops are rare."""
+    """Hops of ±π at rate Γ give D = π²Γ/2 and an eigenvalue 1 - 2Γ, so D = (π²/4)·gap where hops
+    are rare.
+    """
     law = transfer_operator(TWIN_WELLS, WrappedNormal(0.3))
     assert law.spectral_gap < 1e-3
     assert law.diffusion == pytest.approx(0.25 * np.pi**2 * law.spectral_gap, rel=1e-2)

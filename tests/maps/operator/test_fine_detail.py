@@ -1,10 +1,18 @@
-"""Lifts with fine detail: the operator against dense sums, and against ten million steps of a path."""
+"""Lifts with fine detail: the operator against dense sums,
+and against ten million steps of a path."""
 
 import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps import CircleMap, VonMises, WrappedCauchy, WrappedNormal, lyapunov_exponent, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    VonMises,
+    WrappedCauchy,
+    WrappedNormal,
+    lyapunov_exponent,
+    transfer_operator,
+)
 from tests.bounds.random_lifts import RandomLift, dense_numbers
 
 
@@ -17,23 +25,36 @@ def rippled(waves, steepness=0.95, breaks=()):
     )
 
 
-@pytest.mark.parametrize("waves", [97, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (1000, 4096))])
-@pytest.mark.parametrize("noise", [WrappedNormal(0.3), VonMises(2.0), WrappedCauchy(0.2), WrappedNormal(3.0)])
+@pytest.mark.parametrize(
+    "waves", [97, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (1000, 4096))]
+)
+@pytest.mark.parametrize(
+    "noise", [WrappedNormal(0.3), VonMises(2.0), WrappedCauchy(0.2), WrappedNormal(3.0)]
+)
 def test_waves_that_meet_the_nodes_do_not_deceive_the_bounds(waves, noise):
-    """However many waves a turn, commensurate with nodes or not, moments and winding are within tiny bounds."""
+    """However many waves a turn, commensurate with nodes or not, moments and winding are within
+    tiny bounds.
+    """
     circle_map = rippled(waves)
     operator = transfer_operator(circle_map, noise)
     dense = dense_numbers(RandomLift(circle_map, noise, waves, "smooth"))
     for order in (1, 2):
         error = abs(operator.moment(order) - dense.moments[order])
         assert error <= operator.moment_error(order) + 1e-14 < 1e-12
-    assert abs(operator.rotation_number - dense.rotation) <= operator.rotation_number.error_bound + 1e-14
+    assert (
+        abs(operator.rotation_number - dense.rotation)
+        <= operator.rotation_number.error_bound + 1e-14
+    )
 
 
 def test_breaks_change_nothing_where_there_are_none():
     """Panels between breaks and a uniform grid without them are two routes to one law."""
-    plain, cut = (transfer_operator(rippled(256, breaks=b), WrappedNormal(0.3)) for b in ((), (1.0, 3.0)))
-    assert abs(plain.moment(1) - cut.moment(1)) <= plain.moment_error(1) + cut.moment_error(1) < 1e-12
+    plain, cut = (
+        transfer_operator(rippled(256, breaks=b), WrappedNormal(0.3)) for b in ((), (1.0, 3.0))
+    )
+    assert (
+        abs(plain.moment(1) - cut.moment(1)) <= plain.moment_error(1) + cut.moment_error(1) < 1e-12
+    )
 
 
 @pytest.mark.slow
@@ -56,9 +77,15 @@ def test_the_narrowest_noise_that_is_promised_is_taken():
 
 @pytest.mark.slow
 def test_ten_million_steps_of_a_path_have_the_operators_moments():
-    """A Monte Carlo route: 2,500 paths of 4,000 steps, within four and a half standard errors of the paths' means."""
+    """A Monte Carlo route: 2,500 paths of 4,000 steps, within four and a half standard errors of
+    the paths' means.
+    """
     circle_map, noise, rng = rippled(97), WrappedNormal(0.3), np.random.default_rng(11)
-    theta, total, climb = rng.uniform(0.0, 2 * np.pi, 2_500), np.zeros(2_500, dtype=complex), np.zeros(2_500)
+    theta, total, climb = (
+        rng.uniform(0.0, 2 * np.pi, 2_500),
+        np.zeros(2_500, dtype=complex),
+        np.zeros(2_500),
+    )
     for step in range(4_050):
         image = circle_map(theta)
         if step >= 50:

@@ -1,4 +1,5 @@
-"""The matrix of the operator in Fourier modes, against plain sums over the nodes, entry by entry."""
+"""The matrix of the operator in Fourier modes, against plain sums over the nodes,
+entry by entry."""
 
 import math
 
@@ -29,7 +30,9 @@ def test_entries_are_the_sums_over_the_nodes(name, modes) -> None:
     exact = np.longdouble
     before = waves(theta.astype(exact), modes) * weight
     after = waves(MAPS[name](theta).astype(exact), modes)
-    damped = np.exp(-0.5 * (0.05 * np.concatenate([np.arange(modes + 1), np.arange(1, modes + 1)])) ** 2)
+    damped = np.exp(
+        -0.5 * (0.05 * np.concatenate([np.arange(modes + 1), np.arange(1, modes + 1)])) ** 2
+    )
     share = np.full(basis.size, 1.0 / math.pi)
     share[0] = 0.5 / math.pi
     plain = damped[:, None] * share * (after @ before.T)
@@ -38,7 +41,9 @@ def test_entries_are_the_sums_over_the_nodes(name, modes) -> None:
 
 
 def test_a_rigid_turn_only_turns_and_damps_every_wave() -> None:
-    """Under θ + ω + ξ the moment E e^{imθ} is multiplied by κ_m e^{imω}, and no mode reaches another."""
+    """Under θ + ω + ξ the moment E e^{imθ} is multiplied by κ_m e^{imω}, and no mode reaches
+    another.
+    """
     turn, sigma = 0.1234, 0.03
     basis = cm.transfer_operator(cm.CircleMap.rigid(turn), cm.WrappedNormal(sigma)).discretisation
     order = np.arange(1, basis.modes + 1)
@@ -49,6 +54,7 @@ def test_a_rigid_turn_only_turns_and_damps_every_wave() -> None:
     kept = np.flatnonzero(np.concatenate([[False], low, low]))
     expected = np.zeros((basis.size, basis.size))
     expected[1:, 1:] = np.block([[cosine, -sine], [sine, cosine]])
-    # Of the highest modes, which the noise all but kills, the nodes are fewer than their products need.
+    # Of the highest modes, which the noise all but kills, the nodes are fewer than their products
+    # need.
     some = np.ix_(kept, kept)
     np.testing.assert_allclose(basis.matrix[some], expected[some], rtol=0.0, atol=1e-14)

@@ -11,7 +11,8 @@ Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
 
 
 def test_moebius_with_cauchy_noise_has_powers_of_its_multiplier_and_their_conjugates():
-    """With g = rB, B the Möbius map of the disc, the eigenvalues are g'(z*)^n and their conjugates."""
+    """With g = rB, B the Möbius map of the disc,
+    the eigenvalues are g'(z*)^n and their conjugates."""
     a, omega, r = 0.5, 0.3, 0.9
     multiplier = r * np.exp(2j * np.pi * omega) * (1 - a * a) / (1 - a * Z_STAR) ** 2
     known = np.array([multiplier**n for n in range(1, 5)])
@@ -32,7 +33,9 @@ def test_a_rotation_has_the_noises_coefficients_turned():
     m = np.array([1, 1, 2, 2, 3, 3])
     np.testing.assert_allclose(np.abs(found.values[1:]), noise.coefficients(m), atol=1e-14)
     np.testing.assert_allclose(
-        found.values[1::2], noise.coefficients(m[::2]) * np.exp(2j * np.pi * np.array([1, 2, -3]) * omega), atol=1e-13
+        found.values[1::2],
+        noise.coefficients(m[::2]) * np.exp(2j * np.pi * np.array([1, 2, -3]) * omega),
+        atol=1e-13,
     )
     np.testing.assert_allclose(found.condition, 1.0, rtol=1e-10)
     assert np.all(found.error_bounds < 1e-13)
@@ -49,7 +52,9 @@ def test_vectors_belong_to_their_values_and_are_biorthogonal():
 
 
 def test_bounds_hold_with_few_modes():
-    """The three leading values with half the modes are as near the truth as their bounds say, and not much nearer."""
+    """The three leading values with half the modes are as near the truth as their bounds say, and
+    not much nearer.
+    """
     circle_map = CircleMap.arnold(0.3, 3.0)
     for noise in (WrappedNormal(0.3), WrappedNormal(0.15), WrappedCauchy(0.7)):
         full = transfer_operator(circle_map, noise)
@@ -69,7 +74,9 @@ NOISES = [WrappedNormal(0.3), WrappedCauchy(0.6)]
 def test_the_gap_of_a_multiplication_is_one_within_bounds_that_say_something(degree, noise):
     """θ → kθ divides frequencies by k, so that every eigenvalue but the first is 0."""
     slope = float(degree)
-    law = transfer_operator(CircleMap(lambda x: slope * x, lambda x: slope + 0 * x, degree=degree), noise)
+    law = transfer_operator(
+        CircleMap(lambda x: slope * x, lambda x: slope + 0 * x, degree=degree), noise
+    )
     assert law.spectral_gap.holds(1.0) and law.spectral_gap.error_bound < 0.1
     assert law.mixing_cycles.holds(0.0) and law.mixing_cycles.error_bound < 0.5
     found = law.spectrum(4)
@@ -90,7 +97,9 @@ def test_large_operators_are_solved_by_arnoldi_to_the_same_values():
 @pytest.mark.slow
 @pytest.mark.parametrize("turns", [0.0, 0.17, 0.5])
 def test_large_operators_have_every_eigenvalue_as_often_as_it_is_there(turns):
-    """Those of a rotation are the noise's coefficients, in pairs that turn; by 0 and ½ they are equal."""
+    """Those of a rotation are the noise's coefficients, in pairs that turn; by 0 and ½ they are
+    equal.
+    """
     noise = WrappedNormal(0.04)
     law = transfer_operator(CircleMap.rigid(turns), noise)
     assert law.discretisation.size > 320
@@ -100,9 +109,11 @@ def test_large_operators_have_every_eigenvalue_as_often_as_it_is_there(turns):
 
 @pytest.mark.parametrize("turns", [0.0, 0.5])
 def test_vectors_of_double_eigenvalues_of_large_operators_are_biorthogonal(turns):
-    """A rotation commutes with its adjoint: were a left vector beside both copies, conditions would be far above 1.
+    """A rotation commutes with its adjoint: were a left vector beside both copies, conditions would
+    be far above 1.
 
-    Of two copies an iteration finds any two vectors of their plane, hardly ever at right angles: that is in them, too.
+    Of two copies an iteration finds any two vectors of their plane, hardly ever at right angles:
+    that is in them, too.
     """
     noise = WrappedNormal(0.04)
     law = transfer_operator(CircleMap.rigid(turns), noise)
@@ -117,7 +128,9 @@ def test_vectors_of_double_eigenvalues_of_large_operators_are_biorthogonal(turns
 
 
 def test_slow_mixing_between_wells_is_the_rate_of_escape():
-    """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other (Kramers 1940)."""
+    """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other
+    (Kramers 1940).
+    """
     law = transfer_operator(TWIN_WELLS, WrappedNormal(0.28))
     hop = law.mean_passage_time(0.0, (0.5 - np.pi, np.pi - 0.5))
     assert law.spectral_gap == pytest.approx(2.0 / hop, rel=1e-3)
@@ -125,11 +138,15 @@ def test_slow_mixing_between_wells_is_the_rate_of_escape():
 
 
 @pytest.mark.parametrize("halfwidth", [0.126, 0.5, 2.0, 7.5])
-def test_eigenvalues_under_uniform_noise_are_the_coefficients_of_a_rotation_within_their_bounds(halfwidth):
+def test_eigenvalues_under_uniform_noise_are_the_coefficients_of_a_rotation_within_their_bounds(
+    halfwidth,
+):
     """A rotation by Ω has the eigenvalues e^{2πimΩ} sin(mh)/(mh), whatever the cells."""
     found = transfer_operator(CircleMap.rigid(0.3), UniformNoise(halfwidth)).spectrum(5)
     order = np.arange(1.0, 40.0)
-    moduli = np.sort(np.repeat(np.abs(np.sin(order * halfwidth) / (order * halfwidth)), 2))[::-1][:4]
+    moduli = np.sort(np.repeat(np.abs(np.sin(order * halfwidth) / (order * halfwidth)), 2))[::-1][
+        :4
+    ]
     assert np.all(np.isfinite(found.error_bounds)) and np.all(found.error_bounds < 1e-3)
     assert np.all(np.abs(np.abs(found.values[1:]) - moduli) <= found.error_bounds[1:] + 1e-12)
 
@@ -142,7 +159,11 @@ def test_the_gap_under_uniform_noise_has_a_bound_that_holds_against_fourier_mode
     modes = np.arange(-300, 301)
     grid = TWO_PI * np.arange(2_048) / 2_048
     waves = np.exp(1j * np.multiply.outer(modes, grid))
-    matrix = noise.coefficients(modes)[:, None] * (np.exp(-1j * np.multiply.outer(modes, sine(grid))) @ waves.T) / 2_048
+    matrix = (
+        noise.coefficients(modes)[:, None]
+        * (np.exp(-1j * np.multiply.outer(modes, sine(grid))) @ waves.T)
+        / 2_048
+    )
     second = np.sort(np.abs(np.linalg.eigvals(matrix)))[-2]
     assert abs(found.spectral_gap - (1.0 - second)) < found.spectral_gap.error_bound + 1e-9
     assert found.spectral_gap.error_bound < 1e-3
@@ -151,7 +172,10 @@ def test_the_gap_under_uniform_noise_has_a_bound_that_holds_against_fourier_mode
 def test_an_eigenvalue_without_a_bound_takes_nothing_from_what_the_others_tell():
     """With too few modes only λ₂ has a bound: |λ₂| is no less than that tells, and at most 1."""
     circle_map, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1)
-    truth, few = transfer_operator(circle_map, noise), transfer_operator(circle_map, noise, modes=30)
+    truth, few = (
+        transfer_operator(circle_map, noise),
+        transfer_operator(circle_map, noise, modes=30),
+    )
     found = few.spectrum(5)
     assert np.isfinite(found.error_bounds[1]) and np.isinf(found.error_bounds[2])
     gap = few.spectral_gap

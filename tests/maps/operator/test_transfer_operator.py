@@ -32,7 +32,9 @@ def test_the_matrix_of_the_sine_map_is_made_of_bessel_functions():
     )
     values = np.linalg.eigvals(exact)
     values = values[np.argsort(-np.abs(values))][:9]
-    found = transfer_operator(CircleMap.arnold(omega, strength), WrappedNormal(sigma)).eigenvalues(9)
+    found = transfer_operator(CircleMap.arnold(omega, strength), WrappedNormal(sigma)).eigenvalues(
+        9
+    )
     np.testing.assert_allclose(np.sort(np.abs(found)), np.sort(np.abs(values)), atol=1e-12)
 
 
@@ -62,7 +64,9 @@ def test_rotations_and_doublings_have_a_uniform_law_without_peaks():
 
 
 def test_expectations_have_two_routes():
-    """E cos θ as an expectation is the real part of the first moment; E 1 = 1; E F' of the sine map from it too."""
+    """E cos θ as an expectation is the real part of the first moment; E 1 = 1; E F' of the sine map
+    from it too.
+    """
     law = transfer_operator(STICKY, WrappedNormal(0.2))
     cosine = law.expectation(np.cos)
     assert abs(cosine - law.moment(1).real) <= cosine.error_bound + law.moment_error(1) < 1e-13
@@ -76,7 +80,10 @@ def test_peaks_stand_at_the_stable_points_when_noise_is_small():
         assert abs(peak - fixed_points(STICKY)[0].points[0]) < allowed
     sticky = transfer_operator(CircleMap.arnold(0.0, 0.5), UniformNoise(1.0))
     (peak,) = sticky.peaks()
-    assert abs(np.angle(np.exp(1j * peak))) < 0.01 and sticky.density(peak) >= np.max(sticky.density(GRID)) - 1e-4
+    assert (
+        abs(np.angle(np.exp(1j * peak))) < 0.01
+        and sticky.density(peak) >= np.max(sticky.density(GRID)) - 1e-4
+    )
     peaks = transfer_operator(TWIN_WELLS, WrappedNormal(0.2)).peaks()
     np.testing.assert_allclose(np.sort(np.mod(peaks + 0.5, TWO_PI)), [0.5, np.pi + 0.5], atol=1e-9)
 
@@ -118,9 +125,13 @@ NOISES = [WrappedNormal(0.3), WrappedNormal(0.12), VonMises(8.0), WrappedCauchy(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("noise", [WrappedNormal(0.5), WrappedNormal(0.1), WrappedNormal(0.03), VonMises(10.0)])
+@pytest.mark.parametrize(
+    "noise", [WrappedNormal(0.5), WrappedNormal(0.1), WrappedNormal(0.03), VonMises(10.0)]
+)
 @pytest.mark.parametrize("name", MAPS)
-def test_the_law_is_a_density_that_one_cycle_leaves_unchanged_with_bounds_near_rounding(name, noise):
+def test_the_law_is_a_density_that_one_cycle_leaves_unchanged_with_bounds_near_rounding(
+    name, noise
+):
     circle_map = MAPS[name]
     law = transfer_operator(circle_map, noise)
     assert law.is_certain and law.error_bound < 1e-11
@@ -138,7 +149,9 @@ def test_the_law_is_a_density_that_one_cycle_leaves_unchanged_with_bounds_near_r
 
 
 def assert_tight(found, truth, bound):
-    """The bound holds, and where the error is above rounding it is at most a hundred times the error."""
+    """The bound holds, and where the error is above rounding it is at most a hundred times the
+    error.
+    """
     error = float(np.max(np.abs(np.asarray(found) - truth)))
     assert error <= bound + 1e-14
     if error > 1e-10:
@@ -150,7 +163,9 @@ def assert_tight(found, truth, bound):
 @pytest.mark.parametrize("noise", NOISES, ids=repr)
 @pytest.mark.parametrize("name", MAPS)
 def test_bounds_of_truncated_operators_hold_and_are_tight(name, noise):
-    """Density, moments, mean winding and gap with a third and with 60 % of the modes, against all of them."""
+    """Density, moments, mean winding and gap with a third and with 60 % of the modes, against all
+    of them.
+    """
     full = transfer_operator(MAPS[name], noise)
     decided = 0
     for share in (0.35, 0.6):
@@ -166,12 +181,16 @@ def test_bounds_of_truncated_operators_hold_and_are_tight(name, noise):
 
 @pytest.mark.parametrize("name", ["sine", "folded"])
 def test_the_maps_own_error_is_covered_to_first_order(name):
-    """The worst F + δ, |δ| = ε, chosen by the sign of the response itself, moves E cos θ and ρ by just the bound."""
+    """The worst F + δ, |δ| = ε, chosen by the sign of the response itself, moves E cos θ and ρ by
+    just the bound.
+    """
     exact, noise, epsilon = MAPS[name], WrappedNormal(0.25), 1e-6
     claimed = CircleMap(exact, exact.derivative, max_error=epsilon)
     law = transfer_operator(claimed, noise)
     plain = transfer_operator(exact, noise)
-    waves = [lambda x, k=k, shape=shape: shape(k * x) for k in range(1, 5) for shape in (np.cos, np.sin)]
+    waves = [
+        lambda x, k=k, shape=shape: shape(k * x) for k in range(1, 5) for shape in (np.cos, np.sin)
+    ]
     lifts = [lambda x, wave=wave: exact(x) + epsilon * wave(x) for wave in waves]
     moved = [transfer_operator(CircleMap(lift, exact.derivative), noise) for lift in lifts]
     cosine = [abs(other.moment(1) - plain.moment(1)) for other in moved]
@@ -184,7 +203,9 @@ def test_the_maps_own_error_is_covered_to_first_order(name):
 
 
 def test_a_law_that_noise_cannot_decide_says_so():
-    """Two wells that noise of 0.06 rad connects once in 1e30 cycles: any mixture is as stationary as any other."""
+    """Two wells that noise of 0.06 rad connects once in 1e30 cycles: any mixture is as stationary
+    as any other.
+    """
     law = transfer_operator(TWIN_WELLS, WrappedNormal(0.06))
     assert not law.is_certain
     assert law.error_bound > 0.1

@@ -15,11 +15,14 @@ MAPS = {
     "folded": CircleMap.arnold(0.05, 1.6),
     "period two behind a fold": CircleMap.arnold(0.3, 3.0),
     "logistic 3.2": logistic(3.2),
-    "degree two": CircleMap(lambda x: 2 * x - 1.5 * np.sin(x), lambda x: 2 - 1.5 * np.cos(x), degree=2),
+    "degree two": CircleMap(
+        lambda x: 2 * x - 1.5 * np.sin(x), lambda x: 2 - 1.5 * np.cos(x), degree=2
+    ),
     "with a gap": contraction(0.6, 0.77),
     # two stable orbits of period two, each with preimages of its immediate basin elsewhere
     "twin wells": CircleMap(
-        lambda x: x - 1.2 * np.sin(2 * x) - 0.3 * np.sin(x), lambda x: 1 - 2.4 * np.cos(2 * x) - 0.3 * np.cos(x)
+        lambda x: x - 1.2 * np.sin(2 * x) - 0.3 * np.sin(x),
+        lambda x: 1 - 2.4 * np.cos(2 * x) - 0.3 * np.cos(x),
     ),
     "Möbius": CircleMap.moebius(0.5, 0.1),
 }
@@ -27,7 +30,9 @@ MAPS = {
 
 def inside(arcs, theta):
     return np.any(
-        ((theta[:, None] > arcs[:, 0]) & (theta[:, None] < arcs[:, 1])) | (theta[:, None] + TWO_PI < arcs[:, 1]), axis=1
+        ((theta[:, None] > arcs[:, 0]) & (theta[:, None] < arcs[:, 1]))
+        | (theta[:, None] + TWO_PI < arcs[:, 1]),
+        axis=1,
     )
 
 
@@ -35,7 +40,9 @@ def reached(circle_map, found, theta, cycles=600):
     for _ in range(cycles):
         theta = np.mod(circle_map(theta), TWO_PI)
     away = [
-        np.min(np.abs(np.mod(theta[:, None] - b.orbit.points + np.pi, TWO_PI) - np.pi), axis=1) < 1e-6 for b in found
+        np.min(np.abs(np.mod(theta[:, None] - b.orbit.points + np.pi, TWO_PI) - np.pi), axis=1)
+        < 1e-6
+        for b in found
     ]
     return np.array(away)
 
@@ -47,7 +54,9 @@ def test_forward_iteration_of_a_grid_agrees_with_the_arcs_which_are_disjoint_and
     rows = np.concatenate([basin.arcs for basin in found])
     rows = rows[np.argsort(rows[:, 0])]
     assert np.all((rows[:, 0] >= 0) & (rows[:, 0] < TWO_PI))
-    assert np.all(rows[1:, 0] >= rows[:-1, 1] - 1e-11) and rows[-1, 1] <= rows[0, 0] + TWO_PI + 1e-11
+    assert (
+        np.all(rows[1:, 0] >= rows[:-1, 1] - 1e-11) and rows[-1, 1] <= rows[0, 0] + TWO_PI + 1e-11
+    )
     total = sum(float(basin.measure) for basin in found)
     assert abs(total + found[0].undecided - 1) < 1e-12
     assert abs(np.sum(rows[:, 1] - rows[:, 0]) / TWO_PI - total) < 1e-12
@@ -57,9 +66,14 @@ def test_forward_iteration_of_a_grid_agrees_with_the_arcs_which_are_disjoint_and
         claimed = inside(basin.arcs, theta)
         assert not np.any(claimed & ~tends)  # nothing is claimed that does not tend there
         missed = np.mean(tends & ~claimed)
-        assert missed <= basin.undecided + 3 * np.sqrt(basin.undecided / theta.size) + 1 / theta.size
+        assert (
+            missed <= basin.undecided + 3 * np.sqrt(basin.undecided / theta.size) + 1 / theta.size
+        )
         sampling = 2 / theta.size + 3 * np.sqrt(basin.undecided / theta.size)
-        assert abs(np.mean(tends) - basin.measure) <= basin.measure.error_bound + sampling + basin.arcs.shape[0] * 1e-5
+        assert (
+            abs(np.mean(tends) - basin.measure)
+            <= basin.measure.error_bound + sampling + basin.arcs.shape[0] * 1e-5
+        )
 
 
 @pytest.mark.slow
@@ -93,7 +107,8 @@ def test_basins_of_injective_maps_are_the_arcs_between_neighbouring_unstable_poi
 
 
 def test_the_logistic_maps_known_immediate_basins():
-    # For 1 < r < 3 all of (0, 1) tends to 1 - 1/r; the superstable orbit of period two is parted by 1 - 1/r.
+    # For 1 < r < 3 all of (0, 1) tends to 1 - 1/r; the superstable orbit of period two is parted by
+    # 1 - 1/r.
     (only,) = basins(logistic(2.9), max_period=2)
     np.testing.assert_allclose(only.immediate, [[0, TWO_PI]], atol=1e-11)
     r = 1 + np.sqrt(5.0)

@@ -1,4 +1,5 @@
-"""Topological entropy by closed forms, counts of periodic points, invariances; kneading sequences."""
+"""Topological entropy by closed forms, counts of periodic points, invariances;
+kneading sequences."""
 
 from itertools import pairwise
 
@@ -29,7 +30,9 @@ def zigzag(slope, shift):
         base = theta - TWO_PI * turns
         return TWO_PI * turns + shift + np.where(base < top, slope * base, slope * (2 * top - base))
 
-    return CircleMap(lift, lambda theta: np.where(np.mod(theta, TWO_PI) < top, slope, -slope), [0.0, top])
+    return CircleMap(
+        lift, lambda theta: np.where(np.mod(theta, TWO_PI) < top, slope, -slope), [0.0, top]
+    )
 
 
 @pytest.mark.parametrize("slope", [1.3, 2.0, 2.7, 3.0, 4.4])
@@ -40,10 +43,16 @@ def test_a_lift_of_constant_slope_has_its_logarithm(slope):
 
 
 def test_logistic_maps_have_the_known_values():
-    """ln 2 at r = 4; in the window of period 3 the entropy of its graph, the golden mean's logarithm."""
+    """ln 2 at r = 4; in the window of period 3 the entropy of its graph, the golden mean's
+    logarithm.
+    """
     window, full = topological_entropy(logistic(3.83)), topological_entropy(logistic(4.0))
     assert window.holds(np.log(0.5 + 0.5 * 5**0.5)) and window.error_bound < 1e-3
-    assert full == pytest.approx(np.log(2.0), abs=1e-11) and full.holds(np.log(2.0)) and full.error_bound < 1e-3
+    assert (
+        full == pytest.approx(np.log(2.0), abs=1e-11)
+        and full.holds(np.log(2.0))
+        and full.error_bound < 1e-3
+    )
     quiet = topological_entropy(logistic(3.5))
     assert quiet.holds(0.0) and quiet.error_bound < 1e-3
     # Rising in r (Milnor & Thurston 1988).
@@ -72,11 +81,15 @@ def test_without_folds_it_is_the_logarithm_of_the_degree():
 
 
 def test_a_lift_whose_rotation_interval_is_one_fraction_may_have_none_and_wide_ones_have_much():
-    """An interval of rotation numbers [0, 1/2] or wider means positive entropy (Misiurewicz 1986)."""
+    """An interval of rotation numbers [0,
+    1/2] or wider means positive entropy (Misiurewicz 1986)."""
     rng, wide = np.random.default_rng(2), 0
     for _ in range(8):
         circle_map = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.2, 4.0))
-        interval, entropy = rotation_interval(circle_map, iterates=2_000), topological_entropy(circle_map)
+        interval, entropy = (
+            rotation_interval(circle_map, iterates=2_000),
+            topological_entropy(circle_map),
+        )
         if interval.lower_number.upper < interval.upper_number.lower:
             assert entropy.lower > 0.0
             wide += 1
@@ -99,7 +112,8 @@ def test_bounds_hold_for_lifts_moved_by_what_they_may_be_off():
         claimed = CircleMap(plain, plain.derivative, max_error=off)
         wave = off * np.cos(rng.uniform(0, 6))
         moved = CircleMap(
-            lambda x, m=plain, w=wave: m(x) + w * np.cos(x), lambda x, m=plain, w=wave: m.derivative(x) - w * np.sin(x)
+            lambda x, m=plain, w=wave: m(x) + w * np.cos(x),
+            lambda x, m=plain, w=wave: m.derivative(x) - w * np.sin(x),
         )
         one, other = topological_entropy(claimed), topological_entropy(moved)
         assert abs(one - other) <= one.error_bound + other.error_bound

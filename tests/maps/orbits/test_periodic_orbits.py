@@ -5,7 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cyclemap.maps import CircleMap, conjugate, crossings_by_jump, fixed_points, periodic_orbits, shifted
+from cyclemap.maps import (
+    CircleMap,
+    conjugate,
+    crossings_by_jump,
+    fixed_points,
+    periodic_orbits,
+    shifted,
+)
 from tests.maps.known_maps import contraction
 
 TWO_PI = 2 * np.pi
@@ -18,7 +25,10 @@ def test_points_lie_on_their_orbit_in_order_of_visit():
     assert len(orbits) == (4 + 12 + 36 + 16 - lower) // 6
     for orbit in orbits:
         gap = np.mod(folded(orbit.points) - np.roll(orbit.points, -1) + np.pi, TWO_PI) - np.pi
-        assert np.max(np.abs(gap)) <= orbit.error_bound * np.max(np.abs(folded.derivative(orbit.points))) + 1e-13
+        assert (
+            np.max(np.abs(gap))
+            <= orbit.error_bound * np.max(np.abs(folded.derivative(orbit.points))) + 1e-13
+        )
         assert orbit.points[0] == np.min(orbit.points)
         assert len(np.unique(np.round(orbit.points, 9))) == 6
 
@@ -29,15 +39,23 @@ def test_points_lie_on_their_orbit_in_order_of_visit():
 def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omega, strength):
     sine = CircleMap.arnold(omega, strength)
     for period in (1, 2):
-        plain, moved = periodic_orbits(sine, period), periodic_orbits(conjugate(sine, angle), period)
+        plain, moved = (
+            periodic_orbits(sine, period),
+            periodic_orbits(conjugate(sine, angle), period),
+        )
         assert len(plain) == len(moved)
         expected = sorted(orbit.multiplier for orbit in plain)
-        np.testing.assert_allclose(sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(
+            sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6
+        )
 
 
 def test_windings_shift_with_the_lift():
     for turns in (-2, 0, 3):
-        for made in (CircleMap.arnold(0.1 + turns, 0.9), shifted(CircleMap.arnold(0.1, 0.9), turns)):
+        for made in (
+            CircleMap.arnold(0.1 + turns, 0.9),
+            shifted(CircleMap.arnold(0.1, 0.9), turns),
+        ):
             assert [orbit.winding for orbit in fixed_points(made)] == [turns, turns]
     many = fixed_points(CircleMap.arnold(0.0, 7.0))
     assert sorted({orbit.winding for orbit in many}) == [-1, 0, 1]
@@ -46,10 +64,14 @@ def test_windings_shift_with_the_lift():
 
 
 def test_a_fixed_point_on_a_kink_has_two_multipliers():
-    kink = CircleMap.from_samples([0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0])
+    kink = CircleMap.from_samples(
+        [0, 1, 1, 3, 5, 6], [0.5, 1, 1, 2.6, 4.5, 6.4], [0.5, 0.5, 0.8, 0.8, 0.9, 1.0]
+    )
     on_kink = fixed_points(kink)[0]
     assert abs(on_kink.points[0] - 1) < 1e-12
-    np.testing.assert_allclose([on_kink.left_multiplier, on_kink.multiplier], [0.5, 0.8], atol=1e-12)
+    np.testing.assert_allclose(
+        [on_kink.left_multiplier, on_kink.multiplier], [0.5, 0.8], atol=1e-12
+    )
     assert on_kink.stable
     assert crossings_by_jump(kink) == []
 

@@ -1,4 +1,6 @@
-"""All solutions of Fⁿ(θ) = θ + 2πw: counts by two routes, tangencies never lost or doubled, bounds that hold."""
+"""All solutions of Fⁿ(θ) = θ + 2πw: counts by two routes, tangencies never lost or doubled, bounds
+that hold.
+"""
 
 from itertools import pairwise
 
@@ -45,7 +47,8 @@ def test_the_doubling_map_has_the_exact_4095_points():
 
 
 @pytest.mark.parametrize(
-    ("omega", "strength", "n", "known"), [(0.5, 2.0, 8, {4: 64}), (0.3, 3.0, 6, {0: 4, 1: 12, 2: 36, 3: 16})]
+    ("omega", "strength", "n", "known"),
+    [(0.5, 2.0, 8, {4: 64}), (0.3, 3.0, 6, {0: 4, 1: 12, 2: 36, 3: 16})],
 )
 def test_sine_map_counts_are_the_known_ones_and_those_of_a_huge_grid(omega, strength, n, known):
     sine = CircleMap.arnold(omega, strength)
@@ -63,7 +66,9 @@ def test_logistic_map_at_four_has_the_exact_2_to_the_n_points():
     for n in (1, 3, 12):
         found = periodic_points(logistic(4.0), n)
         k = np.arange(2 ** (n - 1))
-        exact = np.concatenate([np.sin(np.pi * k / (2**n - 1)) ** 2, np.sin(np.pi * (k + 1) / (2**n + 1)) ** 2])
+        exact = np.concatenate(
+            [np.sin(np.pi * k / (2**n - 1)) ** 2, np.sin(np.pi * (k + 1) / (2**n + 1)) ** 2]
+        )
         truth = TWO_PI * np.sort(exact)
         assert found.count == 2**n
         assert np.all(np.abs(found.theta - truth) <= found.error_bound)
@@ -74,14 +79,16 @@ def test_logistic_map_at_four_has_the_exact_2_to_the_n_points():
 
 
 def test_counts_of_full_branches_follow_from_the_transition_matrix():
-    # A full m-branch map has trace(Aⁿ) = mⁿ closed walks; on the circle the end points of the branches coincide.
+    # A full m-branch map has trace(Aⁿ) = mⁿ closed walks; on the circle the end points of the
+    # branches coincide.
     for slope, n in ((3, 5), (-3, 4), (-2, 7), (5, 4)):
         straight = CircleMap(lambda x, s=slope: s * x, lambda x, s=slope: s + 0 * x, degree=slope)
         assert periodic_points(straight, n).count == abs(slope**n - 1)
 
 
 def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix():
-    # Golden-mean (beta) map x → βx mod 1, branches [0, 1/β), [1/β, 1): the second covers only the first.
+    # Golden-mean (beta) map x → βx mod 1, branches [0, 1/β), [1/β, 1): the second covers only the
+    # first.
     beta = (1 + 5**0.5) / 2
 
     def lift(t):
@@ -93,7 +100,8 @@ def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix():
     for n in (1, 2, 3, 5, 8):
         trace = int(np.trace(np.linalg.matrix_power(np.array([[1, 1], [1, 0]]), n)))
         found = periodic_points(markov, n)
-        # 0 and 1 are one point, so of the itineraries 0^∞, (01)^∞ → 1/β and (10)^∞ → 1 one is lost for even n.
+        # 0 and 1 are one point, so of the itineraries 0^∞, (01)^∞ → 1/β and (10)^∞ → 1 one is lost
+        # for even n.
         assert found.count == trace - (n % 2 == 0)
         # A jump of Fⁿ ends on the diagonal at 0 for odd n, at 1/β (from the left) for even n.
         at = found.theta[found.kind == "border-collision"]
@@ -101,7 +109,9 @@ def test_markov_map_with_jumps_has_the_trace_of_its_transition_matrix():
 
 
 def with_double_roots(rng):
-    """θ + g(θ): g a trigonometric polynomial with one or two double roots and up to four simple ones, well apart."""
+    """θ + g(θ): g a trigonometric polynomial with one or two double roots and up to four simple
+    ones, well apart.
+    """
     doubles, pairs = rng.uniform(0, TWO_PI, rng.integers(1, 3)), rng.integers(0, 3)
     singles = rng.uniform(0, TWO_PI, 2 * pairs)
     roots = np.concatenate([doubles, singles])
@@ -112,7 +122,9 @@ def with_double_roots(rng):
     def factors(x):
         values = [1 - np.cos(x - d) for d in doubles]
         values += [np.sin((x - a) / 2) * np.sin((x - b) / 2) for a, b in singles.reshape(-1, 2)]
-        slopes = [np.sin(x - d) for d in doubles] + [np.sin(x - (a + b) / 2) / 2 for a, b in singles.reshape(-1, 2)]
+        slopes = [np.sin(x - d) for d in doubles] + [
+            np.sin(x - (a + b) / 2) / 2 for a, b in singles.reshape(-1, 2)
+        ]
         return values, slopes
 
     def g(x):
@@ -157,7 +169,9 @@ EDGES += [(3, 0.33666500673073392496899187, 1.0, 3), (3, 0.367224498750891611987
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("n", "edge", "strength", "points"), EDGES)
-def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue_edge(n, edge, strength, points):
+def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue_edge(
+    n, edge, strength, points
+):
     seen = []
     for distance in np.concatenate([[0.0], np.geomspace(1e-15, 1e-6, 19)]):
         for side in (-1, 1):
@@ -175,30 +189,39 @@ def test_all_points_of_an_orbit_are_judged_alike_at_every_distance_from_a_tongue
 def test_degenerate_tangencies_are_one_point_of_the_documented_kind(centre):
     turns = {
         "cubic": (lambda x: 0.1 * np.sin(x) ** 3, lambda x: 0.3 * np.sin(x) ** 2 * np.cos(x)),
-        "quartic": (lambda x: 0.2 * (1 - np.cos(x)) ** 2, lambda x: 0.4 * (1 - np.cos(x)) * np.sin(x)),
+        "quartic": (
+            lambda x: 0.2 * (1 - np.cos(x)) ** 2,
+            lambda x: 0.4 * (1 - np.cos(x)) * np.sin(x),
+        ),
         "quintic": (lambda x: 0.1 * np.sin(x) ** 5, lambda x: 0.5 * np.sin(x) ** 4 * np.cos(x)),
     }
     for name, (g, slope) in turns.items():
         for sign in (1, -1):
             touch = CircleMap(
-                lambda x, g=g, s=sign: x + s * g(x - centre), lambda x, h=slope, s=sign: 1 + s * h(x - centre)
+                lambda x, g=g, s=sign: x + s * g(x - centre),
+                lambda x, h=slope, s=sign: 1 + s * h(x - centre),
             )
             found = periodic_points(touch, 1)
-            assert found.kind.tolist() == (["saddle-node"] if name == "quartic" else ["neutral", "neutral"])
+            assert found.kind.tolist() == (
+                ["saddle-node"] if name == "quartic" else ["neutral", "neutral"]
+            )
             off = np.abs(np.mod(found.theta - centre + 0.5, np.pi) - 0.5)
             assert np.all(off <= found.error_bound)
             assert np.max(found.error_bound) < 0.03
 
 
 def test_period_doubling_merges_its_orbits_only_within_the_tangency():
-    # θ - K sin θ doubles at K = 2: 0 has multiplier 1 - K, the orbit of period two lies at ±√(6(K - 2)) or so.
+    # θ - K sin θ doubles at K = 2: 0 has multiplier 1 - K, the orbit of period two lies at ±√(6(K -
+    # 2)) or so.
     assert [p.kind for p in fixed_points(CircleMap.arnold(0.0, 2.0))] == ["neutral", "unstable"]
     expected = {-1e-3: 2, -1e-9: 2, 0.0: 2, 1e-12: 2, 1e-7: 4, 1e-3: 4}
     for past, count in expected.items():
         found = periodic_points(CircleMap.arnold(0.0, 2.0 + past), 2, 0)
         assert found.count == count
         assert found.theta[0] < 1e-9
-        np.testing.assert_array_equal(np.sort(found.prime_period), [1, 1] if count == 2 else [1, 1, 2, 2])
+        np.testing.assert_array_equal(
+            np.sort(found.prime_period), [1, 1] if count == 2 else [1, 1, 2, 2]
+        )
 
 
 def test_error_bounds_hold_and_are_not_far_above_the_truth():
@@ -250,10 +273,15 @@ def test_plateaus_folds_and_kinks_in_one_map_give_superstable_orbits():
 
 
 def test_fine_features_met_by_a_steep_second_iterate_are_not_missed():
-    # A ripple of wavelength 0.16 behind a slope of 9: each of the two routes sees it in its own way.
-    rippled = CircleMap(lambda x: 9 * x + 0.02 * np.sin(40 * x), lambda x: 9 + 0.8 * np.cos(40 * x), degree=9)
+    # A ripple of wavelength 0.16 behind a slope of 9: each of the two routes sees it in its own
+    # way.
+    rippled = CircleMap(
+        lambda x: 9 * x + 0.02 * np.sin(40 * x), lambda x: 9 + 0.8 * np.cos(40 * x), degree=9
+    )
     assert counts(periodic_points(rippled, 2)) == sign_changes(rippled, 2)
-    folded = CircleMap(lambda x: 3 * x + 0.2 * np.sin(40 * x), lambda x: 3 + 8 * np.cos(40 * x), degree=3)
+    folded = CircleMap(
+        lambda x: 3 * x + 0.2 * np.sin(40 * x), lambda x: 3 + 8 * np.cos(40 * x), degree=3
+    )
     assert counts(periodic_points(folded, 2)) == sign_changes(folded, 2)
 
 

@@ -1,4 +1,6 @@
-"""Periodic points by interval arithmetic: theorems checked against closed forms, counting theorems and the search."""
+"""Periodic points by interval arithmetic: theorems checked against closed forms, counting theorems
+and the search.
+"""
 
 import sys
 
@@ -7,10 +9,20 @@ import numpy as np
 import pytest
 
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps import CircleMap, compose, conjugate, fixed_points, nth_iterate, periodic_orbits, periodic_points
+from cyclemap.maps import (
+    CircleMap,
+    compose,
+    conjugate,
+    fixed_points,
+    nth_iterate,
+    periodic_orbits,
+    periodic_points,
+)
 from tests.refusals import refused
 
-pytest.importorskip("flint", reason="proofs need the extra 'proofs'; install it, or nothing of them is tested")
+pytest.importorskip(
+    "flint", reason="proofs need the extra 'proofs'; install it, or nothing of them is tested"
+)
 TWO_PI = 2.0 * np.pi
 EXACT = mpmath.MPContext()
 EXACT.dps = 60
@@ -47,7 +59,9 @@ def test_multipliers_of_a_moebius_map_follow_from_its_trace():
     for a, omega in [(0.5, 0.1), (0.75, 0.2), (0.25, 0.05)]:
         trace = 2 * EXACT.cos(EXACT.mpf(TWO_PI * omega) / 2) / EXACT.sqrt(1 - EXACT.mpf(a) ** 2)
         root = (trace + EXACT.sqrt(trace**2 - 4)) / 2
-        stable, unstable = sorted(fixed_points(CircleMap.moebius(a, omega), proved=True), key=lambda o: o.multiplier)
+        stable, unstable = sorted(
+            fixed_points(CircleMap.moebius(a, omega), proved=True), key=lambda o: o.multiplier
+        )
         assert within(root**-2, stable.multiplier, stable.multiplier.error_bound)
         assert within(root**2, unstable.multiplier, unstable.multiplier.error_bound)
         assert (stable.kind, unstable.kind) == ("stable", "unstable")
@@ -62,7 +76,9 @@ def test_an_expanding_blaschke_product_has_as_many_points_as_its_degree_tells(ze
     for period in (1, 2, 3):
         points = periodic_points(expanding, period, proved=True)
         assert points.count == degree**period - 1
-        assert np.count_nonzero(points.prime_period == period) == degree**period - 1 - (period > 1) * (degree - 1)
+        assert np.count_nonzero(points.prime_period == period) == degree**period - 1 - (
+            period > 1
+        ) * (degree - 1)
         assert np.all(points.multiplier - points.multiplier_error > 1.0)
         assert np.array_equal(np.sort(points.image), np.arange(points.count))
 
@@ -76,21 +92,46 @@ def test_a_hair_beside_a_tangency_is_decided_and_the_tangency_itself_refused():
     half = EXACT.acos(1 - EXACT.mpf(2) ** -53)
     assert within(EXACT.pi / 2 - half, first.points[0], first.error_bound)
     assert within(EXACT.pi / 2 + half, second.points[0], second.error_bound)
-    refused(fixed_points, gapped(0.0), proved=True, kind=ConvergenceError, told=r"θ = 1\.5707963.*a tangency")
+    refused(
+        fixed_points,
+        gapped(0.0),
+        proved=True,
+        kind=ConvergenceError,
+        told=r"θ = 1\.5707963.*a tangency",
+    )
 
 
 def test_the_proof_finds_what_the_search_finds():
-    """Two routes to 68 points of a folded map, to those of an expanding one, and of every function with intervals."""
+    """Two routes to 68 points of a folded map, to those of an expanding one, and of every function
+    with intervals.
+    """
 
     def written(x):
-        wave = np.tanh(np.sin(x)) + np.log(2 + np.cos(x)) - np.sqrt(1.5 + np.sin(2 * x)) + 1 / (2 - np.cos(x))
-        bent = np.arctan(np.cos(x)) ** 2 + np.arctan2(np.sin(x), 2 + np.cos(x)) - np.exp(np.cos(x)) ** 0.5
+        wave = (
+            np.tanh(np.sin(x))
+            + np.log(2 + np.cos(x))
+            - np.sqrt(1.5 + np.sin(2 * x))
+            + 1 / (2 - np.cos(x))
+        )
+        bent = (
+            np.arctan(np.cos(x)) ** 2
+            + np.arctan2(np.sin(x), 2 + np.cos(x))
+            - np.exp(np.cos(x)) ** 0.5
+        )
         return x + 0.3 * (wave + bent - np.cosh(np.sin(x)) + np.sinh(np.cos(x)) + np.tan(np.sin(x)))
 
     expanding = CircleMap.blaschke([0, 0.4], 0.1)
-    cases = [(CircleMap.arnold(0.3, 3.0), 6), (CircleMap(written), 1), (CircleMap(written), 2), (expanding, 4)]
+    cases = [
+        (CircleMap.arnold(0.3, 3.0), 6),
+        (CircleMap(written), 1),
+        (CircleMap(written), 2),
+        (expanding, 4),
+    ]
     for searched, period in cases:
-        found, proved = periodic_points(searched, period), periodic_points(searched, period, proved=True)
+        found, proved = (
+            periodic_points(searched, period),
+            periodic_points(searched, period, proved=True),
+        )
         assert found.count == proved.count > 0
         for name in ("winding", "prime_period", "image", "kind"):
             assert np.array_equal(getattr(found, name), getattr(proved, name)), name
@@ -102,25 +143,35 @@ def test_the_proof_finds_what_the_search_finds():
 
 
 def test_maps_of_maps_and_slopes_that_are_not_the_makers():
-    """Points move along with a rotation; F² has the points of period 2; a wrong derivative does not matter."""
+    """Points move along with a rotation; F² has the points of period 2; a wrong derivative does not
+    matter.
+    """
     sine = CircleMap.arnold(0.1, 0.9)
     turned = fixed_points(conjugate(sine, 1.0), proved=True)
     plain = fixed_points(sine, proved=True)
-    assert np.allclose([o.points[0] - 1.0 for o in turned], [o.points[0] for o in plain], rtol=0, atol=4e-15)
-    assert np.allclose([o.multiplier for o in turned], [o.multiplier for o in plain], rtol=0, atol=4e-15)
+    assert np.allclose(
+        [o.points[0] - 1.0 for o in turned], [o.points[0] for o in plain], rtol=0, atol=4e-15
+    )
+    assert np.allclose(
+        [o.multiplier for o in turned], [o.multiplier for o in plain], rtol=0, atol=4e-15
+    )
     half = CircleMap.arnold(0.5, 0.9)
     twice = fixed_points(nth_iterate(half, 2), proved=True)
     assert [len(orbit.points) for orbit in periodic_orbits(half, 2, proved=True)] == [2, 2]
     assert np.array_equal([o.points[0] for o in twice], periodic_points(half, 2, proved=True).theta)
     lying = CircleMap(lambda x: x + 0.2 - 0.5 * np.sin(x), lambda x: 1 + 0.5 * np.cos(x))
     assert [o.stable for o in fixed_points(lying, proved=True)] == [True, False]
-    refused(fixed_points, nth_iterate(half, 2), proved=True, slope_error=0.1, told="maps made of maps")
+    refused(
+        fixed_points, nth_iterate(half, 2), proved=True, slope_error=0.1, told="maps made of maps"
+    )
     both = compose(CircleMap.blaschke([0, 0]), sine)
     assert periodic_points(both, 3, proved=True).count == 7
 
 
 def test_samples_are_proved_of_every_map_within_their_errors():
-    """The points of 20 smooth maps within both bounds lie within the bounds that were proved of the samples."""
+    """The points of 20 smooth maps within both bounds lie within the bounds that were proved of the
+    samples.
+    """
     angles = np.linspace(0.0, TWO_PI, 80, endpoint=False)
     sine = CircleMap.arnold(0.1, 0.9)
     sampled = CircleMap.from_samples(angles, sine(angles), sine.derivative(angles), max_error=0.011)
@@ -128,19 +179,31 @@ def test_samples_are_proved_of_every_map_within_their_errors():
     assert len(proved) == 2
     steep = CircleMap.arnold(0.3, 3.0)
     folded = CircleMap.from_samples(angles, steep(angles), steep.derivative(angles), max_error=1e-3)
-    assert periodic_points(folded, 3, proved=True, slope_error=0.02).count == periodic_points(steep, 3).count
+    assert (
+        periodic_points(folded, 3, proved=True, slope_error=0.02).count
+        == periodic_points(steep, 3).count
+    )
     random = np.random.default_rng(2)
-    for harmonic, phase in zip(random.integers(1, 6, 20), random.uniform(0.0, TWO_PI, 20), strict=True):
+    for harmonic, phase in zip(
+        random.integers(1, 6, 20), random.uniform(0.0, TWO_PI, 20), strict=True
+    ):
 
         def truth(x, harmonic=float(harmonic), phase=phase):
             return x + TWO_PI * 0.1 - 0.9 * np.sin(x) + 0.01 * np.sin(harmonic * x + phase)
 
-        for there, enclosure in zip(fixed_points(CircleMap(truth), proved=True), proved, strict=True):
-            assert abs(there.points[0] - enclosure.points[0]) <= enclosure.error_bound + there.error_bound
+        for there, enclosure in zip(
+            fixed_points(CircleMap(truth), proved=True), proved, strict=True
+        ):
+            assert (
+                abs(there.points[0] - enclosure.points[0])
+                <= enclosure.error_bound + there.error_bound
+            )
             off = abs(there.multiplier - enclosure.multiplier)
             assert off <= enclosure.multiplier.error_bound + there.multiplier.error_bound
     wide = CircleMap.from_samples(angles, sine(angles), sine.derivative(angles), max_error=0.5)
-    refused(fixed_points, wide, proved=True, slope_error=0.1, kind=ConvergenceError, told="no proof")
+    refused(
+        fixed_points, wide, proved=True, slope_error=0.1, kind=ConvergenceError, told="no proof"
+    )
     refused(fixed_points, sampled, proved=True, told=r"slope_error 0; .* needs bounds")
     refused(fixed_points, sampled, slope_error=0.1, told="give proved=True")
 
@@ -151,7 +214,10 @@ def test_samples_are_proved_of_every_map_within_their_errors():
         (lambda x: x + 0.1 * np.abs(np.sin(x)), r"does not take intervals .*numpy's sin"),
         (lambda x: x + np.where(np.sin(x) == 2.0, 1.0, 0.2), "cannot be compared"),
         (lambda x: x + 0.1 * np.sin(x.astype(float)), "does not take intervals"),
-        (lambda x: x + 0.3 * np.sin(6.2831853 * x / TWO_PI), r"0\.99999999965.* turns at θ = 0\.0131, not 1"),
+        (
+            lambda x: x + 0.3 * np.sin(6.2831853 * x / TWO_PI),
+            r"0\.99999999965.* turns at θ = 0\.0131, not 1",
+        ),
     ],
 )
 def test_what_takes_no_intervals_is_refused(lift, told):
@@ -161,6 +227,14 @@ def test_what_takes_no_intervals_is_refused(lift, told):
 def test_breaks_and_whole_arcs_are_refused_and_a_missing_library_is_named(monkeypatch):
     kinked = CircleMap(lambda x: x + 0.1, breaks=[1.0])
     refused(fixed_points, kinked, proved=True, told="1 breaks")
-    refused(fixed_points, CircleMap.rigid(0.0), proved=True, kind=ConvergenceError, told="a whole arc may be fixed")
+    refused(
+        fixed_points,
+        CircleMap.rigid(0.0),
+        proved=True,
+        kind=ConvergenceError,
+        told="a whole arc may be fixed",
+    )
     monkeypatch.setitem(sys.modules, "flint", None)
-    refused(fixed_points, CircleMap.rigid(0.2), proved=True, told=r"needs python-flint: .*\[proofs\]")
+    refused(
+        fixed_points, CircleMap.rigid(0.2), proved=True, told=r"needs python-flint: .*\[proofs\]"
+    )

@@ -1,4 +1,6 @@
-"""Enclosures of rotation numbers against 10,000 random maps whose rotation number is known some other way."""
+"""Enclosures of rotation numbers against 10,000 random maps whose rotation number is known some
+other way.
+"""
 
 from fractions import Fraction
 from math import floor
@@ -23,7 +25,9 @@ MOEBIUS, SINE, CONTRACTIONS, FOLDED, AT_ONCE = 1400, 3000, 1000, 100, 2250  # 10
 
 
 def judged(maps, truths):
-    """Every map's enclosure, after the check that each holds its truth (a pair of bounds on it, as floats)."""
+    """Every map's enclosure, after the check that each holds its truth (a pair of bounds on it, as
+    floats).
+    """
     found = [rotation_number(circle_map, iterates=ITERATES, max_period=100) for circle_map in maps]
     missed = [
         (i, one.lower, one.upper, low, high)
@@ -40,7 +44,9 @@ def widths(found):
 
 
 def moebius_truth(a, omega):
-    """Bounds on ρ that allow for rounding of sin πΩ - a: exact up to 1e-14 away from the tongue's edge."""
+    """Bounds on ρ that allow for rounding of sin πΩ - a: exact up to 1e-14 away from the tongue's
+    edge.
+    """
     base = floor(omega)
     part = omega - base
     beyond = np.sin(np.pi * part) - a + np.array([-1e-15, 1e-15]) * (1 + abs(omega))
@@ -54,16 +60,22 @@ def moebius_truth(a, omega):
 
 def random_moebius(rng):
     a = rng.choice([rng.uniform(0, 1), 1 - 10 ** rng.uniform(-4, -1), 10 ** rng.uniform(-12, -1)])
-    omega = rng.choice([rng.uniform(-3, 3), np.arcsin(a) / np.pi, -np.arcsin(a) / np.pi, rng.uniform(-900, 900)])
+    omega = rng.choice(
+        [rng.uniform(-3, 3), np.arcsin(a) / np.pi, -np.arcsin(a) / np.pi, rng.uniform(-900, 900)]
+    )
     near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
-    return a, rng.choice([omega, omega, omega, float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-14, -2)])
+    return a, rng.choice(
+        [omega, omega, omega, float(near) + rng.choice([-1, 1]) * 10 ** rng.uniform(-14, -2)]
+    )
 
 
 @pytest.mark.slow
 def test_moebius_maps_hold_the_closed_form():
     rng = np.random.default_rng(1)
     drawn = [random_moebius(rng) for _ in range(MOEBIUS)]
-    found = judged([CircleMap.moebius(*pair) for pair in drawn], [moebius_truth(*pair) for pair in drawn])
+    found = judged(
+        [CircleMap.moebius(*pair) for pair in drawn], [moebius_truth(*pair) for pair in drawn]
+    )
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
     assert np.median(widths(found)) < 5e-4
@@ -72,7 +84,9 @@ def test_moebius_maps_hold_the_closed_form():
 
 
 def sine_enclosures(omega, strength, cycles=3000, start=2.0):
-    """[lower, upper] of many sine maps, |K| ≤ 1: orbits of F - 1e-12 and F + 1e-12 bound ρ by (whole turns)/n."""
+    """[lower, upper] of many sine maps, |K| ≤ 1: orbits of F - 1e-12 and F + 1e-12 bound ρ by
+    (whole turns)/n.
+    """
     whole = np.floor(omega)
     shift = TWO_PI * (omega - whole)
     low, high = np.full(omega.size, -np.inf), np.full(omega.size, np.inf)
@@ -88,10 +102,18 @@ def sine_enclosures(omega, strength, cycles=3000, start=2.0):
 
 
 def random_sine(rng):
-    strength = rng.choice([rng.uniform(0, 1), 10 ** rng.uniform(-14, -2), 1 - 10 ** rng.uniform(-9, -1), 1.0])
+    strength = rng.choice(
+        [rng.uniform(0, 1), 10 ** rng.uniform(-14, -2), 1 - 10 ** rng.uniform(-9, -1), 1.0]
+    )
     near = Fraction(int(rng.integers(-9, 9)), int(rng.integers(1, 9)))
     edge = rng.choice([-1, 1]) * strength / TWO_PI
-    omegas = [rng.uniform(-2, 2), rng.uniform(0, 1), edge, float(near) + 10 ** rng.uniform(-14, -2), float(near)]
+    omegas = [
+        rng.uniform(-2, 2),
+        rng.uniform(0, 1),
+        edge,
+        float(near) + 10 ** rng.uniform(-14, -2),
+        float(near),
+    ]
     return rng.choice([*omegas, rng.uniform(-1000, 1000)]), strength
 
 
@@ -100,7 +122,9 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
     rng = np.random.default_rng(2)
     drawn = np.array([random_sine(rng) for _ in range(SINE)])
     low, high = sine_enclosures(*drawn.T)
-    found = judged([CircleMap.arnold(*pair) for pair in drawn.tolist()], list(zip(low, high, strict=True)))
+    found = judged(
+        [CircleMap.arnold(*pair) for pair in drawn.tolist()], list(zip(low, high, strict=True))
+    )
     assert np.median(high - low) < 0.3 * np.median(widths(found))
     assert widths(found).max() < 2.01 / ITERATES
     assert np.quantile(widths(found), 0.9) < 1.01 / ITERATES
@@ -108,10 +132,17 @@ def test_sine_maps_agree_with_a_longer_independent_enclosure():
 
 
 def random_contraction(rng):
-    """(λ, δ, bounds on ρ): inside a plateau, on its edges to the last bit, or a rounding unit beyond."""
-    slope, ratio = rng.uniform(0.05, 0.95), Fraction(int(rng.integers(-15, 30)), int(rng.integers(1, 14)))
+    """(λ, δ, bounds on ρ): inside a plateau, on its edges to the last bit, or a rounding unit
+    beyond.
+    """
+    slope, ratio = (
+        rng.uniform(0.05, 0.95),
+        Fraction(int(rng.integers(-15, 30)), int(rng.integers(1, 14))),
+    )
     left, right = plateau(Fraction(slope), ratio)
-    shift = rng.choice([float(left + (right - left) * Fraction(rng.uniform())), float(left), float(right)])
+    shift = rng.choice(
+        [float(left + (right - left) * Fraction(rng.uniform())), float(left), float(right)]
+    )
     shift = float(rng.choice([shift, np.nextafter(shift, np.inf), np.nextafter(shift, -np.inf)]))
     if left <= Fraction(shift) < right:
         return slope, shift, (float(ratio), float(ratio))
@@ -123,7 +154,9 @@ def random_contraction(rng):
 def test_contractions_hold_their_plateau_of_the_devils_staircase():
     rng = np.random.default_rng(4)
     drawn = [random_contraction(rng) for _ in range(CONTRACTIONS)]
-    found = judged([contraction(slope, shift) for slope, shift, _ in drawn], [truth for *_, truth in drawn])
+    found = judged(
+        [contraction(slope, shift) for slope, shift, _ in drawn], [truth for *_, truth in drawn]
+    )
     sure = [one for one, (*_, truth) in zip(found, drawn, strict=True) if truth[0] == truth[1]]
     assert len(sure) > 500
     assert sum(one.locked is not None for one in sure) > 250
@@ -146,17 +179,26 @@ def test_many_at_once_hold_the_same_truths():
     for family, drawn, truth, met in (
         (MOEBIUS_FAMILY, moebius, np.array([moebius_truth(*pair) for pair in moebius]).T, 1.0),
         (ARNOLD_FAMILY, sine, sine_enclosures(*sine.T), 1.0),
-        (contractions, [one[:2] for one in jumping], np.array([truth for *_, truth in jumping]).T, 0.45),
+        (
+            contractions,
+            [one[:2] for one in jumping],
+            np.array([truth for *_, truth in jumping]).T,
+            0.45,
+        ),
     ):
         found = rotation_numbers(family, *np.transpose(drawn))
         slack = 1e-15 * np.abs(found.value)
         assert np.all((found.lower - slack <= truth[1]) & (truth[0] <= found.upper + slack))
-        assert np.mean(found.upper - found.lower <= 2e-3) >= met  # edges of plateaus are hard to tell
+        assert (
+            np.mean(found.upper - found.lower <= 2e-3) >= met
+        )  # edges of plateaus are hard to tell
         assert np.sum(found.period > 0) > 400
 
 
 def tent_interval(slope, shift, period):
-    """The rotation interval of ω + tent of slopes ±s, ω = shift/period, by its exact monotone envelopes."""
+    """The rotation interval of ω + tent of slopes ±s, ω = shift/period, by its exact monotone
+    envelopes.
+    """
     grid = 2 * period
 
     def rotation(level, begin):
@@ -181,7 +223,12 @@ def random_tent(rng):
     shift = int(rng.integers(-2 * period, 3 * period))
     bend, up = TWO_PI * (1 + slope) / (2 * slope), TWO_PI * shift / period
     rising = (0.0, bend, lambda x: slope * x + up, lambda x: np.full_like(x, slope))
-    falling = (bend, TWO_PI, lambda x: TWO_PI - slope * (x - TWO_PI) + up, lambda x: np.full_like(x, -slope))
+    falling = (
+        bend,
+        TWO_PI,
+        lambda x: TWO_PI - slope * (x - TWO_PI) + up,
+        lambda x: np.full_like(x, -slope),
+    )
     return CircleMap.from_branches([rising, falling]), tent_interval(slope, shift, period)
 
 
@@ -203,7 +250,9 @@ def test_folded_tents_hold_their_exact_rotation_interval():
 
 @pytest.mark.slow
 def test_max_error_covers_every_map_that_near():
-    """[lower, upper] of F with max_error e holds ρ(F + c) for all |c| ≤ e, and is hardly wider than they spread."""
+    """[lower, upper] of F with max_error e holds ρ(F + c) for all |c| ≤ e, and is hardly wider than
+    they spread.
+    """
     rng = np.random.default_rng(7)
     for _ in range(60):
         omega, strength, error = rng.uniform(0, 1), rng.uniform(0, 1), 10 ** rng.uniform(-6, -2)
@@ -214,7 +263,9 @@ def test_max_error_covers_every_map_that_near():
         )
         found = rotation_number(claimed, iterates=600)
         shifts = omega + np.array([-1, -0.7, 0.2, 1]) * error / TWO_PI
-        spread = [rotation_number(CircleMap.arnold(shift, strength), iterates=600) for shift in shifts]
+        spread = [
+            rotation_number(CircleMap.arnold(shift, strength), iterates=600) for shift in shifts
+        ]
         for one in spread:
             assert found.lower <= one.upper and one.lower <= found.upper
             assert found.locked is None or found.locked == one.locked

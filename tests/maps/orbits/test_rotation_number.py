@@ -1,4 +1,5 @@
-"""Rotation numbers: enclosures that hold the truth, proofs of locking, intervals of folded lifts."""
+"""Rotation numbers: enclosures that hold the truth, proofs of locking,
+intervals of folded lifts."""
 
 from fractions import Fraction
 
@@ -34,7 +35,9 @@ def test_known_rotation_numbers_to_fourteen_digits(circle_map, truth):
     assert abs(found.estimate - truth) <= found.estimate.error_bound < 1e-14
 
 
-@pytest.mark.parametrize(("p", "q", "strength"), [(0, 1, 0.9), (1, 2, 1.0), (1, 2, 0.9), (1, 3, 1.0)])
+@pytest.mark.parametrize(
+    ("p", "q", "strength"), [(0, 1, 0.9), (1, 2, 1.0), (1, 2, 0.9), (1, 3, 1.0)]
+)
 def test_the_sine_map_is_locked_just_as_far_as_its_tongues_reach(p, q, strength):
     edges = tongue(lambda omega: CircleMap.arnold(omega, strength), (p, q), (-0.5, 1.5))
     for side, edge in ((-1, edges.left), (1, edges.right)):
@@ -59,7 +62,9 @@ def test_the_proof_of_locking_holds_in_extended_precision_and_its_orbit_lies_bet
         for start in (found.proof.below, found.proof.above):
             theta = np.longdouble(start)
             for _ in range(q):
-                theta = theta + two_pi * np.longdouble(omega) - np.longdouble(strength) * np.sin(theta)
+                theta = (
+                    theta + two_pi * np.longdouble(omega) - np.longdouble(strength) * np.sin(theta)
+                )
             ends.append(float(theta - np.longdouble(start) - two_pi * p))
         assert ends[0] < 0 < ends[1]
         assert found.proof.ratio == found.locked
@@ -67,7 +72,11 @@ def test_the_proof_of_locking_holds_in_extended_precision_and_its_orbit_lies_bet
         orbits = periodic_orbits(CircleMap.arnold(omega, strength), q, p) if q < 6 else []
         ahead = np.mod(found.proof.below - found.proof.above, TWO_PI)
         if orbits:
-            between = [np.mod(orbit.points - found.proof.above, TWO_PI) < ahead for orbit in orbits if orbit.stable]
+            between = [
+                np.mod(orbit.points - found.proof.above, TWO_PI) < ahead
+                for orbit in orbits
+                if orbit.stable
+            ]
             assert np.any(between)
             checked += 1
     assert checked > 40
@@ -81,14 +90,17 @@ def test_a_locked_folded_map_has_a_proof_too():
 
 
 def test_a_tolerance_saves_iterates():
-    """The lift is asked about once an iterate and orbit: far less often when two digits are enough."""
+    """The lift is asked about once an iterate and orbit:
+    far less often when two digits are enough."""
     asked = []
 
     def scalar(theta):
         asked.append(theta)
         return theta + 2.1 - 0.5 * np.sin(theta)
 
-    sine = CircleMap.with_scalar(lambda x: x + 2.1 - 0.5 * np.sin(x), lambda x: 1 - 0.5 * np.cos(x), scalar)
+    sine = CircleMap.with_scalar(
+        lambda x: x + 2.1 - 0.5 * np.sin(x), lambda x: 1 - 0.5 * np.cos(x), scalar
+    )
     full = rotation_number(sine, iterates=4000)
     long, asked[:] = len(asked), []
     short = rotation_number(sine, iterates=4000, tolerance=0.01)
@@ -98,7 +110,8 @@ def test_a_tolerance_saves_iterates():
 
 
 def test_a_fold_too_narrow_to_be_seen_is_found_out_by_bounds_that_contradict_each_other():
-    """One orbit falls into a slit 1e-5 wide right at its first image, the other passes beside it."""
+    """One orbit falls into a slit 1e-5 wide right at its first image,
+    the other passes beside it."""
 
     def slit(x):
         base = np.mod(x, TWO_PI)
@@ -126,20 +139,26 @@ def test_envelopes_are_the_nearest_monotone_maps():
         values = folded(GRID)
         upper, lower = upper_envelope(folded), lower_envelope(folded)
         running = np.maximum.accumulate(folded(np.linspace(-20, 9.0, 60001)))
-        np.testing.assert_allclose(upper(np.linspace(-20, 9.0, 60001))[20000:], running[20000:], atol=4e-3)
+        np.testing.assert_allclose(
+            upper(np.linspace(-20, 9.0, 60001))[20000:], running[20000:], atol=4e-3
+        )
         assert np.all(upper(GRID) >= values - 1e-12)
         assert np.all(lower(GRID) <= values + 1e-12)
         for envelope in (upper, lower):
             assert np.all(np.diff(envelope(GRID)) >= -1e-12)
             np.testing.assert_allclose(envelope(GRID + TWO_PI), envelope(GRID) + TWO_PI, atol=1e-12)
             one = envelope.scalar()
-            np.testing.assert_allclose([one(x) for x in GRID[::40]], envelope(GRID[::40]), atol=1e-12)
+            np.testing.assert_allclose(
+                [one(x) for x in GRID[::40]], envelope(GRID[::40]), atol=1e-12
+            )
         assert not is_nondecreasing(folded)
         assert is_nondecreasing(upper)
 
 
 def test_the_largest_descent_is_that_of_theory():
-    """Sine maps fall from -arccos(1/K) to arccos(1/K), by 2√(K² - 1) - 2 arccos(1/K); jumps by their height."""
+    """Sine maps fall from -arccos(1/K) to arccos(1/K), by 2√(K² - 1) - 2 arccos(1/K); jumps by
+    their height.
+    """
     for strength in (1.0, 1.5, 3.0, 9.0):
         theory = 2 * np.sqrt(strength**2 - 1) - 2 * np.arccos(1 / strength)
         assert abs(largest_descent(CircleMap.arnold(0.3, strength)) - theory) < 1e-12

@@ -90,7 +90,9 @@ def test_what_is_no_bottleneck_is_left_out():
     assert slow_passages(outside(1e-14)) == []  # within the tangency: a saddle-node
     x = np.linspace(0, TWO_PI, 9)
     roof = CircleMap.from_samples(
-        np.insert(x, 4, x[4]), np.insert(x + 0.01 + 0.3 * np.abs(x - pi), 4, x[4] + 0.01), [0.7] * 5 + [1.3] * 5
+        np.insert(x, 4, x[4]),
+        np.insert(x + 0.01 + 0.3 * np.abs(x - pi), 4, x[4] + 0.01),
+        [0.7] * 5 + [1.3] * 5,
     )
     assert slow_passages(roof) == []  # the extremum is a kink
 

@@ -1,11 +1,20 @@
-"""Passages beyond every float: closed forms, the plain time where it is still a float, large deviations."""
+"""Passages beyond every float: closed forms, the plain time where it is still a float, large
+deviations.
+"""
 
 import numpy as np
 import pytest
 from scipy.special import log_ndtr
 
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import CircleMap, VonMises, WrappedNormal, fixed_points, log10_passage_time, mean_passage_time
+from cyclemap.maps import (
+    CircleMap,
+    VonMises,
+    WrappedNormal,
+    fixed_points,
+    log10_passage_time,
+    mean_passage_time,
+)
 from cyclemap.maps.passages import log_passage
 from tests.maps.known_maps import reset
 
@@ -16,18 +25,27 @@ STABLE, UNSTABLE = (float(p.points[0]) for p in fixed_points(STICKY))
 @pytest.mark.slow
 @pytest.mark.parametrize("lifted", [True, False])
 def test_a_reset_leaves_with_its_exceedance_whatever_its_size(lifted):
-    """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to 10^175,911."""
+    """A map that sends the arc to 0.1: T = 1/P(ξ > 0.9 or ξ < -1.1), known by log_ndtr, up to
+    10^175,911.
+    """
     for sigma in (0.1, 0.02, 0.01, 0.001):
         exact = -np.logaddexp(log_ndtr(-0.9 / sigma), log_ndtr(-1.1 / sigma)) / np.log(10)
-        found = log10_passage_time(reset(0.1), WrappedNormal(sigma), 0.0, (-1.0, 1.0), lifted=lifted)
+        found = log10_passage_time(
+            reset(0.1), WrappedNormal(sigma), 0.0, (-1.0, 1.0), lifted=lifted
+        )
         assert found.holds(exact)
         assert found.error_bound < 1e-13 * (1000 + exact)
 
 
 @pytest.mark.slow
 def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
-    """At 1e98 and at 1e38 cycles, on the line and on the circle, from the bottom and from high up."""
-    for sigma, lifted, start in ((0.05, True, STABLE), (0.08, False, STABLE), (0.08, True, UNSTABLE - 0.02)):
+    """At 1e98 and at 1e38 cycles, on the line and on the circle,
+    from the bottom and from high up."""
+    for sigma, lifted, start in (
+        (0.05, True, STABLE),
+        (0.08, False, STABLE),
+        (0.08, True, UNSTABLE - 0.02),
+    ):
         ends, noise = (-3.0, UNSTABLE), WrappedNormal(sigma)
         plain = mean_passage_time(STICKY, noise, start, ends, lifted=lifted)
         with monkeypatch.context() as patched:
@@ -40,7 +58,8 @@ def test_both_methods_agree_where_the_time_is_still_a_float(monkeypatch):
 
 @pytest.mark.slow
 def test_a_wide_noise_and_one_of_a_milliradian_lie_on_the_same_line():
-    """ln T = V/σ² - n ln σ + c + O(σ²): what is left after V, n = 1 and c is of second order in σ."""
+    """ln T = V/σ² - n ln σ + c + O(σ²): what is left after V,
+    n = 1 and c is of second order in σ."""
     sigmas = np.array([0.004, 0.002, 0.001])
     ends = (0.0, 1.5)
     logs = [log10_passage_time(STICKY, WrappedNormal(s), STABLE, ends) * np.log(10) for s in sigmas]
@@ -67,7 +86,9 @@ def test_other_laws_are_refused_only_where_they_must_be():
 
 
 def test_a_chain_that_wider_noise_makes_no_coarser_is_eliminated(monkeypatch):
-    """Its nodes are the map's own however wide the noise: the answer is that of the sweeps, by the other way."""
+    """Its nodes are the map's own however wide the noise: the answer is that of the sweeps, by the
+    other way.
+    """
     stuck, noise, arc = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.028), (-3.0, 2.37)
     swept = log10_passage_time(stuck, noise, 0.77, arc, lifted=True)
     monkeypatch.setattr("cyclemap.maps.passages.log_passage._FEW", 60)

@@ -29,7 +29,8 @@ KNOWN = 44.62425322366
 def two_wells():
     """Stable points near 0.1 and near π, the first much deeper."""
     return CircleMap(
-        lambda x: x + 0.05 - 0.4 * np.sin(2 * x) + 0.1 * np.cos(x), lambda x: 1 - 0.8 * np.cos(2 * x) - 0.1 * np.sin(x)
+        lambda x: x + 0.05 - 0.4 * np.sin(2 * x) + 0.1 * np.cos(x),
+        lambda x: 1 - 0.8 * np.cos(2 * x) - 0.1 * np.sin(x),
     )
 
 
@@ -58,7 +59,13 @@ def test_a_sampled_map_gives_the_same_passage_to_its_own_error_and_its_bound_say
 
 def test_pure_noise_leaves_an_arc_as_fast_as_its_escape_chance_when_the_map_resets():
     """A map that sends everything to 0 makes the passage geometric: T = 1/P(ξ outside the arc)."""
-    laws = WrappedNormal(0.5), WrappedNormal(0.2), WrappedNormal(0.05), WrappedCauchy(0.8), VonMises(40.0)
+    laws = (
+        WrappedNormal(0.5),
+        WrappedNormal(0.2),
+        WrappedNormal(0.05),
+        WrappedCauchy(0.8),
+        VonMises(40.0),
+    )
     for noise in laws:
         exact = 1 / noise.arc_probability(1.0, TWO_PI - 1.0)
         found = mean_passage_time(reset(0.0), noise, 0.0, (-1.0, 1.0))
@@ -66,14 +73,22 @@ def test_pure_noise_leaves_an_arc_as_fast_as_its_escape_chance_when_the_map_rese
 
 
 def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
-    """On nodes too few by far the bound of the discretisation still holds, and is not far above the error."""
+    """On nodes too few by far the bound of the discretisation still holds, and is not far above the
+    error.
+    """
     judged, cases = 0, ((WrappedNormal(0.1), 1.57), (WrappedCauchy(0.8), 2.0), (VonMises(20), 2.0))
     for law, end in cases:
         arc = (0.0, end)
         exact = mean_passage_time(STICKY, law, STABLE, arc)
         for stretch in (0.2, 0.25, 0.3, 0.35, 0.4):
             chain = killed_chain(
-                STICKY, law, (arc,), ((arc[1], arc[0] + TWO_PI),), False, every_sample=False, stretch=stretch
+                STICKY,
+                law,
+                (arc,),
+                ((arc[1], arc[0] + TWO_PI),),
+                False,
+                every_sample=False,
+                stretch=stretch,
             )
             rough = chain.expected(1.0, np.zeros(1))
             error, bound = abs(rough.value_at(STABLE) - exact), rough.error_bounds(STABLE)[0]
@@ -85,14 +100,20 @@ def test_bounds_hold_and_are_near_the_truth_while_nodes_are_too_few():
 
 
 def test_a_passage_beyond_all_floats_is_inf_and_says_that_nothing_is_known():
-    found = mean_passage_time(STICKY, WrappedNormal(0.025), STABLE, (UNSTABLE - 4, UNSTABLE), lifted=True)
+    found = mean_passage_time(
+        STICKY, WrappedNormal(0.025), STABLE, (UNSTABLE - 4, UNSTABLE), lifted=True
+    )
     assert found == np.inf and found.error_bound == np.inf
 
 
 def test_two_deep_wells_in_one_arc_keep_their_digits():
-    """From either well the path falls into the deeper one first, unless it escapes: times agree, digits stay."""
+    """From either well the path falls into the deeper one first, unless it escapes: times agree,
+    digits stay.
+    """
     ends, noise = (-1.5, 4.7), WrappedNormal(0.1)
-    times = [mean_passage_time(two_wells(), noise, start, ends, lifted=True) for start in (0.1, np.pi)]
+    times = [
+        mean_passage_time(two_wells(), noise, start, ends, lifted=True) for start in (0.1, np.pi)
+    ]
     assert times[0] > 1e35 and times[0].error_bound < 1e-11 * times[0]
     assert abs(times[1] / times[0] - 1) < 1e-12
 
@@ -127,7 +148,9 @@ def test_hitting_probability_against_monte_carlo():
 
 @pytest.mark.slow
 def test_tiny_hitting_probabilities_keep_their_digits():
-    """Reaching the far well before slipping home: the two chances have a ratio of 1e-14 and sum to 1."""
+    """Reaching the far well before slipping home: the two chances have a ratio of 1e-14 and sum to
+    1.
+    """
     noise, a, b = WrappedNormal(0.08), (1.2, 1.5), (1.9, 2.0)
     rare = hitting_probability(two_wells(), noise, np.pi + 0.3, a, b)
     assert 1e-16 < rare < 1e-12
@@ -137,23 +160,32 @@ def test_tiny_hitting_probabilities_keep_their_digits():
 
 def test_a_jump_that_a_map_hides_is_found_by_panels_that_close_in_on_it():
     def jumping(breaks):
-        return CircleMap(lambda x: x + 0.05 + 0.2 * np.floor((np.mod(x, TWO_PI) - 0.5) / TWO_PI), np.ones_like, breaks)
+        return CircleMap(
+            lambda x: x + 0.05 + 0.2 * np.floor((np.mod(x, TWO_PI) - 0.5) / TWO_PI),
+            np.ones_like,
+            breaks,
+        )
 
     hidden, declared = (
-        mean_passage_time(jumping(breaks), WrappedNormal(0.2), 0.5, (0.0, 1.0)) for breaks in ((), (0.0, 0.5))
+        mean_passage_time(jumping(breaks), WrappedNormal(0.2), 0.5, (0.0, 1.0))
+        for breaks in ((), (0.0, 0.5))
     )
     assert abs(hidden - declared) <= hidden.error_bound + declared.error_bound < 1e-11
 
 
 @pytest.mark.parametrize(
-    ("circle_map", "sigma", "start", "arc"), [(STICKY, 0.35, STABLE, (-0.03, 1.87)), (DROPPING, 0.3, 1.0, (0.5, 3.0))]
+    ("circle_map", "sigma", "start", "arc"),
+    [(STICKY, 0.35, STABLE, (-0.03, 1.87)), (DROPPING, 0.3, 1.0, (0.5, 3.0))],
 )
 def test_monte_carlo_agrees(circle_map, sigma, start, arc):
     """Times and survival of many paths, of a map that jumps inside the arc, too."""
     noise, paths = WrappedNormal(sigma), 60_000
     lives, _ = simulated(circle_map, noise, start, lambda x: ~within(x, arc), paths)
     found = mean_passage_time(circle_map, noise, start, arc)
-    assert abs(found - lives.mean()) < 4 * lives.std() / np.sqrt(paths) and found.error_bound < 1e-11 * found
+    assert (
+        abs(found - lives.mean()) < 4 * lives.std() / np.sqrt(paths)
+        and found.error_bound < 1e-11 * found
+    )
     chances = survival_probabilities(circle_map, noise, start, arc, 40)
     seen = np.mean(lives[:, None] > np.arange(41), axis=0)
     assert np.all(np.abs(seen - chances) < 5 * np.sqrt(chances * (1 - chances) / paths) + 1e-12)
@@ -182,7 +214,10 @@ def test_chances_and_their_complements_add_up_to_one_within_their_bounds(noise):
 def test_both_ends_of_an_arc_belong_to_it():
     for low in np.random.default_rng(1).uniform(-7, 7, 8):
         for end in (low, low + 0.07):
-            moved = [mean_passage_time(STICKY, WrappedNormal(0.3), end + s, (low, low + 0.07)) for s in (0.0, -TWO_PI)]
+            moved = [
+                mean_passage_time(STICKY, WrappedNormal(0.3), end + s, (low, low + 0.07))
+                for s in (0.0, -TWO_PI)
+            ]
             assert moved[1] == pytest.approx(moved[0], rel=1e-10)
 
 

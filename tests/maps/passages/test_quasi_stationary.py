@@ -1,4 +1,6 @@
-"""Quasi-stationary distributions: rates and sides of escape by passages, survival, symmetry and moved maps."""
+"""Quasi-stationary distributions: rates and sides of escape by passages, survival, symmetry and
+moved maps.
+"""
 
 import numpy as np
 import pytest
@@ -29,7 +31,9 @@ def test_passages_that_begin_with_it_last_as_long_as_its_rate_says(noise):
     assert weight @ density == pytest.approx(1.0, abs=1e-9)
     times = [mean_passage_time(STICKY, noise, start, ARC, lifted=True) for start in theta]
     assert weight @ (density * times) == pytest.approx(1 / found.escape_rate, rel=1e-9)
-    assert found.below + found.above == pytest.approx(1.0, abs=found.below.error_bound + found.above.error_bound)
+    assert found.below + found.above == pytest.approx(
+        1.0, abs=found.below.error_bound + found.above.error_bound
+    )
 
 
 @pytest.mark.parametrize("circle_map", [STICKY, CircleMap.arnold(0.3, 3.0), DROPPING])
@@ -46,8 +50,13 @@ def test_sides_are_those_of_the_arc_that_is_reached_first():
     noise = WrappedNormal(0.4)
     found = quasi_stationary(STICKY, noise, ARC)
     x, w = np.polynomial.legendre.leggauss(24)
-    sides = [hitting_probability(STICKY, noise, start, (2.5, 4.0), (-2.2, -1.0)) for start in 0.75 + 1.75 * x]
-    assert 1.75 * w @ (found.density(0.75 + 1.75 * x) * sides) == pytest.approx(found.above, abs=1e-6)
+    sides = [
+        hitting_probability(STICKY, noise, start, (2.5, 4.0), (-2.2, -1.0))
+        for start in 0.75 + 1.75 * x
+    ]
+    assert 1.75 * w @ (found.density(0.75 + 1.75 * x) * sides) == pytest.approx(
+        found.above, abs=1e-6
+    )
     assert 1e-4 < found.above < 0.2
 
 
@@ -55,7 +64,9 @@ def test_an_odd_map_slips_to_both_sides_alike_however_rarely():
     found = quasi_stationary(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.2), (-3.0, 3.0))
     assert found.below.holds(0.5) and found.above.holds(0.5)
     assert found.escape_rate < 1e-25 and found.escape_rate.error_bound < 1e-12 * found.escape_rate
-    time = mean_passage_time(CircleMap.arnold(0.0, 0.9), WrappedNormal(0.2), 0.0, (-3.0, 3.0), lifted=True)
+    time = mean_passage_time(
+        CircleMap.arnold(0.0, 0.9), WrappedNormal(0.2), 0.0, (-3.0, 3.0), lifted=True
+    )
     assert abs(time * found.escape_rate - 1) < 1e-11
 
 
@@ -66,9 +77,13 @@ def test_bounds_hold_for_maps_moved_by_what_they_may_be_off():
         plain = CircleMap.arnold(omega, K)
         claimed = CircleMap(plain, plain.derivative, max_error=off)
         phase, waves = rng.uniform(0.0, 6.0), rng.integers(0, 5)
-        moved = CircleMap(lambda x, m=plain, w=waves, p=phase: m(x) + off * np.cos(w * x + p), plain.derivative)
+        moved = CircleMap(
+            lambda x, m=plain, w=waves, p=phase: m(x) + off * np.cos(w * x + p), plain.derivative
+        )
         ends = (rng.uniform(-2.5, -1.0), rng.uniform(1.0, 2.5))
-        one, other = (quasi_stationary(a_map, WrappedNormal(sigma), ends) for a_map in (claimed, moved))
+        one, other = (
+            quasi_stationary(a_map, WrappedNormal(sigma), ends) for a_map in (claimed, moved)
+        )
         for name in ("escape_rate", "below", "above"):
             value = getattr(one, name)
             assert abs(value - getattr(other, name)) <= value.error_bound
@@ -77,10 +92,13 @@ def test_bounds_hold_for_maps_moved_by_what_they_may_be_off():
 def test_bounds_hold_where_a_map_is_off_by_as_much_as_the_noise():
     """A small noise feels an error of its own size exponentially: far beyond first order."""
     plain, off = CircleMap.arnold(0.0, 0.9), 0.1
-    rate = quasi_stationary(CircleMap(plain, plain.derivative, max_error=off), WrappedNormal(0.3), (-3.0, 3.0))
+    rate = quasi_stationary(
+        CircleMap(plain, plain.derivative, max_error=off), WrappedNormal(0.3), (-3.0, 3.0)
+    )
     for way in (lambda x: 0.0, lambda x: 1.0, np.sign, np.sin, lambda x: np.tanh(3.0 * x)):
         moved = CircleMap(
-            lambda x, w=way: plain(x) + off * w(np.mod(x + np.pi, 2 * np.pi) - np.pi), breaks=(0.0, np.pi)
+            lambda x, w=way: plain(x) + off * w(np.mod(x + np.pi, 2 * np.pi) - np.pi),
+            breaks=(0.0, np.pi),
         )
         other = quasi_stationary(moved, WrappedNormal(0.3), (-3.0, 3.0))
         assert abs(rate.escape_rate - other.escape_rate) <= rate.escape_rate.error_bound
@@ -101,4 +119,6 @@ def test_bad_requests_are_refused():
     with pytest.raises(InvalidInput, match="the noise is None"):
         quasi_stationary(STICKY, None, ARC)
     with pytest.raises(ConvergenceError, match="escape rate"):
-        quasi_stationary(CircleMap(lambda x: x - 0.45 * np.sin(2 * x)), WrappedNormal(0.05), (-1.5, 4.7))
+        quasi_stationary(
+            CircleMap(lambda x: x - 0.45 * np.sin(2 * x)), WrappedNormal(0.05), (-1.5, 4.7)
+        )

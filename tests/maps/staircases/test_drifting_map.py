@@ -27,15 +27,22 @@ def test_a_frozen_map_is_the_blend_of_its_neighbours_and_a_lift():
     x = np.linspace(-7.0, 9.0, 50)
     for cycle, share in ((0, 0.0), (100, 0.0), (150, 0.25), (300, 1.0), (1000, 1.0)):
         frozen = WEAR.at(cycle)
-        np.testing.assert_allclose(frozen(x), (1 - share) * FRESH(x) + share * WORN(x), rtol=0, atol=1e-13)
+        np.testing.assert_allclose(
+            frozen(x), (1 - share) * FRESH(x) + share * WORN(x), rtol=0, atol=1e-13
+        )
         np.testing.assert_allclose(frozen(x + TWO_PI), frozen(x) + TWO_PI, rtol=0, atol=1e-12)
         np.testing.assert_allclose(frozen.derivative(x), 1 - 0.9 * np.cos(x), rtol=0, atol=1e-13)
         assert abs(frozen.scalar()(1.3) - frozen(1.3)) < 1e-13
 
 
 def test_a_blend_keeps_the_breaks_of_both():
-    step = CircleMap(lambda x: x + 0.2 * np.floor((x - 1) / TWO_PI) * 0 + 0.1 * np.mod(x - 1, TWO_PI), breaks=[1.0])
-    both = DriftingMap.between([(0, step), (10, CircleMap(lambda x: x + 0.1 * np.mod(x, TWO_PI), breaks=[0.0]))])
+    step = CircleMap(
+        lambda x: x + 0.2 * np.floor((x - 1) / TWO_PI) * 0 + 0.1 * np.mod(x - 1, TWO_PI),
+        breaks=[1.0],
+    )
+    both = DriftingMap.between(
+        [(0, step), (10, CircleMap(lambda x: x + 0.1 * np.mod(x, TWO_PI), breaks=[0.0]))]
+    )
     assert both.at(5).breaks.tolist() == [0.0, 1.0]
     assert both.at(0).breaks.tolist() == [1.0]
 
@@ -57,14 +64,22 @@ def test_chunks_of_a_long_run_meet_without_a_seam():
     worn = DriftingMap.between([(0, CircleMap.rigid(0.0)), (150_000, CircleMap.rigid(1e-4))])
     path = sample_staircase(worn, None, 150_000)
     turns = np.diff(path.theta)
-    np.testing.assert_allclose(turns, TWO_PI * 1e-4 * np.arange(150_000) / 150_000, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(
+        turns, TWO_PI * 1e-4 * np.arange(150_000) / 150_000, rtol=0, atol=1e-10
+    )
 
 
 def test_a_family_is_met_to_the_stated_tolerance_on_every_cycle_tried():
-    for schedule in (lambda n: np.sin(n / 90.0), lambda n: (n / 700.0) ** 3, lambda n: np.exp(-n / 50.0)):
+    for schedule in (
+        lambda n: np.sin(n / 90.0),
+        lambda n: (n / 700.0) ** 3,
+        lambda n: np.exp(-n / 50.0),
+    ):
         worn = DriftingMap.of_family(family, schedule, 1_000, tolerance=1e-4)
         x = np.linspace(0.0, TWO_PI, 97)
-        errors = [np.max(np.abs(worn.at(n)(x) - family(schedule(n))(x))) for n in range(0, 1_000, 7)]
+        errors = [
+            np.max(np.abs(worn.at(n)(x) - family(schedule(n))(x))) for n in range(0, 1_000, 7)
+        ]
         assert worn.max_error <= 1e-4
         assert max(errors) < 1.3e-4
         assert worn.cycles.size < 300
@@ -78,7 +93,9 @@ def test_a_schedule_that_jumps_is_followed_exactly():
 
 
 def test_the_adiabatic_climb_of_a_drifting_rotation_is_its_sum():
-    worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (400, CircleMap.rigid(0.2)), (600, CircleMap.rigid(0.0))])
+    worn = DriftingMap.between(
+        [(0, CircleMap.rigid(0.1)), (400, CircleMap.rigid(0.2)), (600, CircleMap.rigid(0.0))]
+    )
     found = predict_drift(worn, WrappedNormal(0.3), 700)
     truth = sum(float(worn.at(n).turn(0.0)) for n in range(700)) / TWO_PI
     # The sum and the integral differ by the kinks of the schedule alone, an eighth of each.
@@ -93,7 +110,9 @@ def test_sampled_turns_under_slow_wear_agree_with_the_adiabatic_ones():
     noise, cycles = WrappedNormal(0.3), 4_000
     worn = DriftingMap.between([(0, FRESH), (cycles, WORN)])
     found = predict_drift(worn, noise, cycles)
-    paths = sample_staircases(worn, noise, cycles, np.linspace(0, TWO_PI, 300, endpoint=False), seed=2)
+    paths = sample_staircases(
+        worn, noise, cycles, np.linspace(0, TWO_PI, 300, endpoint=False), seed=2
+    )
     # Both runs start with the law forgotten, so a hundred cycles are left to the start.
     turns = (paths[:, -1] - paths[:, 100]) / TWO_PI
     skipped = 100 * transfer_operator(FRESH, noise).rotation_number

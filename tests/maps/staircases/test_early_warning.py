@@ -16,7 +16,9 @@ def paths(multiplier, count=200, size=101, seed=3):
 
 
 @pytest.mark.parametrize("multiplier", [-0.5, 0.0, 0.8, 0.97])
-def test_intervals_hold_the_truth_in_95_of_100_paths_and_the_value_lies_above_it_as_often_as_below(multiplier):
+def test_intervals_hold_the_truth_in_95_of_100_paths_and_the_value_lies_above_it_as_often_as_below(
+    multiplier,
+):
     found = [rest_multiplier(path) for path in paths(multiplier)]
     held = np.mean([rest.lower <= multiplier <= rest.upper for rest in found])
     above = np.mean([rest.value > multiplier for rest in found])
@@ -27,7 +29,9 @@ def test_intervals_hold_the_truth_in_95_of_100_paths_and_the_value_lies_above_it
 def test_it_is_the_multiplier_of_the_fixed_point_that_a_noisy_map_rests_at_on_the_lift_or_off_it():
     sticky = CircleMap.arnold(0.05, 0.4)
     (stable,) = [orbit for orbit in fixed_points(sticky) if orbit.stable]
-    climbing = sample_staircases(sticky, WrappedNormal(0.01), 160, np.full(40, stable.points[0]), seed=2)
+    climbing = sample_staircases(
+        sticky, WrappedNormal(0.01), 160, np.full(40, stable.points[0]), seed=2
+    )
     found = [rest_multiplier(path) for path in climbing]
     assert np.mean([rest.lower <= stable.multiplier <= rest.upper for rest in found]) > 0.85
     assert all(abs(rest.theta - stable.points[0]) < 0.1 and rest.cycles == 100 for rest in found)

@@ -42,7 +42,9 @@ def test_a_stable_point_makes_steps_of_one_turn_and_its_escape_time():
     (zone,) = found.zones
     assert (zone.kind, found.step) == ("stable", TWO_PI)
     assert abs(zone.arc[1] - zone.arc[0] - TWO_PI) < 1e-9
-    lives, _ = simulated(STICKY, noise, zone.centre, lambda x: (x < zone.arc[0]) | (x > zone.arc[1]), 4000)
+    lives, _ = simulated(
+        STICKY, noise, zone.centre, lambda x: (x < zone.arc[0]) | (x > zone.arc[1]), 4000
+    )
     assert abs(found.mean_residence_cycles - lives.mean()) < 5 * lives.std() / np.sqrt(lives.size)
 
 
@@ -80,13 +82,17 @@ def visits_counted(path, zone):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("omega", "K", "sigma"), [(0.15, 0.9, 0.3), (0.1, 0.9, 0.6), (0.03, 0.9, 0.8)])
+@pytest.mark.parametrize(
+    ("omega", "K", "sigma"), [(0.15, 0.9, 0.3), (0.1, 0.9, 0.6), (0.03, 0.9, 0.8)]
+)
 def test_visits_of_the_stationary_path_have_the_predicted_number_mean_and_spread(omega, K, sigma):
     """Two routes: integral equations on the arc, and 150,000 cycles counted one by one."""
     circle_map, noise = CircleMap.arnold(omega, K), WrappedNormal(sigma)
     (zone,) = predict_staircase(circle_map, noise).zones
     cycles = 150_000
-    lengths = visits_counted(sample_staircase(circle_map, noise, cycles, seed=5).theta.tolist(), zone)
+    lengths = visits_counted(
+        sample_staircase(circle_map, noise, cycles, seed=5).theta.tolist(), zone
+    )
     assert lengths.size > 500
     error = lengths.std() / np.sqrt(lengths.size)
     assert abs(lengths.mean() - zone.visit_cycles) < 4 * error
@@ -96,7 +102,9 @@ def test_visits_of_the_stationary_path_have_the_predicted_number_mean_and_spread
 
 
 def test_a_slow_stretch_that_the_path_hurries_through_is_no_zone():
-    """Where the pace is below half its mean, but the time spent is no more than at an even pace elsewhere."""
+    """Where the pace is below half its mean, but the time spent is no more than at an even pace
+    elsewhere.
+    """
     turn = lambda x: 0.24 - 0.045 * np.sin(x) + 0.17 * np.cos(2 * x)  # noqa: E731
     found = predict_staircase(CircleMap(lambda x: x + turn(x)), WrappedNormal(0.05))
     assert abs(found.step - TWO_PI) < 1e-12
@@ -116,11 +124,17 @@ def test_many_paths_are_each_a_noisy_orbit_of_its_own():
     assert np.max(np.abs(np.corrcoef(kicks) - np.eye(40))) < 6 / np.sqrt(3_000)
 
 
-@pytest.mark.parametrize("noise", [None, WrappedNormal(0.05), LocalNoise((math.log(0.05), 0.3, 0.1), 0.5)], ids=repr)
-@pytest.mark.parametrize("worn", [STICKY, DriftingMap.between([(0, STICKY), (900, CircleMap.rigid(0.3))])])
+@pytest.mark.parametrize(
+    "noise", [None, WrappedNormal(0.05), LocalNoise((math.log(0.05), 0.3, 0.1), 0.5)], ids=repr
+)
+@pytest.mark.parametrize(
+    "worn", [STICKY, DriftingMap.between([(0, STICKY), (900, CircleMap.rigid(0.3))])]
+)
 def test_one_of_many_is_the_single_path_to_rounding(worn, noise):
     (path,) = sample_staircases(worn, noise, 1_000, [0.5], seed=3)
-    np.testing.assert_allclose(path, sample_staircase(worn, noise, 1_000, 0.5, seed=3).theta, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(
+        path, sample_staircase(worn, noise, 1_000, 0.5, seed=3).theta, rtol=0, atol=1e-8
+    )
 
 
 def test_an_attracting_jump_is_a_slow_zone():
@@ -147,7 +161,10 @@ def test_kicks_have_the_size_of_the_place_they_start_from() -> None:
     for theta in (0.3, 2.0, 4.5):
         paths = sample_staircases(STILL, noise, 1, np.full(20000, theta), seed=1)
         expected = 0.01 * math.exp(
-            0.7 * math.cos(theta) - 0.4 * math.sin(theta) + 0.2 * math.cos(2 * theta) + 0.1 * math.sin(2 * theta)
+            0.7 * math.cos(theta)
+            - 0.4 * math.sin(theta)
+            + 0.2 * math.cos(2 * theta)
+            + 0.1 * math.sin(2 * theta)
         )
         assert paths[:, 1].std() == pytest.approx(expected, rel=4.0 / math.sqrt(2 * 20000))
         assert noise.sigma(theta) == pytest.approx(expected, rel=1e-12)
@@ -166,13 +183,17 @@ def test_successive_kicks_are_correlated_over_the_blocks_that_draws_come_in(monk
 def test_the_white_noise_that_stands_for_it_carries_as_far_over_many_cycles() -> None:
     noise, count = LocalNoise((math.log(0.01),), 0.69), 400
     far = sample_staircases(STILL, noise, count, np.zeros(4000), seed=3)[:, -1]
-    white = sample_staircases(STILL, WrappedNormal(noise.white(0.0)), count, np.zeros(4000), seed=4)[:, -1]
+    white = sample_staircases(
+        STILL, WrappedNormal(noise.white(0.0)), count, np.zeros(4000), seed=4
+    )[:, -1]
     # Less a constant of ρ/(1 - ρ)² cycles, here 1.8 % of the variance.
     assert far.std() == pytest.approx(white.std(), rel=0.06)
 
 
 @pytest.mark.parametrize(("omega", "sigma"), [(0.1, 0.3), (0.15, 0.1)])
-def test_whole_turns_added_to_a_map_with_a_stable_point_or_a_ghost_change_only_the_mean_turn(omega, sigma):
+def test_whole_turns_added_to_a_map_with_a_stable_point_or_a_ghost_change_only_the_mean_turn(
+    omega, sigma
+):
     plain = predict_staircase(CircleMap.arnold(omega, 0.9), WrappedNormal(sigma))
     faster = predict_staircase(CircleMap.arnold(omega - 1, 0.9), WrappedNormal(sigma))
     assert abs(faster.mean_turn - plain.mean_turn + TWO_PI) < 1e-10

@@ -1,4 +1,6 @@
-"""Found steps against predicted ones: estimates with censoring, calibrated p-values, and the measured plywood run."""
+"""Found steps against predicted ones: estimates with censoring, calibrated p-values, and the
+measured plywood run.
+"""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,7 +8,14 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps, predict_staircase, sample_staircases
+from cyclemap.maps import (
+    CircleMap,
+    WrappedNormal,
+    compare_steps,
+    find_steps,
+    predict_staircase,
+    sample_staircases,
+)
 from cyclemap.maps.staircases.step_comparison import kaplan_meier_mean
 
 pytestmark = pytest.mark.slow
@@ -18,9 +27,13 @@ RUNS = 200
 def comparisons(circle_map, noise, cycles):
     """200 seeded runs from the stationary law, each compared with the prediction."""
     summary = predict_staircase(circle_map, noise)
-    settled = sample_staircases(circle_map, noise, 400, np.linspace(0, TWO_PI, RUNS, endpoint=False), seed=8)[:, -1]
+    settled = sample_staircases(
+        circle_map, noise, 400, np.linspace(0, TWO_PI, RUNS, endpoint=False), seed=8
+    )[:, -1]
     paths = sample_staircases(circle_map, noise, cycles, settled, seed=9)
-    return summary, [compare_steps(find_steps(path, zones=summary.zones), summary) for path in paths]
+    return summary, [
+        compare_steps(find_steps(path, zones=summary.zones), summary) for path in paths
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +68,9 @@ def test_measured_means_over_many_runs_are_the_predicted_ones(ghost, well):
         exits = np.array([one.visits[0].exits for one in found])
         # Weighted by exits the maximum-likelihood means are unbiased to an exit's worth a run.
         pooled = np.sum(means * exits) / np.sum(exits)
-        assert abs(pooled / zone.visit_cycles - 1) < 4 * zone.visit_spread / zone.visit_cycles / np.sqrt(exits.sum())
+        assert abs(
+            pooled / zone.visit_cycles - 1
+        ) < 4 * zone.visit_spread / zone.visit_cycles / np.sqrt(exits.sum())
         assert 0.8 < np.median(errors) / np.median(zone.visit_spread / np.sqrt(exits)) < 1.2
         net = np.array([one.net_steps for one in found])
         assert abs(net.mean() - found[0].expected_steps) < 4 * net.std() / np.sqrt(RUNS)
@@ -74,7 +89,9 @@ def test_a_wrong_prediction_is_told_by_its_p_values():
     path = sample_staircases(right, noise, 3_000, [0.0], seed=1)[0]
     summary = predict_staircase(right, noise)
     (zone,) = summary.zones
-    wrong = replace(summary, mean_turn=1.1 * summary.mean_turn, zones=(replace(zone, visit_cycles=16.0),))
+    wrong = replace(
+        summary, mean_turn=1.1 * summary.mean_turn, zones=(replace(zone, visit_cycles=16.0),)
+    )
     found = compare_steps(find_steps(path, zones=wrong.zones), wrong)
     assert found.visits[0].mean_p_value < 1e-4
     assert found.pace_p_value < 1e-4
@@ -85,7 +102,15 @@ def test_the_kaplan_meier_mean_of_the_textbook_remission_times():
     weeks = [6, 6, 6, 6, 7, 9, 10, 10, 11, 13, 16, 17, 19, 20, 22, 23, 25, 32, 32, 34, 35]
     ended = [1, 1, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0]
     mean, error = kaplan_meier_mean(weeks, np.logical_not(ended))
-    drops = [(0, 1.0), (6, 0.857143), (7, 0.806723), (10, 0.752941), (13, 0.690196), (16, 0.627451), (22, 0.537815)]
+    drops = [
+        (0, 1.0),
+        (6, 0.857143),
+        (7, 0.806723),
+        (10, 0.752941),
+        (13, 0.690196),
+        (16, 0.627451),
+        (22, 0.537815),
+    ]
     drops += [(23, 0.448179), (35, 0.0)]
     area = sum(height * (later - week) for (week, height), (later, _) in pairwise(drops))
     assert abs(mean - area) < 1e-4
@@ -97,9 +122,13 @@ def test_what_cannot_be_compared_is_none():
     still = compare_steps(find_steps(np.full(100, summary.zones[0].centre)), summary)
     assert (still.steps, still.mean_length, still.net_error, still.pace_p_value) == (0, *[None] * 3)
     assert still.visits == ()
-    zoned = compare_steps(find_steps(np.full(100, summary.zones[0].centre), zones=summary.zones), summary)
+    zoned = compare_steps(
+        find_steps(np.full(100, summary.zones[0].centre), zones=summary.zones), summary
+    )
     assert (zoned.visits[0].exits, zoned.visits[0].mean) == (0, None)
-    assert zoned.visits[0].mean_p_value == pytest.approx(np.exp(-100 / zoned.visits[0].predicted), rel=0.1)
+    assert zoned.visits[0].mean_p_value == pytest.approx(
+        np.exp(-100 / zoned.visits[0].predicted), rel=0.1
+    )
     turning = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.1))
     none = compare_steps(find_steps(0.2 * np.pi * np.arange(50)), turning)
     assert (none.predicted_length, none.net_steps, none.expected_steps) == (None,) * 3

@@ -1,9 +1,18 @@
-"""Steps found in a path: exact where the steps are known, none where there are none, and what symmetry asks."""
+"""Steps found in a path: exact where the steps are known, none where there are none, and what
+symmetry asks.
+"""
 
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, SlowZone, WrappedNormal, find_steps, predict_staircase, sample_staircase
+from cyclemap.maps import (
+    CircleMap,
+    SlowZone,
+    WrappedNormal,
+    find_steps,
+    predict_staircase,
+    sample_staircase,
+)
 
 TWO_PI = 2 * np.pi
 GHOST, GHOST_NOISE = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
@@ -53,13 +62,16 @@ def test_a_path_that_never_leaves_its_level_is_one_dwell_open_at_both_ends():
 def moved(zones, sign, shift):
     """The zones, or none, on the mirrored or turned circle."""
     return zones and [
-        SlowZone(sign * z.centre + shift, tuple(sorted(sign * end + shift for end in z.arc)), z.kind, 1.0)
+        SlowZone(
+            sign * z.centre + shift, tuple(sorted(sign * end + shift for end in z.arc)), z.kind, 1.0
+        )
         for z in zones
     ]
 
 
 @pytest.mark.parametrize(
-    ("circle_map", "noise", "zoned"), [(GHOST, GHOST_NOISE, False), (WELL, WELL_NOISE, False), (WELL, WELL_NOISE, True)]
+    ("circle_map", "noise", "zoned"),
+    [(GHOST, GHOST_NOISE, False), (WELL, WELL_NOISE, False), (WELL, WELL_NOISE, True)],
 )
 def test_a_constant_a_mirror_and_reading_backwards_only_move_the_dwells(circle_map, noise, zoned):
     zones = predict_staircase(circle_map, noise).zones if zoned else None
@@ -77,9 +89,12 @@ def test_a_constant_a_mirror_and_reading_backwards_only_move_the_dwells(circle_m
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("circle_map", "noise", "cycles", "off"), [(GHOST, GHOST_NOISE, 40_000, 1e-3), (WELL, WELL_NOISE, 100_000, 0.02)]
+    ("circle_map", "noise", "cycles", "off"),
+    [(GHOST, GHOST_NOISE, 40_000, 1e-3), (WELL, WELL_NOISE, 100_000, 0.02)],
 )
-def test_steps_of_ghosts_and_wells_are_whole_turns_as_many_as_predicted(circle_map, noise, cycles, off):
+def test_steps_of_ghosts_and_wells_are_whole_turns_as_many_as_predicted(
+    circle_map, noise, cycles, off
+):
     summary = predict_staircase(circle_map, noise)
     path = sample_staircase(circle_map, noise, cycles, seed=6).theta
     for found in (find_steps(path), find_steps(path, zones=summary.zones)):
@@ -94,7 +109,24 @@ def test_steps_of_ghosts_and_wells_are_whole_turns_as_many_as_predicted(circle_m
 def test_jitter_at_the_edge_of_an_arc_makes_no_visit_and_a_return_no_step():
     zone = SlowZone(1.0, (0.0, 2.0), "stable", 10.0)
     path = np.array(
-        [-0.1, 0.1, -0.1, 0.1, 1.0, 1.0, 2.1, 1.9, 2.1, 1.9, 1.2, 2.2, 4.0, TWO_PI + 1.0, 6.0, TWO_PI + 0.1]
+        [
+            -0.1,
+            0.1,
+            -0.1,
+            0.1,
+            1.0,
+            1.0,
+            2.1,
+            1.9,
+            2.1,
+            1.9,
+            1.2,
+            2.2,
+            4.0,
+            TWO_PI + 1.0,
+            6.0,
+            TWO_PI + 0.1,
+        ]
     )
     found = find_steps(path, zones=[zone])
     assert found.visit_start.tolist() == [3, 9, 13]
