@@ -331,7 +331,7 @@ def identify(
                 f"was: {reason}"
             )
     # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
-    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
+    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
     usual = {
         name: 0.0 if name.startswith(plain) else value
         for name, value in problem.space.nominal.items()
