@@ -180,6 +180,28 @@ def answered(loop: cm.CollectionLoop, text: str) -> Answer:
     return Answer(len(locks) / len(points), middle + centre, middle + lower, middle + upper)
 
 
+def identified_errors(count: int) -> np.ndarray:
+    """(count, k): how far the unknowns of so many worlds are from what eight planned pushes tell of
+    them, in standard deviations of what is believed then.
+    """
+    loop = own_loop()
+    plan = list(plan_pushes(loop, 8, read=READ).pushes)
+    errors = []
+    for number in range(count):
+        rng = np.random.default_rng([37, number])
+        surface = drawn_world(loop, rng)
+        world = replace(loop_on(surface, loop), accuracy=1e-7)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "read.csv")
+            path.write_text(filled(loop, world, plan, rng))
+            found, _ = identified_plan(loop, [path], starts=1)
+        draws = np.array([[row[name] for name in UNKNOWNS] for row in sampled_values(found, 400)])
+        truth = surface.values()
+        off = np.array([truth[name] - found.values[name] for name in UNKNOWNS])
+        errors.append(off / draws.std(axis=0))
+    return np.array(errors)
+
+
 def worlds(count: int, first: int = 0, *counts: int) -> None:
     """Print a line of JSON for each world: of so many of them, from number `first` on, after these
     counts of pushes.

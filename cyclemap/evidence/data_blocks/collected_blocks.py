@@ -31,7 +31,6 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 )
 from cyclemap.evidence.data_blocks.stroke_block import (
     NODES,
-    ROD_OFF,
     TIP_OFFSET,
     cycle_pair_block,
     drag_turn_block,
@@ -75,7 +74,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_noise import push_noise
+from cyclemap.evidence.pushes.push_noise import ROD_OFF, push_noise
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
     ENDS,

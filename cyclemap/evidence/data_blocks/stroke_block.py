@@ -30,6 +30,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     floor_field,
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
+from cyclemap.evidence.pushes.push_noise import ROD_OFF
 from cyclemap.mechanics import (
     FoundWith,
     Material,
@@ -59,8 +60,6 @@ _FAILING = 0.05
 # overlap by tenths of mm.
 _DEEPEST = 0.04
 
-# What belongs to a single push whose rod was set by marks.
-ROD_OFF = "rod_off_"
 TIP_OFFSET = (
     Parameter(
         "tip_offset_x",

@@ -11,8 +11,8 @@ from cyclemap.arrays import Array
 # How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
 # drags, rad.
 _MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
-# How far off its mark a rod is set by hand, m along x and y.
-SET_OFF = 2e-3
+# How far off its mark a rod is set by hand, m along x and y, and what that of one push is called.
+SET_OFF, ROD_OFF = 2e-3, "rod_off_"
 
 
 def push_noise(read: tuple[float, float]) -> Array:
