@@ -4,10 +4,11 @@ diagrams.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -440,14 +441,14 @@ def rotation_plane(
     plateaus: list[list[Plateaus]] = []  # of lower and upper envelope
     cell = partial(_cell, family, wanted, formula is not None)
     cells = map(cell, pairs) if executor is None else executor.map(cell, pairs, chunksize=16)
-    for done, (place, (folds, numbers)) in enumerate(zip(left.tolist(), cells, strict=True)):
+    for done, (place, known) in enumerate(zip(left.tolist(), cells, strict=True)):
         report((rows.size - left.size + done) / rows.size)
-        folded[place] = folds
-        if numbers is None:
-            member = family(*pairs[done])
-            together.append(member)
-            plateaus.append([envelope_plateaus(member, mirror) for mirror in (-1.0, 1.0)])
+        folded[place] = known.folds
+        if known.plateaus:
+            together.append(family(*pairs[done]))
+            plateaus.append(known.plateaus)
         else:
+            numbers = known.value, known.lower, known.upper, known.period, known.winding
             value[place], lower[place], upper[place], period[place], winding[place] = numbers
     if formula is not None and together:
         several = _folded_numbers(
@@ -462,11 +463,24 @@ def rotation_plane(
     return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
 
 
+@dataclass(frozen=True, eq=False)
+class _Cell:
+    """One map of a plane: whether it folds, and its number, or the plateaus of its envelopes."""
+
+    folds: bool
+    value: float = math.nan
+    lower: float = math.nan
+    upper: float = math.nan
+    period: int = 0
+    winding: int = 0
+    plateaus: list[Plateaus] = field(default_factory=list)
+
+
 def _cell(
     family: Callable[..., CircleMap], tolerance: float, together: bool, pair: tuple[float, float]
-) -> tuple[bool, tuple[float, float, float, int, int] | None]:
-    """Whether one map folds, and its number, bounds, period and winding; None of a folded one whose
-    numbers are found ``together`` with others'.
+) -> _Cell:
+    """What is found of one map by itself; of a folded one whose number is found ``together`` with
+    others', its plateaus.
     """
     member = family(*pair)
     if not isinstance(member, CircleMap) or member.degree != 1:
@@ -475,13 +489,13 @@ def _cell(
         )
     folds = not is_nondecreasing(member)
     if folds and together:
-        return folds, None
+        return _Cell(folds, plateaus=[envelope_plateaus(member, side) for side in (-1.0, 1.0)])
     iterates = max(16, int(np.ceil(1.0 / tolerance)))
     known = rotation_number(member, iterates=iterates, tolerance=tolerance)
-    period, winding = 0, 0
-    if known.locked is not None:
-        period, winding = known.locked.denominator, known.locked.numerator
-    return folds, (known.value, known.lower, known.upper, period, winding)
+    if known.locked is None:
+        return _Cell(folds, known.value, known.lower, known.upper)
+    locked = known.locked.denominator, known.locked.numerator
+    return _Cell(folds, known.value, known.lower, known.upper, *locked)
 
 
 def _axis(name: str, values: Any) -> Array:
