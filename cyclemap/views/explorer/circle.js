@@ -41,7 +41,7 @@ function samplesAt(engine, theta) {
 // jumps. The map is whole where they sufficed. `alive` is awaited now and then, and ends it where it returns
 // false; null then.
 async function sampledMap(engine, count, tolerance, alive) {
-  let { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
+  const { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
   if (status < 1) return { status };
   const map = new CircleMap(samples);
   if (!tolerance) return { status, map };

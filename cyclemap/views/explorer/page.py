@@ -35,7 +35,8 @@ from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
-_WORKER = ("engine.js", "circle.js", "worker.js")
+WORKER = ("engine.js", "circle.js", "worker.js")
+SCRIPTS = ("drawing.js", "page.js")
 # The ring of the stories is moved along its own direction, up to this many of its distances from
 # the origin; from the origin itself along x, up to so many metres.
 _FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
@@ -115,7 +116,7 @@ def page_html(
     }
     style = "\n".join(_file(name) for name in ("page.css", "uplot/uPlot.min.css"))
     plot = _file("uplot/uPlot.iife.min.js")
-    script = "\n".join(_file(name) for name in ("drawing.js", "page.js"))
+    script = "\n".join(map(_file, SCRIPTS))
     policy = (
         f"default-src 'none'; script-src {_digest(plot)} {_digest(script)} 'wasm-unsafe-eval'; "
         f"worker-src blob:; style-src {_digest(style)}; img-src data:; base-uri 'none'; "
@@ -130,7 +131,7 @@ def page_html(
         policy=policy,
         style=style,
         plot=plot,
-        worker="\n".join(map(_file, _WORKER)),
+        worker="\n".join(map(_file, WORKER)),
         script=script,
         sections=sections,
         downloads=downloads,
