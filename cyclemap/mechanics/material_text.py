@@ -33,31 +33,27 @@ from cyclemap.mechanics.material import (
 )
 from cyclemap.text_files import read_toml
 
-FILE_KEYS = tuple(
-    [
-        "name",
-        "provenance",
-        "misfit",
-        "inferred",
-        "friction",
-        "worn",
-        "found_with",
-        "plates",
-        "posterior",
-        "cycle_noise",
-        "frames",
-        "floor_shape",
-        "sessions",
-        "session_spread",
-        "floor_field",
-    ]
+FILE_KEYS = (
+    "name",
+    "provenance",
+    "misfit",
+    "inferred",
+    "friction",
+    "worn",
+    "found_with",
+    "plates",
+    "posterior",
+    "cycle_noise",
+    "frames",
+    "floor_shape",
+    "sessions",
+    "session_spread",
+    "floor_field",
 )
 SHIFT_KEYS = ("shift_x_mm", "shift_y_mm")
 # What a file may hold beside a surface: the object on it, and what is done to it
 # (`cyclemap.collection`).
-_OTHER_TABLES = tuple(
-    ["object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data"]
-)
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data")
 
 
 def material_names() -> tuple[str, ...]:
