@@ -112,13 +112,12 @@ def filled(
     slider, missed = loop.slider, push_noise((0.0, 0.0))
     reading = np.array((READ[0], READ[0], READ[1]))
     for number, planned in enumerate(pushes):
-        # The rod is set off its mark: the object lies elsewhere than it was read, and the rod goes
-        # where it was sent.
+        # The object lies about where it was read to be, and the rod is set off its mark.
         first, last = (np.array(place) for place in planned.rod(slider, loop.pusher.radius))
         way = (last - first) / planned.push.distance
-        x, y = (planned.start.x, planned.start.y) + SET_OFF * rng.standard_normal(2)
-        lying = Pose(float(x), float(y), planned.start.theta)
-        sent = (first - APPROACH * way).tolist()
+        read = np.array((planned.start.x, planned.start.y, planned.start.theta))
+        lying = Pose(*(read + reading * rng.normal(size=3)).tolist())
+        sent = (first - APPROACH * way + SET_OFF * rng.normal(size=2)).tolist()
         far = planned.push.distance + APPROACH
         end = world.model.push(
             lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)
