@@ -9,6 +9,7 @@ What one begins with is here; the rest is in its room: `cm.maps`, `cm.mechanics`
 'stable'
 """
 
+import sys
 from typing import TYPE_CHECKING
 
 from cyclemap.lazy_names import import_on_first_use
@@ -92,6 +93,23 @@ if TYPE_CHECKING:
     from cyclemap.sweeps import SweepPlan, run_sweep
 else:
     import_on_first_use(__name__)
+
+
+def _show_loops_in_notebooks() -> None:
+    """Have a notebook show a loop as its explorer, of which the loop itself knows nothing."""
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    if shell is not None:
+        formatter = shell.display_formatter.formatters["text/html"]
+        formatter.for_type_by_name("cyclemap.collection.loop", "CollectionLoop", _explorer)
+
+
+def _explorer(loop: "CollectionLoop") -> str:
+    from cyclemap.views.explorer.page import explorer_frame
+
+    return explorer_frame(loop)
+
+
+_show_loops_in_notebooks()
 
 __version__ = "0.1.0"
 

@@ -303,7 +303,7 @@ def _parameter(one: Estimate) -> Json:
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     rows: list[tuple[str, ...]] = []
-    for one in found.estimates:
+    for one in found.lasting:
         unit, factor = readable_unit(one.unit)
         ends = (
             _digits(factor * one.lower) + "*" * one.lower_open,

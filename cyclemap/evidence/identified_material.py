@@ -449,7 +449,7 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
     told = []
-    for one in found.estimates:
+    for one in found.lasting:
         unit, factor = readable_unit(one.unit)
         value, lower, upper = (
             f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper)

@@ -121,13 +121,13 @@ def _parts(model: QuasiStaticModel) -> dict[str, Any]:
     footprint = model.pressure
     if isinstance(footprint, PressedFootprint):
         footprint = PatchFootprint(footprint.outline, centre=footprint.centre)
-    told = _record(pressure_tables(footprint)) | {"shares": [part.share for part in PARTS]}
+    table = _record(pressure_tables(footprint)) | {"shares": [part.share for part in PARTS]}
     if isinstance(footprint, PointFootprint):
-        return told | {"can_share": False}
+        return table | {"can_share": False}
     lean = (footprint.outline.points(_AROUND) - footprint.outline.centroid) @ np.array(
         footprint.gradient
     )
-    return told | {
+    return table | {
         "can_share": True,
         "can_frame": footprint.has_frame,
         "can_corner": not isinstance(footprint.outline, Ellipse) and not np.any(footprint.balance),
@@ -147,8 +147,8 @@ def _pressed(model: QuasiStaticModel) -> dict[str, Any] | None:
             )
         except CycleMapError:
             return None
-    told = _record(pressure_tables(footprint))
-    return told | {
+    table = _record(pressure_tables(footprint))
+    return table | {
         "bend_unit": footprint.bend_unit,
         "table_count": BALANCE_ROWS,
         "balance_size": BALANCE_ROWS * BALANCE.size,

@@ -204,12 +204,12 @@ def _trimmed(outline: Polygon, radius: float, rounding: float) -> ContactCurve |
     raw, marks, junctions = _untrimmed(outline, radius)
     trims = radius > 0.0 and not outline.is_convex
     if trims:
-        for one, other in _near(raw, radius):
+        for first, second in _near(raw, radius):
             for at_one, at_other, one_ends in _crossings(
-                raw[one], raw[other], radius, outline.sides
+                raw[first], raw[second], radius, outline.sides
             ):
-                insort(marks[one], _Mark(at_one, one_ends, len(junctions)))
-                insort(marks[other], _Mark(at_other, not one_ends, len(junctions)))
+                insort(marks[first], _Mark(at_one, one_ends, len(junctions)))
+                insort(marks[second], _Mark(at_other, not one_ends, len(junctions)))
                 junctions.append("wedge")
     pieces: list[OutlinePiece] = []
     begun: dict[int, int] = {}
@@ -335,24 +335,28 @@ def _crossings(
     """
     if isinstance(a, SidePiece):
         if isinstance(b, CornerPiece):
-            found = _side_corner(a, b, radius)
+            crossings = _side_corner(a, b, radius)
         elif (b.side - a.side) % count in (1, count - 1):
             before, after = (a, b) if (b.side - a.side) % count == 1 else (b, a)
             turn = _turn(before, after)
             reach = radius * math.tan(-turn / 2.0)
             ends, begins = before.high - reach, reach
-            found = (
+            crossings = (
                 [(ends, begins, True) if before is a else (begins, ends, False)]
                 if turn < -STRAIGHT
                 else []
             )
         else:
-            found = _side_side(a, b, radius)
+            crossings = _side_side(a, b, radius)
     elif isinstance(b, SidePiece):
-        found = [(at_a, at_b, not b_ends) for at_b, at_a, b_ends in _side_corner(b, a, radius)]
+        crossings = [(at_a, at_b, not b_ends) for at_b, at_a, b_ends in _side_corner(b, a, radius)]
     else:
-        found = _corner_corner(a, b, radius)
-    return [one for one in found if a.low <= one[0] <= a.high and b.low <= one[1] <= b.high]
+        crossings = _corner_corner(a, b, radius)
+    return [
+        (at_a, at_b, b_ends)
+        for at_a, at_b, b_ends in crossings
+        if a.low <= at_a <= a.high and b.low <= at_b <= b.high
+    ]
 
 
 def _side_side(a: SidePiece, b: SidePiece, radius: float) -> list[tuple[float, float, bool]]:
@@ -381,11 +385,11 @@ def _side_corner(
     under = height * (2.0 * radius - height)
     if under <= 0.0:
         return []
-    found = []
+    crossings = []
     for root in (-math.sqrt(under), math.sqrt(under)):
         from_corner = root * dx + (radius - height) * dy, root * dy - (radius - height) * dx
-        found.append((foot + root, _angle_on(corner, *from_corner), root < 0.0))
-    return found
+        crossings.append((foot + root, _angle_on(corner, *from_corner), root < 0.0))
+    return crossings
 
 
 def _corner_corner(
@@ -396,11 +400,11 @@ def _corner_corner(
     if half >= radius:
         return []
     root = math.sqrt((radius - half) * (radius + half)) / half
-    found = []
+    crossings = []
     for across in (-root, root):
         px, py = -across * y, across * x
-        found.append((_angle_on(a, x + px, y + py), _angle_on(b, px - x, py - y), across < 0.0))
-    return found
+        crossings.append((_angle_on(a, x + px, y + py), _angle_on(b, px - x, py - y), across < 0.0))
+    return crossings
 
 
 def _angle_on(corner: CornerPiece, x: float, y: float) -> float:

@@ -79,17 +79,17 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
             strokes.append(loop.model.cycle_strokes(loop.push, loop.reset))
         except CycleMapError as error:
             raise type(error)(f"loop {place}: {error}") from error
-    number = np.repeat(np.arange(len(loops)), theta.shape[1])
-    unit = np.array([loop.model.unit for loop in loops])[number]
-    lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[number]
+    owner = np.repeat(np.arange(len(loops)), theta.shape[1])
+    unit = np.array([loop.model.unit for loop in loops])[owner]
+    lever = np.array([loop.model.slider.hitch for loop in loops]).reshape(-1, 2)[owner]
     start = theta.ravel()
     (c, s), ring = _turned(start, lever)
     varied = _start_varies(c, s, ring, unit, derivatives)
     poses = np.column_stack([-ring / unit[:, None], start])
-    ran = engine.run(strokes, number, poses, varied)
-    _check(ran, strokes, start, number)
+    ran = engine.run(strokes, owner, poses, varied)
+    _check(ran, strokes, start, owner)
     if derivatives > PARAMETERS.index("pusher_radius"):
-        _thicken_points(ran, loops, number, poses, varied)
+        _thicken_points(ran, loops, owner, poses, varied)
     (x, y), (ring_x, ring_y) = ran.pushed[:, :2].T, ring.T
     x, y = unit * x + ring_x, unit * y + ring_y
     moved = np.column_stack([c * x + s * y, c * y - s * x])
@@ -97,7 +97,7 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
     jacobian = np.zeros((theta.size, len(CYCLE_OUTPUTS), derivatives))
     if derivatives:
         names = PARAMETERS[:derivatives]
-        scales = np.array([derivative_units(loop.model, names) for loop in loops])[number]
+        scales = np.array([derivative_units(loop.model, names) for loop in loops])[owner]
         jacobian = _jacobian(ran, varied, moved, (c, s), scales, unit[:, None])
     shape = theta.shape
     return CycleBatch(
@@ -130,7 +130,7 @@ def _start_varies(c: Array, s: Array, ring: Array, unit: Array | float, derivati
 
 
 def _thicken_points(
-    ran: Ran, loops: Sequence[PushAndReset], number: NDArray[np.intp], poses: Array, varied: Array
+    ran: Ran, loops: Sequence[PushAndReset], owner: NDArray[np.intp], poses: Array, varied: Array
 ) -> None:
     """Fill in, where it is nan, the derivative by the radius of a rod that is a point.
 
@@ -143,7 +143,7 @@ def _thicken_points(
     lacking = np.flatnonzero(np.isnan(ran.derivatives[:, :, column]).any(axis=1))
     if not lacking.size:
         return
-    used, which = np.unique(number[lacking], return_inverse=True)
+    used, which = np.unique(owner[lacking], return_inverse=True)
     pairs = []
     for radius in (_THIN, 2.0 * _THIN):
         strokes = []
@@ -225,11 +225,11 @@ class CycleSlopes:
             ran = engine.run([self._push], np.zeros(new.size, int), poses, varied)
             _check(ran, [self._push], new)
             slopes = OUTPUT.columns_of(ran.derivatives).pushed[..., 0]
-            found = dict(zip(new.tolist(), np.hstack([ran.pushed, slopes]), strict=True))
+            fresh = dict(zip(new.tolist(), np.hstack([ran.pushed, slopes]), strict=True))
             if len(self._ends) > _MOST_KEPT:
                 self._ends.clear()
-            self._ends.update(found)
-            ends.update(found)
+            self._ends.update(fresh)
+            ends.update(fresh)
         kept = np.array([ends[angle] for angle in theta.tolist()])
         pose, slopes = kept[:, :3], kept[:, 3:]
         _, ring = _turned(theta, self._lever)
@@ -262,7 +262,7 @@ def _turned(theta: Array, lever: Array) -> tuple[tuple[Array, Array], Array]:
 
 
 def _check(
-    ran: Ran, strokes: Sequence[Strokes], theta: Array, number: NDArray[np.intp] | None = None
+    ran: Ran, strokes: Sequence[Strokes], theta: Array, owner: NDArray[np.intp] | None = None
 ) -> None:
     """Raise what the first task that failed ended with, telling its orientation and, of several,
     its loop.
@@ -270,7 +270,7 @@ def _check(
     failed = np.flatnonzero(ran.status <= 0)
     if failed.size:
         index = int(failed[0])
-        loop = 0 if number is None else int(number[index])
+        loop = 0 if owner is None else int(owner[index])
         error = refusal(int(ran.status[index]), strokes[loop])
         which = f"loop {loop} from " if len(strokes) > 1 else ""
         raise type(error)(f"{which}theta = {float(theta[index])!r} rad: {error}")

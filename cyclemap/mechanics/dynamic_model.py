@@ -311,7 +311,7 @@ class LegEquations:
         # Whole turns stay out, since the integrator's error is relative to what it integrates.
         wound = 2.0 * np.pi * np.round(start[2] / (2.0 * np.pi)) * (np.arange(6) == 2)
         try:
-            found = integrator(x0=(start - wound) / _SCALES, p=parameters)
+            solved = integrator(x0=(start - wound) / _SCALES, p=parameters)
         except RuntimeError as cause:
             raise ConvergenceError(
                 "the integrator of the dynamic simulation gave up at tolerance "
@@ -319,7 +319,7 @@ class LegEquations:
                 "stiffness"
             ) from cause
         scaled = (
-            np.column_stack([(start - wound) / _SCALES, np.array(found["xf"])]) + wound[:, None]
+            np.column_stack([(start - wound) / _SCALES, np.array(solved["xf"])]) + wound[:, None]
         )
         share = np.linspace(0.0, 1.0, self.samples + 1)
         seen = np.array(observed(share[None], scaled, parameters))

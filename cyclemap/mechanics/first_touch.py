@@ -113,13 +113,13 @@ def _crossings(
         along = np.sum(lever * toward, axis=1)
         with np.errstate(invalid="ignore"):
             half = np.sqrt(along**2 - np.sum(lever * lever, axis=1) + radius**2)
-        found, middle = [], 0.5 * (piece.low + piece.high)
+        meetings, middle = [], 0.5 * (piece.low + piece.high)
         for sign in (-1.0, 1.0):
             x, y = (lever + (sign * half - along)[:, None] * toward).T
             angle = middle + np.remainder(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi
-            found.append((sign * half - along, angle, np.full(len(starts), sign < 0.0)))
-        return found
-    a, b, found = piece.semi_x, piece.semi_y, []
+            meetings.append((sign * half - along, angle, np.full(len(starts), sign < 0.0)))
+        return meetings
+    a, b, meetings = piece.semi_x, piece.semi_y, []
     for sign in (-1.0, 1.0):
         # Between the two tangents along the path the distance from it changes sign once.
         facing = np.arctan2(sign * toward[:, 1], sign * toward[:, 0])
@@ -133,8 +133,8 @@ def _crossings(
             same = _from_line(piece, radius, angle, starts, toward)[0] * aside > 0.0
             low, high = np.where(same, angle, low), np.where(same, high, angle)
         travel = _from_line(piece, radius, angle, starts, toward)[1]
-        found.append((np.where(meets, travel, np.nan), angle, np.full(len(starts), sign < 0.0)))
-    return found
+        meetings.append((np.where(meets, travel, np.nan), angle, np.full(len(starts), sign < 0.0)))
+    return meetings
 
 
 def _from_line(

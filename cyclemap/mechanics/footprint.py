@@ -73,14 +73,14 @@ class PatchFootprint:
                 raise InvalidInput(
                     f"{name.replace('_', ' ')} {getattr(self, name)} must lie from 0 to 1"
                 )
-        told = (
+        shares = (
             f"inner share {self.inner_share}, rim share {self.rim_share} and corner share "
             f"{self.corner_share}"
         )
         even_share = 1.0 - self.inner_share - self.rim_share - self.corner_share
         if even_share < -_ROUNDING:
             raise InvalidInput(
-                f"{told} add to {1.0 - even_share:.6g}: together they may be 1 at most"
+                f"{shares} add to {1.0 - even_share:.6g}: together they may be 1 at most"
             )
         if self.corner_share != 0.0 and isinstance(outline, Ellipse):
             raise InvalidInput(
@@ -104,7 +104,7 @@ class PatchFootprint:
         lift = even_share + float((outline.points(720) - outline.centroid).dot(gradient).min())
         if lift < -_ROUNDING:
             raise InvalidInput(
-                f"centre of pressure {centre} m with {told} lifts the outline off the ground "
+                f"centre of pressure {centre} m with {shares} lifts the outline off the ground "
                 f"(least pressure {lift:.3g} of the mean): bring it nearer to the centroid, leave "
                 "more of the load even, or give support points"
             )
@@ -332,10 +332,10 @@ def _rim_points(footprint: PatchFootprint, count: int) -> tuple[Array, Array]:
     end = np.roll(start, -1, axis=0)
     length = np.hypot(*(end - start).T)
     points, shares = [], []
-    for a, b, share, number in zip(
+    for a, b, share, several in zip(
         start, end, arms / arms.sum(), np.rint(count * length / length.sum()), strict=True
     ):
-        pieces = max(int(number), 1)
+        pieces = max(int(several), 1)
         points.append(a + ((np.arange(pieces) + 0.5) / pieces)[:, None] * (b - a))
         shares.append(np.full(pieces, share / pieces))
     return np.concatenate(points), np.concatenate(shares)

@@ -192,5 +192,5 @@ class LimitSurface:
         constant = np.array((fx, fy, x * fy - y * fx))
         dissipation, wrench = values[:, 0] + columns @ constant, values[:, 1:4] + constant
         hessian = values[:, [4, 5, 7, 5, 6, 8, 7, 8, 9]] * np.outer(scale, scale).ravel()
-        found = np.column_stack([dissipation, wrench * scale, hessian])
-        return np.asarray(found.reshape(*twists.shape[:-1], 13))
+        stacked = np.column_stack([dissipation, wrench * scale, hessian])
+        return np.asarray(stacked.reshape(*twists.shape[:-1], 13))

@@ -190,10 +190,10 @@ class MaterialPosterior:
             raise InvalidInput(
                 f"a posterior names {twice[0]} twice" if twice else "a posterior needs parameters"
             )
-        for number, row in enumerate(self.samples):
+        for index, row in enumerate(self.samples):
             if not isinstance(row, list | tuple) or len(row) != len(names):
                 raise InvalidInput(
-                    f"posterior sample {number} must hold {len(names)} numbers, one a parameter"
+                    f"posterior sample {index} must hold {len(names)} numbers, one a parameter"
                 )
         rows = finite_array("posterior samples", self.samples)
         if not 2 <= len(rows) <= _MOST_SAMPLES:
@@ -375,22 +375,22 @@ class Material:
                 raise InvalidInput(
                     f"a posterior of {name} needs {name} in [found_with], with what is best"
                 )
-        for number in range(len(posterior)):
+        for index in range(len(posterior)):
             try:
-                self.sample(number)
+                self.sample(index)
             except InvalidInput as cause:
-                raise InvalidInput(f"posterior sample {number}: {cause}") from cause
+                raise InvalidInput(f"posterior sample {index}: {cause}") from cause
 
-    def sample(self, number: int) -> "Material":
+    def sample(self, index: int) -> "Material":
         """Return the material of one sample of the posterior, without a posterior of its own.
 
         What the posterior does not name is as in this one. Raises InvalidInput where there is no
         such sample.
         """
-        if self.posterior is None or not 0 <= number < len(self.posterior):
-            raise InvalidInput(f"{self.name} has no posterior sample {number}")
-        row = dict(zip(self.posterior.parameters, self.posterior.samples[number], strict=True))
-        found = {
+        if self.posterior is None or not 0 <= index < len(self.posterior):
+            raise InvalidInput(f"{self.name} has no posterior sample {index}")
+        row = dict(zip(self.posterior.parameters, self.posterior.samples[index], strict=True))
+        identified = {
             FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * row[key] for key in row if key in FOUND_KEYS
         }
         plates = []
@@ -408,7 +408,7 @@ class Material:
         return replace(
             self,
             friction=_changed(self.friction, row),
-            found_with=replace(self.found_with, **found),
+            found_with=replace(self.found_with, **identified),
             wear=wear,
             plates=tuple(plates),
             posterior=None,

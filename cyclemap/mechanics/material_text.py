@@ -34,28 +34,26 @@ from cyclemap.mechanics.material import (
 from cyclemap.text_files import read_toml
 
 FILE_KEYS = (
-    *(
-        "name",
-        "provenance",
-        "misfit",
-        "inferred",
-        "friction",
-        "worn",
-        "found_with",
-        "plates",
-        "posterior",
-    ),
-    *("cycle_noise", "frames", "floor_shape", "sessions", "session_spread", "floor_field"),
+    "name",
+    "provenance",
+    "misfit",
+    "inferred",
+    "friction",
+    "worn",
+    "found_with",
+    "plates",
+    "posterior",
+    "cycle_noise",
+    "frames",
+    "floor_shape",
+    "sessions",
+    "session_spread",
+    "floor_field",
 )
-_DRAWN_TABLES = {
-    "posterior": ("parameters", "samples"),
-    "cycle_noise": ("log_sigma", "correlation"),
-}
+SHIFT_KEYS = ("shift_x_mm", "shift_y_mm")
 # What a file may hold beside a surface: the object on it, and what is done to it
 # (`cyclemap.collection`).
-_OTHER_TABLES = (
-    *("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data"),
-)
+_OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "simulation", "data")
 
 
 def material_names() -> tuple[str, ...]:
@@ -113,27 +111,27 @@ def load_plates(name: str | Path) -> tuple[PlatePressure, ...]:
     shape.
     """
     if not str(name).endswith(".toml"):
-        known = {one.plate: one for one in built_in_plates()}
+        known = {pressure.plate: pressure for pressure in built_in_plates()}
         if str(name) not in known:
             raise unknown_name("plate", str(name), known)
         return (known[str(name)],)
-    pressures = _plates_of(_table(read_toml(Path(name)), "plates"))
-    told_shapes = tuple(one for one in pressures if not any(one.shares.values()))
-    if not told_shapes:
+    pressures = _plates_of(read_toml(Path(name)))
+    shapes = tuple(pressure for pressure in pressures if not any(pressure.shares.values()))
+    if not shapes:
         raise DataFileError(f"{name}: no table [plates.NAME] with a shape: plate_dome_kpa, ...")
-    return told_shapes
+    return shapes
 
 
 @lru_cache
 def built_in_plates() -> tuple[PlatePressure, ...]:
     """Return the shapes of the plates of the MIT dataset that are known."""
     text = (resources.files("cyclemap.mechanics") / "plates.toml").read_text(encoding="utf-8")
-    return _plates_of(_table(tomllib.loads(text), "plates"))
+    return _plates_of(tomllib.loads(text))
 
 
-def _plates_of(plates: dict[str, object]) -> tuple[PlatePressure, ...]:
-    tables = {plate: _table(plates, plate, PLATE_KEYS, f"plates.{plate}") for plate in plates}
-    return tuple(PlatePressure.of_numbers(*entry) for entry in tables.items())
+def _plates_of(table: dict[str, object]) -> tuple[PlatePressure, ...]:
+    plates = _tables(table, "plates", PLATE_KEYS)
+    return tuple(PlatePressure.of_numbers(plate, numbers) for plate, numbers in plates)
 
 
 def _material_of(table: dict[str, object], name: str) -> Material:
@@ -150,25 +148,18 @@ def _material_of(table: dict[str, object], name: str) -> Material:
                 f"{key} belongs to a plate: move it to a table [plates.NAME], such as "
                 "[plates.rect1]"
             )
-    found = _table(table, "found_with", tuple(FOUND_KEYS))
-    together = {
-        FOUND_KEYS[key][0]: FOUND_KEYS[key][1] * finite_number(key, found[key]) for key in found
-    }
-    frames = _table(table, "frames")
-    floor = _table(table, "floor_shape", FLOOR_SHAPE_KEYS)
+    together = {}
+    for key, value in _table(table, "found_with", tuple(FOUND_KEYS)).items():
+        field, unit = FOUND_KEYS[key]
+        together[field] = unit * finite_number(key, value)
     spread = _table(table, "session_spread", SPREAD_KEYS)
     dome, bow_x, bow_y = (finite_number(key, spread.get(key, 0.0)) for key in SPREAD_KEYS)
-    sessions = []
-    for session in _table(table, "sessions"):
-        told_shape = _table(
-            _table(table, "sessions"), session, FLOOR_SHAPE_KEYS, f"sessions.{session}"
-        )
-        sessions.append(FloorSession(session, shape_of_numbers(told_shape, FLOOR_SHAPE_KEYS)))
-    shifts = {
-        plate: _table(frames, plate, ("shift_x_mm", "shift_y_mm"), f"frames.{plate}")
-        for plate in frames
-    }
-    posterior, noise = (_table(table, name, keys) for name, keys in _DRAWN_TABLES.items())
+    frames = []
+    for plate, shift in _tables(table, "frames", SHIFT_KEYS):
+        x, y = (1e-3 * finite_number(key, shift.get(key, 0.0)) for key in SHIFT_KEYS)
+        frames.append(FrameShift(plate, x, y))
+    posterior = _table(table, "posterior", ("parameters", "samples"))
+    noise = _table(table, "cycle_noise", ("log_sigma", "correlation"))
     names, samples = posterior.get("parameters"), posterior.get("samples")
     is_list = (
         isinstance(names, list)
@@ -196,21 +187,15 @@ def _material_of(table: dict[str, object], name: str) -> Material:
         inferred=inferred,
         found_with=FoundWith(**together),
         wear=_wear_of(_table(table, "worn")),
-        plates=_plates_of(_table(table, "plates")),
+        plates=_plates_of(table),
         posterior=given,
         noise=CycleNoise(**noise) if noise else None,  # type: ignore[arg-type]
-        frames=tuple(
-            FrameShift(
-                plate,
-                *(
-                    1e-3 * finite_number(key, shift.get(key, 0.0))
-                    for key in ("shift_x_mm", "shift_y_mm")
-                ),
-            )
-            for plate, shift in shifts.items()
+        frames=tuple(frames),
+        floor=shape_of_numbers(_table(table, "floor_shape", FLOOR_SHAPE_KEYS), FLOOR_SHAPE_KEYS),
+        sessions=tuple(
+            FloorSession(session, shape_of_numbers(shape, FLOOR_SHAPE_KEYS))
+            for session, shape in _tables(table, "sessions", FLOOR_SHAPE_KEYS)
         ),
-        floor=shape_of_numbers(floor, FLOOR_SHAPE_KEYS),
-        sessions=tuple(sessions),
         session_spread=(dome, bow_x, bow_y),
         field=_field_of(_table(table, "floor_field", FIELD_KEYS)),
     )
@@ -228,12 +213,20 @@ def _table(
     """A table in a table, empty where there is none; where some keys are `known`, others are
     refused.
     """
-    found = table.get(name, {})
-    if not isinstance(found, dict):
-        raise InvalidInput(f"{name} is {found!r}: it must be a table, [{name}]")
+    inner = table.get(name, {})
+    if not isinstance(inner, dict):
+        raise InvalidInput(f"{name} is {inner!r}: it must be a table, [{name}]")
     if known:
-        _refuse_unknown(f"key of [{title or name}]", found, known)
-    return dict(found)
+        _refuse_unknown(f"key of [{title or name}]", inner, known)
+    return dict(inner)
+
+
+def _tables(
+    table: dict[str, object], name: str, known: tuple[str, ...]
+) -> list[tuple[str, dict[str, object]]]:
+    """The tables [name.KEY], each with its key."""
+    inner = _table(table, name)
+    return [(key, _table(inner, key, known, f"{name}.{key}")) for key in inner]
 
 
 def _friction_of(values: dict[str, object]) -> EllipseFriction:
@@ -314,21 +307,15 @@ def material_toml(material: Material) -> str:
         tables["floor_field"] = {**dict(rows), "reach_mm": 1e3 * material.field.reach}
     if any(material.session_spread):
         tables["session_spread"] = {**dict(zip(SPREAD_KEYS, material.session_spread, strict=True))}
-    found = {
-        key: (getattr(material.found_with, field), unit)
-        for key, (field, unit) in FOUND_KEYS.items()
-    }
-    told: dict[str, object] = {
-        key: round(1.0 / unit) * value for key, (value, unit) in found.items() if value is not None
-    }
-    tables |= {"found_with": told} if told else {}
-    plates = [("plates", one.plate, one.numbers) for one in material.plates]
-    plates += [
-        ("frames", one.plate, {"shift_x_mm": 1e3 * one.x, "shift_y_mm": 1e3 * one.y})
-        for one in material.frames
-    ]
-    for kind, plate, numbers in plates:
-        tables[f"{kind}.{_key(plate)}"] = dict(numbers)
+    for key, (field, unit) in FOUND_KEYS.items():
+        value = getattr(material.found_with, field)
+        if value is not None:
+            tables.setdefault("found_with", {})[key] = round(1.0 / unit) * value
+    for pressure in material.plates:
+        tables[f"plates.{_key(pressure.plate)}"] = {**pressure.numbers}
+    for shift in material.frames:
+        places = 1e3 * shift.x, 1e3 * shift.y
+        tables[f"frames.{_key(shift.plate)}"] = {**dict(zip(SHIFT_KEYS, places, strict=True))}
     if material.noise is not None:
         tables["cycle_noise"] = {
             "log_sigma": material.noise.log_sigma,
@@ -346,13 +333,8 @@ def material_toml(material: Material) -> str:
 
 
 def _numbers(law: EllipseFriction) -> dict[str, object]:
-    return {
-        "mu_a": law.mu_a,
-        "mu_b": law.mu_b,
-        "m0": law.m0,
-        "n0": law.n0,
-        "phi_deg": math.degrees(law.phi),
-    }
+    numbers = law.mu_a, law.mu_b, law.m0, law.n0, math.degrees(law.phi)
+    return {**dict(zip(FRICTION_KEYS, numbers, strict=True))}
 
 
 def _key(name: str) -> str:

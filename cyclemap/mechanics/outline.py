@@ -224,11 +224,11 @@ def _refuse_crossing(points: Array) -> None:
 def _segments_meet(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:
     """Whether segments a-b, (k, 2) each, and c-d, (m, 2) each, have a point in common, (k, m)."""
     a, b = a[:, None], b[:, None]
-    one, other = (
-        _cross(b - a, c - a) * _cross(b - a, d - a),
-        _cross(d - c, a - c) * _cross(d - c, b - c),
-    )
+    across_ab = _cross(b - a, c - a) * _cross(b - a, d - a)
+    across_cd = _cross(d - c, a - c) * _cross(d - c, b - c)
     boxed = np.all(
         (np.minimum(a, b) <= np.maximum(c, d)) & (np.minimum(c, d) <= np.maximum(a, b)), axis=-1
     )
-    return np.asarray(((one < 0.0) & (other < 0.0)) | (boxed & (one <= 0.0) & (other <= 0.0)))
+    cross = (across_ab < 0.0) & (across_cd < 0.0)
+    touch = boxed & (across_ab <= 0.0) & (across_cd <= 0.0)
+    return np.asarray(cross | touch)

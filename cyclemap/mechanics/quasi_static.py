@@ -211,10 +211,10 @@ class QuasiStaticModel:
 
     def _from_afar(self, pose: Pose, push: WorldPush) -> Strokes:
         start = np.array([pose.to_object(*push.start)]) / self.unit
-        found = first_touches(
+        touches = first_touches(
             self.curve.pieces, self.radius, start, np.array([push.direction - pose.theta])
         )
-        travel, index, coordinate = float(found[0][0]), int(found[1][0]), float(found[2][0])
+        travel, index, coordinate = float(touches[0][0]), int(touches[1][0]), float(touches[2][0])
         if math.isnan(travel):
             raise RodMissesObject(
                 f"the rod never touches the object: from {push.start} m its path in direction "

@@ -100,18 +100,18 @@ class Slider:
             centre_of_mass=centre, hitch=point("hitch", self.hitch), weight=self.mass * GRAVITY
         )
         away, size = math.dist(self.hitch, self.outline.centroid), self.outline.extent
-        told = (
+        apart = (
             f"the ring is {1e3 * away:.4g} mm from the centre of an object that reaches "
             f"{1e3 * size:.4g} mm"
         )
         if away > _FARTHEST_RING * size:
             raise InvalidInput(
-                f"{told}: give both in the same unit, and the ring's place (hitch) with a new "
+                f"{apart}: give both in the same unit, and the ring's place (hitch) with a new "
                 "outline"
             )
         if not self.outline.contains(np.asarray(self.hitch)):
             warnings.warn(
-                f"{told}: it lies outside; is the ring's place (hitch) meant for it?",
+                f"{apart}: it lies outside; is the ring's place (hitch) meant for it?",
                 DoubtfulInput,
                 stacklevel=3,
             )

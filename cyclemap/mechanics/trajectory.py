@@ -73,61 +73,64 @@ class Course:
         """Return the course of the push, or of all legs of the drag."""
         of_first = RECORD.columns_of(self.rows).stroke == 0.0
         rows = self.rows[of_first & (self.strokes.length > 0.0) == of_push]
-        told = RECORD.columns_of(rows)
-        modes = told.mode.astype(int)
+        recorded = RECORD.columns_of(rows)
+        modes = recorded.mode.astype(int)
         on_outline, in_wedge = _ON_OUTLINE[modes], _IN_WEDGE[modes]
         radius = np.where(on_outline, self.strokes.radius, 0.0)[:, None]
-        point, outward = turned(told.theta, told.point), turned(told.theta, told.normal)
+        point, outward = (
+            turned(recorded.theta, recorded.point),
+            turned(recorded.theta, recorded.normal),
+        )
         along = np.column_stack([-outward[:, 1], outward[:, 0]])
-        force = -told.compression[:, None] * outward + told.tangential[:, None] * along
+        force = -recorded.compression[:, None] * outward + recorded.tangential[:, None] * along
         # In ring and wedge the object is placed by the rod's centre; in a wedge both forces are
         # compressions.
-        held = told.rod - radius * outward
-        pose = np.column_stack([self.unit * (held - point), told.theta])
+        held = recorded.rod - radius * outward
+        pose = np.column_stack([self.unit * (held - point), recorded.theta])
         touch = held.copy()
         if in_wedge.any():
             touch[in_wedge], force[in_wedge] = self._wedged(rows[in_wedge], modes[in_wedge])
         # Travel starts anew with every leg.
-        begins = np.diff(told.stroke, prepend=told.stroke[:1]) != 0.0
-        path = told.travel + np.cumsum(np.where(begins, np.roll(told.travel, 1), 0.0))
+        begins = np.diff(recorded.stroke, prepend=recorded.stroke[:1]) != 0.0
+        path = recorded.travel + np.cumsum(np.where(begins, np.roll(recorded.travel, 1), 0.0))
         phase = np.cumsum(np.append(0, np.diff(path) <= 0.0))
         # How far a contact's force lies outside the friction cone, or off its edge where the rod
         # slides.
-        limit = self.strokes.rod_friction * told.compression
-        inside = np.abs(told.tangential) - limit
-        off_edge = np.abs(told.tangential - _SIGNS[modes] * limit)
+        limit = self.strokes.rod_friction * recorded.compression
+        inside = np.abs(recorded.tangential) - limit
+        off_edge = np.abs(recorded.tangential - _SIGNS[modes] * limit)
         off = np.where(_STICKS[modes], inside, off_edge)
-        outside = np.where(on_outline, np.maximum(np.maximum(off, -told.compression), 0.0), 0.0)
+        outside = np.where(on_outline, np.maximum(np.maximum(off, -recorded.compression), 0.0), 0.0)
         return Trajectory(
             self.unit * path,
             pose,
-            self.unit * told.rod,
+            self.unit * recorded.rod,
             self.unit * touch,
             self.scale * self.weight * force,
             _NAMES[modes],
             phase,
-            float(max(told.residual.max(), outside.max())),
+            float(max(recorded.residual.max(), outside.max())),
         )
 
     def _wedged(self, rows: Array, modes: NDArray[np.intp]) -> tuple[Array, Array]:
         """First contact (n, 2), extents, and sum of both forces (n, 2) of rows in wedges, world
         frame.
         """
-        told = RECORD.columns_of(rows)
-        pieces = PIECE.columns_of(self.strokes.pieces[told.piece.astype(int)])
+        recorded = RECORD.columns_of(rows)
+        pieces = PIECE.columns_of(self.strokes.pieces[recorded.piece.astype(int)])
         wedge = KINDS["wedge"].columns_of(pieces.geometry)
         smu = self.strokes.rod_friction * _SIGNS[modes]
         contacts = (
-            (wedge.first_normal, smu, told.compression),
-            (wedge.second_normal, smu * wedge.sense, told.tangential),
+            (wedge.first_normal, smu, recorded.compression),
+            (wedge.second_normal, smu * wedge.sense, recorded.tangential),
         )
         total = np.zeros((len(rows), 2))
         for angle, friction, compression in contacts:
-            c, s = np.cos(angle + told.theta), np.sin(angle + told.theta)
+            c, s = np.cos(angle + recorded.theta), np.sin(angle + recorded.theta)
             edge = np.column_stack([-c - friction * s, -s + friction * c])
             total += compression[:, None] * edge
-        angle = wedge.first_normal + told.theta
-        return told.rod - self.strokes.radius * np.column_stack(
+        angle = wedge.first_normal + recorded.theta
+        return recorded.rod - self.strokes.radius * np.column_stack(
             [np.cos(angle), np.sin(angle)]
         ), total
 

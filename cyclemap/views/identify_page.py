@@ -77,11 +77,11 @@ def identify_page(
     rows, columns = (1, count) if count <= 3 else (2, 2) if count == 4 else (-(-count // 3), 3)
     ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
     grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
-    shared = tuple(one for one in found.estimates if "[" not in one.name)
-    estimates = found.estimates if len(found.estimates) <= MOST_INTERVALS or not shared else shared
+    shared = tuple(one for one in found.lasting if "[" not in one.name)
+    estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
     lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
     box = grid[0, -1].get_position(figure)
-    whose = "" if len(estimates) == len(found.estimates) else " of all plates"
+    whose = "" if len(estimates) == len(found.lasting) else " of all plates"
     heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
     figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
     for number, one in enumerate(estimates):

@@ -109,7 +109,8 @@ def filled(
     frame = pd.DataFrame(rows, columns=header).astype(
         {name: float for name in header if name.endswith("_mm")}
     )
-    noise, slider = push_noise(READ), loop.slider
+    slider, missed = loop.slider, push_noise((0.0, 0.0))
+    reading = np.array((READ[0], READ[0], READ[1]))
     for number, planned in enumerate(pushes):
         # The rod is set off its mark: the object lies elsewhere than it was read, and the rod goes
         # where it was sent.
@@ -122,14 +123,14 @@ def filled(
         end = world.model.push(
             lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)
         ).end
-        seen = Pose(
-            *(np.array((end.x, end.y, end.theta)) + noise[:3] * rng.standard_normal(3)).tolist()
-        )
+        # What no model says of a push moves the object, and the drag begins there.
+        ended = Pose(*(np.array((end.x, end.y, end.theta)) + missed[:3] * rng.normal(size=3)))
         goal = planned.start.to_world(*slider.hitch)
         back = world.model.drag(
-            end, (goal,), pin_friction_radius=world.reset.pin_friction_radius
+            ended, (goal,), pin_friction_radius=world.reset.pin_friction_radius
         ).end
-        turned = back.theta - end.theta + seen.theta + float(noise[3] * rng.standard_normal())
+        seen = Pose(*(np.array((ended.x, ended.y, ended.theta)) + reading * rng.normal(size=3)))
+        turned = back.theta + float(missed[3] * rng.normal() + reading[2] * rng.normal())
         lever = Pose(theta=turned).to_world(*slider.hitch)
         states = (planned.start, seen, Pose(goal[0] - lever[0], goal[1] - lever[1], turned))
         for state, pose in zip("012", states, strict=True):
@@ -177,6 +178,28 @@ def answered(loop: cm.CollectionLoop, text: str) -> Answer:
     away = np.array([row[np.argmin(np.abs(row))] for row in nearest])
     centre, lower, upper = np.quantile(away, (0.5, 0.025, 0.975)).tolist()
     return Answer(len(locks) / len(points), middle + centre, middle + lower, middle + upper)
+
+
+def identified_errors(count: int) -> np.ndarray:
+    """(count, k): how far the unknowns of so many worlds are from what eight planned pushes tell of
+    them, in standard deviations of what is believed then.
+    """
+    loop = own_loop()
+    plan = list(plan_pushes(loop, 8, read=READ).pushes)
+    errors = []
+    for number in range(count):
+        rng = np.random.default_rng([37, number])
+        surface = drawn_world(loop, rng)
+        world = replace(loop_on(surface, loop), accuracy=1e-7)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "read.csv")
+            path.write_text(filled(loop, world, plan, rng))
+            found, _ = identified_plan(loop, [path], starts=1)
+        draws = np.array([[row[name] for name in UNKNOWNS] for row in sampled_values(found, 400)])
+        truth = surface.values()
+        off = np.array([truth[name] - found.values[name] for name in UNKNOWNS])
+        errors.append(off / draws.std(axis=0))
+    return np.array(errors)
 
 
 def worlds(count: int, first: int = 0, *counts: int) -> None:

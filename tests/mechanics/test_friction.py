@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.mechanics import EllipseFriction, Material, Wear, load_material, worn_friction
+from cyclemap.mechanics import (
+    EllipseFriction,
+    LimitSurface,
+    Material,
+    PatchFootprint,
+    Polygon,
+    Wear,
+    load_material,
+    worn_friction,
+)
 
 FRESH = load_material("plywood").friction
 WORN = EllipseFriction(0.31, 0.19, m0=-0.02, n0=0.05, phi=0.7)
@@ -20,6 +29,36 @@ NAMES = (
 )
 ANGLES = np.linspace(0.0, 2.0 * math.pi, 720, endpoint=False)
 WAYS = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=-1)
+
+
+@pytest.mark.parametrize("law", [FRESH, *NAMES])
+def test_traction_is_the_slope_of_dissipation_and_turns_with_the_surface(law):
+    step, frame = 1e-6, 0.4
+    slopes = [
+        (law.dissipation(WAYS + step * axis, frame) - law.dissipation(WAYS - step * axis, frame))
+        for axis in np.eye(2)
+    ]
+    traction = law.traction(WAYS, frame)
+    np.testing.assert_allclose(traction, np.stack(slopes, axis=-1) / (2 * step), atol=1e-9)
+    c, s = math.cos(0.9), math.sin(0.9)
+    turn = np.array([[c, s], [-s, c]])
+    np.testing.assert_allclose(
+        law.turned(0.9).traction(WAYS @ turn, frame), traction @ turn, rtol=0, atol=1e-14
+    )
+
+
+def test_the_wrench_of_an_offset_law_is_the_slope_of_dissipation_about_any_origin():
+    """The footprint's centre of pressure lies off the origin, where the constant force acts."""
+    beside = Polygon(((0.02, 0.01), (0.09, 0.0), (0.08, 0.07), (0.01, 0.06)))
+    surface = LimitSurface(PatchFootprint(beside), WORN)
+    twists = np.random.default_rng(3).normal(size=(40, 3)) * (1.0, 1.0, 20.0)
+    slopes = []
+    for axis, step in zip(np.eye(3), (1e-6, 1e-6, 2e-5), strict=True):
+        ahead, behind = twists + step * axis, twists - step * axis
+        slopes.append((surface.dissipation(ahead) - surface.dissipation(behind)) / (2 * step))
+    wrench = surface.wrench(twists)
+    np.testing.assert_allclose(wrench, np.stack(slopes, axis=-1), rtol=0, atol=1e-8)
+    np.testing.assert_allclose(np.sum(wrench * twists, axis=1), surface.dissipation(twists))
 
 
 def test_what_is_no_law_no_velocity_and_no_wear_is_refused_by_name():

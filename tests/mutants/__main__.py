@@ -28,6 +28,7 @@ from tests.mutants.planted_faults import FAULTS
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("cyclemap", "tests", "figures", "theory", "building", "docs")
 COPIED_FILES = ("pyproject.toml", "setup.py", "README.md", "run.py", "CHANGELOG.md", "MANIFEST.in")
+COPIED_FILES += ("LICENSE", "CITATION.cff", "CONTRIBUTING.md", "constraints.txt")
 # Imported once, before the forks; nothing of the project is.
 LIBRARIES = (
     "numpy",

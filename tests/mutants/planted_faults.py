@@ -384,8 +384,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "last = z[n] = rho * last + fresh[n]",
             ),
             (
-                "max_error=rest * before.max_error + share * after.max_error",
-                "max_error=before.max_error",
+                "error = rest * before.max_error + share * after.max_error",
+                "error = before.max_error",
             ),
             (
                 "path = sample_staircases(circle_map, noise, count, [theta], seed)[0]",

@@ -13,6 +13,7 @@ from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.evidence import Theta0Pairs, measured_overlay
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views.portrait_page import portrait_page
+from tests.views.firefox import Firefox, firefox_path
 
 
 def sawtooth() -> CircleMap:
@@ -93,3 +94,13 @@ def open_page():
                 assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
         assert troubles == asked == []
         browser.close()
+
+
+@pytest.fixture(scope="module")
+def firefox(tmp_path_factory):
+    """A real Firefox without a network."""
+    if firefox_path() is None:
+        pytest.skip("no Firefox found: pages are not tested in it; install firefox")
+    browser = Firefox(tmp_path_factory.mktemp("firefox"))
+    yield browser
+    browser.close()

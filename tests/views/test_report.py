@@ -90,6 +90,16 @@ def test_report_lives_without_a_network(report, open_page) -> None:
     assert "locks into no direction" in page.inner_text("#headline")
 
 
+def test_report_lives_in_firefox(report, firefox) -> None:
+    """Its engine starts, and computes the stories of its buttons."""
+    firefox.open(report.as_uri())
+    firefox.wait_for("#even:enabled")
+    firefox.evaluate("() => document.getElementById('even').click()")
+    firefox.wait_for("body[data-drawn='1-fine']")
+    assert firefox.evaluate("() => cyclemap.answer.fixed_points") == []
+    assert firefox.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
+
+
 def test_report_without_script_shows_the_picture(report, open_page) -> None:
     page = open_page(report.as_uri(), offline=True, java_script_enabled=False)
     assert page.locator("noscript img").bounding_box()["width"] > 600

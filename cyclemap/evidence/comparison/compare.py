@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from cyclemap.checks import whole_number
-from cyclemap.errors import ConvergenceError
+from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
 from cyclemap.evidence.comparison.cycle_agreement import (
     CycleAgreement,
@@ -243,7 +243,10 @@ def compare(
     chosen = as_prediction(
         given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
     )
-    pushes = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
+    pushes, unanswered = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
+    if unanswered:
+        left_out = {**collection.left_out, "the mechanics have no answer": unanswered}
+        collection = replace(collection, left_out=left_out)
     rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
     report(1.0)
     return replace(rest, pushes=pushes)
@@ -281,7 +284,7 @@ def _cycles_asked(
     try:
         # What theory says of the map, or of the map at mid-run where it wears.
         summary = predict_staircase(prediction.map_at(first + path.size // 2), prediction.noise)
-    except ConvergenceError as error:
+    except (ConvergenceError, InvalidInput) as error:
         uncertified = (f"stable directions and visits: {error}",)
     fixed = None if prediction.is_drifting else summary
     return replace(

@@ -74,7 +74,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_noise import push_noise
+from cyclemap.evidence.pushes.push_noise import ROD_OFF, push_noise
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
     ENDS,
@@ -127,6 +127,8 @@ _FEWEST_CONTACTS = 8
 _ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
 # So is one in which a plate turns by this share less or more than in another, and by so many
 # standard errors; so many pushes, at least and at most, tell.
+# Pushes of rods that were set by marks, at most: each has two unknowns of its own.
+_MOST_SET = 200
 _TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS, _MOST_TURNS = 0.15, 4.0, 20, 200
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
@@ -243,6 +245,7 @@ class BlockBuilder:
         self.pushes: dict[str, dict[str, list[MeasuredPush]]] = {}
         # Filled-in pushes by their numbers: where each was read.
         self.filled: dict[tuple[str, ...], str] = {}
+        self.rods_set = 0
         self.notes: list[FileNote] = []
         self.scans: list[Array] = []
         self.last_cycle = 0.0
@@ -548,14 +551,16 @@ class BlockBuilder:
         self,
         pushes: Sequence[MeasuredPush],
         noise: Mapping[str, float] | None = None,
-        frames_agree: bool = False,
+        set_by_marks: bool = False,
     ) -> None:
-        kept = _thinned(pushes, self.most)
+        kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if kept:
             self.pushes.setdefault(self.plate, {}).setdefault(
                 self.session, _thinned(pushes, _MOST_TURNS)
             )
-            block = push_end_block(kept, self.loop.slider, self.target, frames_agree)
+            first_set = self.rods_set + 1 if set_by_marks else None
+            block = push_end_block(kept, self.loop.slider, self.target, first_set)
+            self.rods_set += len(kept) if set_by_marks else 0
             self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
@@ -618,7 +623,7 @@ def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | N
         return None
     read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
     worst = 1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))
-    along, _, turned, dragged = push_noise(worst, by_hand=FRAMES_AGREE in table.header)
+    along, _, turned, dragged = push_noise(worst)
     return {
         "push place (m)": float(along),
         "push turn (rad)": float(turned),
@@ -825,6 +830,7 @@ def telling_parameters(
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
     free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
+    free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
     return (*free, *sorted(name for name in asked if name.startswith("worn_")))

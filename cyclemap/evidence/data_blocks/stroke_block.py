@@ -30,6 +30,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     floor_field,
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
+from cyclemap.evidence.pushes.push_noise import ROD_OFF
 from cyclemap.mechanics import (
     FoundWith,
     Material,
@@ -95,36 +96,56 @@ def push_end_block(
     pushes: Sequence[MeasuredPush],
     slider: Slider,
     target: Place | None = None,
-    frames_agree: bool = False,
+    first_set: int | None = None,
 ) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
     Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have
-    them in the frame of the object's poses, unless these frames agree, as where rods were set by
-    marks on the object; with a target (m, where resets end), also how the floor's shape varies with
-    the place about it.
+    them in the frame of the object's poses. Where rods were set by marks on the object, each is off
+    its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]` of the seventh;
+    first_set is then the number of the first. With a target (m, where resets end), also how the
+    floor's shape varies with the place about it.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
+    shifts = TIP_OFFSET if first_set is None else rods_set(first_set, len(pushes))
+    # Which of the shifts moves a push's rod along x; along y the next one.
+    own_shift = np.zeros(len(pushes), dtype=int)
+    if first_set is not None:
+        own_shift = 2 * np.arange(len(pushes))
 
-    def misfit(strokes: Sequence[MeasuredPush], values: Values) -> StrokeRows:
+    def misfit(chosen: Labels, values: Values) -> StrokeRows:
         surface = SurfaceParameters.from_values(values)
-        shift = (0.0, 0.0) if frames_agree else (values["tip_offset_x"], values["tip_offset_y"])
+        shift = np.array([values[shifted.name] for shifted in shifts])
+        columns = np.stack([own_shift[chosen], own_shift[chosen] + 1], axis=-1)
         model = surface_model(surface, slider, field=floor_field(values))
-        ends, by, stayed = predicted_push_ends(model, strokes, shift, names, target)
-        own_columns = by[..., len(names) : len(names) + len(own)]
-        jacobian = np.concatenate(
-            [surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS), own_columns], axis=-1
-        )
-        return (
-            ends - [(push.end.x, push.end.y, push.end.theta) for push in strokes],
-            jacobian,
-            stayed,
-        )
+        strokes = [pushes[index] for index in chosen.tolist()]
+        ends, by, stayed = predicted_push_ends(model, strokes, shift[columns], names, target)
+        by_shifts = np.zeros((chosen.size, 3, shift.size))
+        np.put_along_axis(by_shifts, columns[:, None], by[..., -2:], axis=-1)
+        by_surface = surface.chain(by[..., : len(names)], names, PUSH_UNKNOWNS)
+        jacobian = np.concatenate([by_surface, by[..., len(names) : -2], by_shifts], axis=-1)
+        measured = [(push.end.x, push.end.y, push.end.theta) for push in strokes]
+        return ends - measured, jacobian, stayed
 
     kinds = ("push place (m)", "push place (m)", "push turn (rad)")
-    own = (*(() if target is None else FIELD), *(() if frames_agree else TIP_OFFSET))
+    own = (*(() if target is None else FIELD), *shifts)
     parameters = (*PUSH_UNKNOWNS, *(one.name for one in own))
     return _stroke_block("push ends", parameters, pushes, misfit, kinds, own)
+
+
+def rods_set(first: int, count: int) -> tuple[Parameter, ...]:
+    """Return what is unknown of rods that were set by marks, from push number ``first`` on: how far
+    each was off, x and y in turn.
+    """
+    return tuple(
+        Parameter(
+            f"{ROD_OFF}{axis}[push {number}]",
+            f"how far the rod of push {number} was set off its mark, along {axis}",
+            *("m", -0.02, 0.02, 0.0, 1e-3),
+        )
+        for number in range(first, first + count)
+        for axis in "xy"
+    )
 
 
 def drag_turn_block(
@@ -137,7 +158,8 @@ def drag_turn_block(
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
-    def misfit(strokes: Sequence[MeasuredDrag], values: Values) -> StrokeRows:
+    def misfit(chosen: Labels, values: Values) -> StrokeRows:
+        strokes = [drags[index] for index in chosen.tolist()]
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, slider, field=floor_field(values))
         courses, places = [], []
@@ -184,14 +206,14 @@ def _stroke_block(
     name: str,
     parameters: tuple[str, ...],
     strokes: Sequence[Any],
-    misfit: Callable[[Sequence[Any], Values], StrokeRows],
+    misfit: Callable[[Labels, Values], StrokeRows],
     row_kinds: tuple[str, ...],
     own_parameters: tuple[Parameter, ...] = (),
 ) -> DataBlock:
     """The block of strokes with a few rows each, of these kinds; strokes of one contact are a
     group.
 
-    misfit : some of the strokes, values -> residuals (s, m), derivatives (s, m, k), which were
+    misfit : indices of strokes (s,), values -> residuals (s, m), derivatives (s, m, k), which were
         taken to stay (s,).
     """
     if not strokes:
@@ -199,10 +221,10 @@ def _stroke_block(
     rows = len(row_kinds)
 
     def part(chosen: Labels) -> Function:
-        some = [strokes[number] for number in (chosen[::rows] // rows).tolist()]
+        indices = chosen[::rows] // rows
 
         def function(values: Values) -> Rows:
-            residual, jacobian, _ = misfit(some, values)
+            residual, jacobian, _ = misfit(indices, values)
             return residual.ravel(), jacobian.reshape(residual.size, len(parameters))
 
         return function
@@ -215,7 +237,7 @@ def _stroke_block(
     whole = part(np.arange(groups.size))
 
     def stayed(values: Values) -> int:
-        return int(np.sum(misfit(strokes, values)[2]))
+        return int(np.sum(misfit(np.arange(len(strokes)), values)[2]))
 
     return DataBlock(
         name, parameters, whole, groups, kinds, own_parameters, part, motions, stayed=stayed
@@ -240,12 +262,12 @@ def surface_model(
 def predicted_push_ends(
     model: QuasiStaticModel,
     pushes: Sequence[MeasuredPush],
-    shift: tuple[float, float] = (0.0, 0.0),
+    shift: ArrayLike = (0.0, 0.0),
     names: tuple[str, ...] = (),
     target: Place | None = None,
 ) -> StrokeRows:
-    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m), derivatives,
-    and what stayed (n,).
+    """Return poses (n, 3), m and rad, after pushes whose rod paths are shifted (m; all alike, or
+    (n, 2)), derivatives, and what stayed (n,).
 
     Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights,
     and by both components of the shift. An object that the rod does not touch stays, and so does

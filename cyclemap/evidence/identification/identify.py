@@ -43,6 +43,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     owned_shapes,
 )
 from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.evidence.pushes.push_noise import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
@@ -212,6 +213,13 @@ class Identification:
         )
 
     @property
+    def lasting(self) -> tuple[Estimate, ...]:
+        """The estimates of what outlasts the data: all but how far single rods were off their
+        marks.
+        """
+        return tuple(found for found in self.estimates if not found.name.startswith(ROD_OFF))
+
+    @property
     def values(self) -> dict[str, float]:
         """Every parameter's value by name, identified or held."""
         return self.problem.values(self.fit.vector)
@@ -331,7 +339,7 @@ def identify(
                 f"was: {reason}"
             )
     # Isotropic friction, plate and floor flat, rod and ring as usual, no frames shifted.
-    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset")
+    plain = ("ellipticity", "offset", "worn_", "floor_", "plate_", "tip_offset", "rod_off")
     usual = {
         name: 0.0 if name.startswith(plain) else value
         for name, value in problem.space.nominal.items()
@@ -413,7 +421,7 @@ def _notes(
         notes.append(f"{elsewhere} of {found.count} starts ended in other, worse minima")
     notes += [f"{name} lies on a bound" for name in fit.on_bounds]
     notes += [f"{one.name} is not identifiable" for one in estimates if not one.identifiable]
-    told = [one for one in estimates if one.name in believed]
+    told = [one for one in estimates if one.name in believed and not one.name.startswith(ROD_OFF)]
     untold = [one.name for one in told if one.standard_error > _TOLD * believed[one.name][1]]
     if untold:
         notes.append(f"the data hardly tell {', '.join(untold)}: what is believed of it counts")

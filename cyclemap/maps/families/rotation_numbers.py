@@ -4,10 +4,12 @@ diagrams.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from concurrent.futures import Executor, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -393,6 +395,7 @@ def rotation_plane(
     second_values: Any,
     tolerance: float = 1e-3,
     progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
@@ -404,6 +407,8 @@ def rotation_plane(
     tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift
         does not fold; one that is wider shows it by its ``lower`` and ``upper``.
     progress : is called with the fraction done.
+    executor : of threads, processes, or a cluster (``distributed.Client.get_executor()``), on which
+        what goes map by map is run; the family must then be one that can be pickled.
 
     Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes
     that are empty, not finite or not monotone, and for a map that is no CircleMap of degree 1.
@@ -431,27 +436,20 @@ def rotation_plane(
         value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
         period[~singly], winding[~singly] = many.period, many.winding
     report, left = progress or (lambda fraction: None), np.flatnonzero(singly)
+    pairs = list(zip(rows[left].tolist(), columns[left].tolist(), strict=True))
     together: list[CircleMap] = []
     plateaus: list[list[Plateaus]] = []  # of lower and upper envelope
-    for done, place in enumerate(left.tolist()):
+    cell = partial(_cell, family, wanted, formula is not None)
+    cells = map(cell, pairs) if executor is None else executor.map(cell, pairs, chunksize=16)
+    for done, (place, known) in enumerate(zip(left.tolist(), cells, strict=True)):
         report((rows.size - left.size + done) / rows.size)
-        pair = float(rows[place]), float(columns[place])
-        member = family(*pair)
-        if not isinstance(member, CircleMap) or member.degree != 1:
-            raise InvalidInput(
-                f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1"
-            )
-        folded[place] = not is_nondecreasing(member)
-        if formula is not None and folded[place]:
-            together.append(member)
-            plateaus.append([envelope_plateaus(member, mirror) for mirror in (-1.0, 1.0)])
-            continue
-        one = rotation_number(
-            member, iterates=max(16, int(np.ceil(1.0 / wanted))), tolerance=wanted
-        )
-        value[place], lower[place], upper[place] = one.value, one.lower, one.upper
-        if one.locked is not None:
-            period[place], winding[place] = one.locked.denominator, one.locked.numerator
+        folded[place] = known.folds
+        if known.plateaus:
+            together.append(family(*pairs[done]))
+            plateaus.append(known.plateaus)
+        else:
+            numbers = known.value, known.lower, known.upper, known.period, known.winding
+            value[place], lower[place], upper[place], period[place], winding[place] = numbers
     if formula is not None and together:
         several = _folded_numbers(
             formula, together, plateaus, [rows[folded], columns[folded]], wanted
@@ -463,6 +461,41 @@ def rotation_plane(
         shape, value, lower, upper, period, winding, folded
     )
     return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cell:
+    """One map of a plane: whether it folds, and its number, or the plateaus of its envelopes."""
+
+    folds: bool
+    value: float = math.nan
+    lower: float = math.nan
+    upper: float = math.nan
+    period: int = 0
+    winding: int = 0
+    plateaus: list[Plateaus] = field(default_factory=list)
+
+
+def _cell(
+    family: Callable[..., CircleMap], tolerance: float, together: bool, pair: tuple[float, float]
+) -> _Cell:
+    """What is found of one map by itself; of a folded one whose number is found ``together`` with
+    others', its plateaus.
+    """
+    member = family(*pair)
+    if not isinstance(member, CircleMap) or member.degree != 1:
+        raise InvalidInput(
+            f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1"
+        )
+    folds = not is_nondecreasing(member)
+    if folds and together:
+        return _Cell(folds, plateaus=[envelope_plateaus(member, side) for side in (-1.0, 1.0)])
+    iterates = max(16, int(np.ceil(1.0 / tolerance)))
+    known = rotation_number(member, iterates=iterates, tolerance=tolerance)
+    if known.locked is None:
+        return _Cell(folds, known.value, known.lower, known.upper)
+    locked = known.locked.denominator, known.locked.numerator
+    return _Cell(folds, known.value, known.lower, known.upper, *locked)
 
 
 def _axis(name: str, values: Any) -> Array:

@@ -96,6 +96,18 @@ class PiecewiseCubic:
         rows[0] += up
         return _onto_base_period(self.knots[:-1] + along, rows, self.degree)
 
+    def blended(self, other: PiecewiseCubic, share: float) -> PiecewiseCubic:
+        """θ → (1 - share) F(θ) + share G(θ), cubics between the knots of both; G of F's degree."""
+        knots = np.union1d(self.knots, other.knots)
+        rows = (1.0 - share) * self._rows_at(knots[:-1])
+        rows += share * other._rows_at(knots[:-1])
+        return PiecewiseCubic(read_only(knots), read_only(rows), self.degree)
+
+    def _rows_at(self, knots: Array) -> Array:
+        """(4, n): the coefficients about each of ``knots`` in [0, 2π)."""
+        piece, offset, _ = self._locate(knots)
+        return _moved_along(self.coefficients[:, piece], offset)
+
 
 def cubic_from_samples(
     theta: Any, lifted: Any, slopes: Any, degree: int
@@ -211,6 +223,14 @@ def _pchip_slopes(x: Array, y: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 
+def _moved_along(rows: Array, step: Any) -> Array:
+    """Coefficients (4, ...) of the same cubics about places ``step`` (...) further along."""
+    c0, c1, c2, c3 = rows
+    value = ((c3 * step + c2) * step + c1) * step + c0
+    slope = (3.0 * c3 * step + 2.0 * c2) * step + c1
+    return np.stack([value, slope, c2 + 3.0 * c3 * step, c3])
+
+
 def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     """Move the pieces to [0, 2π), cutting the one that runs over 2π."""
     base = base_angles(start)
@@ -220,9 +240,8 @@ def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     order = np.argsort(base, kind="stable")
     base, rows = base[order], rows[:, order]
     if base[0] > 0.0:
-        step, (c0, c1, c2, c3) = TWO_PI - base[-1], rows[:, -1]
-        value = ((c3 * step + c2) * step + c1) * step + c0 - TWO_PI * degree
-        wrapped = [value, (3.0 * c3 * step + 2.0 * c2) * step + c1, c2 + 3.0 * c3 * step, c3]
+        wrapped = _moved_along(rows[:, -1], TWO_PI - base[-1])
+        wrapped[0] -= TWO_PI * degree
         base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
     return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
 

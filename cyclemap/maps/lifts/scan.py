@@ -341,23 +341,17 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
     probes = np.full(width.size, 2)
     if cells.period == 1 and circle_map.pieces is None:
         probes = np.maximum(2, np.ceil(width / GRAIN).astype(np.int64))
-    own, t = (
-        np.repeat(np.arange(width.size), probes),
-        (_ranks(probes) + 1.0) / np.repeat(probes + 1.0, probes),
-    )
-    t += _SKEW * 3.0 / np.repeat(probes + 1.0, probes)
-    theta = cells.start[own] + t * width[own]
-    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
-    cubic = (
-        cells.g_start[own]
-        + t * t * (3.0 - 2.0 * t) * rise[own]
-        + t * (1.0 - t) * ((1.0 - t) * a[own] - t * b[own])
-    )
-    misfit = (
-        np.maximum.reduceat(np.abs(g - cubic), np.cumsum(probes) - probes)
-        if width.size
-        else np.zeros(0)
-    )
+    misfit = np.zeros(width.size)
+    for count in np.unique(probes).tolist():
+        alike = np.flatnonzero(probes == count)
+        t = (np.arange(1.0, count + 1.0) + 3.0 * _SKEW) / (count + 1.0)
+        theta = cells.start[alike, None] + t * width[alike, None]
+        # Hermite's cubic: its start, its rise, and both slopes.
+        shapes = [np.ones(count), t * t * (3.0 - 2.0 * t), t * (1.0 - t) ** 2, -t * t * (1.0 - t)]
+        cubic = np.stack([cells.g_start, rise, a, b], axis=1)[alike] @ np.stack(shapes)
+        cubic += cells.shift * theta
+        cubic -= iterate(circle_map, theta, cells.period)
+        misfit[alike] = np.maximum(np.max(cubic, axis=1), -np.min(cubic, axis=1))
     bend = 3.0 * (a + b - 2.0 * rise)  # the cubic's slope is a + 2(3 rise - 2a - b)t + bend t²
     with np.errstate(divide="ignore", invalid="ignore"):
         vertex = (2.0 * a + b - 3.0 * rise) / bend

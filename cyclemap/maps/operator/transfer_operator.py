@@ -314,7 +314,7 @@ class TransferOperator:
                 f"the noise is {self.noise!r}: metastable sets need a smooth density, as "
                 "WrappedNormal has"
             )
-        spectrum = self.spectrum(_LEADING)
+        spectrum = self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
         chain = slow_chain(self.law.basis, spectrum, grid)
         if chain is None:
@@ -354,10 +354,14 @@ class TransferOperator:
         return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property
+    def _leading(self) -> Spectrum:
+        return self.spectrum(_LEADING)
+
+    @cached_property
     def _finer(self) -> FourierLaw | CellLaw:
         return self.law.refined()
 
     @cached_property
     @one_thread
     def _second(self) -> Estimate:
-        return second_modulus(self.spectrum(_LEADING), self.discretisation)
+        return second_modulus(self._leading, self.discretisation)

@@ -196,13 +196,19 @@ def _fitted(
 
 
 def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
-    one, other, rest = before.scalar(), after.scalar(), 1.0 - share
+    rest = 1.0 - share
+    breaks = np.union1d(before.breaks, after.breaks)
+    error = rest * before.max_error + share * after.max_error
+    if before.pieces is not None and after.pieces is not None:
+        cubics = before.pieces.blended(after.pieces, share)
+        return CircleMap.from_pieces(cubics, breaks, before.samples + after.samples, error)
+    first, last = before.scalar(), after.scalar()
     return CircleMap.with_scalar(
         lambda theta: rest * before(theta) + share * after(theta),
         lambda theta: rest * before.derivative(theta) + share * after.derivative(theta),
-        lambda theta: rest * one(theta) + share * other(theta),
-        breaks=np.union1d(before.breaks, after.breaks),
-        max_error=rest * before.max_error + share * after.max_error,
+        lambda theta: rest * first(theta) + share * last(theta),
+        breaks=breaks,
+        max_error=error,
     ).remade_by(_blended, before, after, share)
 
 

@@ -102,15 +102,15 @@ class Structure:
         {'at': (0, 'table'), 'in.count': (8, 'whole')}
         """
         laid = self.laid_out(address)
-        found: dict[str, tuple[int, str]] = {}
+        places: dict[str, tuple[int, str]] = {}
         for name, kind, _ in self.fields:
             start = laid.fields[name][1] if laid.fields is not None else 0
             if isinstance(kind, Structure):
                 inner = kind.places(address).items()
-                found |= {f"{name}.{key}": (start + at, of) for key, (at, of) in inner}
+                places |= {f"{name}.{key}": (start + at, of) for key, (at, of) in inner}
             else:
-                found[name] = (start, kind)
-        return found
+                places[name] = (start, kind)
+        return places
 
     def definition(self) -> str:
         """Return the definition in C."""

@@ -389,7 +389,13 @@ static int bracketed(Stroke *r, Motion *m, const double *state, double *row, dou
     double accepted = ACCEPTED;
     if (is_pressed(&r->object->pressure))
         accepted = fmax(accepted, ACCEPTED_SHARE * r->object->tolerance);
-    if (iterate(r, m, state, m->z, row, report) <= accepted) return 1;
+    double residual = iterate(r, m, state, m->z, row, report);
+    if (residual > accepted && !count_of_points(r)) {
+        /* the bracket closes to the digits of a summed pressure: a step of Newton's takes the rest */
+        memcpy(m->z, row + UNKNOWN, sizeof m->z);
+        residual = iterate(r, m, state, m->z, row, report);
+    }
+    if (residual <= accepted) return 1;
     if (!count_of_points(r)) return UNSOLVED;
     /* a support point stands still, whose friction the spin alone does not tell */
     settle_with(r, m, state, s.force, row, report);

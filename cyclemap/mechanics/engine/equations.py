@@ -57,17 +57,17 @@ def kernels() -> dict[str, ca.Function]:
     own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
     # One over how a patch's area grows in the velocity plane.
     scale = 1 / (TWIST.of(twist).omega ** 2 * _det(matrix))
-    found = {"assembled": _assembled(twist, matrix)}
+    functions = {"assembled": _assembled(twist, matrix)}
     # Edges are summed in two passes, so that the slow steps of one do not wait for those of
     # another.
     side, angle = _Side(images), ca.SX.sym("angle")
     kept = ca.vertcat(side.tx, side.ty, side.d, side.rise, side.ts, side.excess)
-    found["side"] = function_of("side", [images], [kept])
+    functions["side"] = function_of("side", [images], [kept])
     parts = ca.SX.sym("side", 6)
     side.tx, side.ty, side.d, side.rise, side.ts, _ = ca.vertsplit(parts)
     side.nx, side.ny = side.ty, -side.tx
     side.set_angle(angle)
-    found["edge"] = function_of(
+    functions["edge"] = function_of(
         "edge", [matrix, parts, angle], [ca.vertcat(*_edge(side, twist, matrix))]
     )
     for name, sums_of, more in (
@@ -80,9 +80,9 @@ def kernels() -> dict[str, ca.Function]:
         )
         if name != "edge":
             sums = ca.vertcat(*sums_of(_Side(images), twist, matrix, *more))
-            found[name] = function_of(name, [twist, matrix, images, *more], [sums])
+            functions[name] = function_of(name, [twist, matrix, images, *more], [sums])
         moved = ca.jtimes(whole, matrix, toward)
-        found[f"{name}_toward"] = function_of(
+        functions[f"{name}_toward"] = function_of(
             f"{name}_toward", [twist, matrix, ends, *more, toward], [moved]
         )
     # The wrench of a unit of load at a point.
@@ -91,12 +91,14 @@ def kernels() -> dict[str, ca.Function]:
     inverse = 1 / ca.sqrt(wx * wx + wy * wy + TINIEST**2)
     fx, fy = _transposed(matrix, wx * inverse, wy * inverse)
     moved = ca.jtimes(ca.vertcat(fx, fy, x * fy - y * fx), matrix, toward)
-    found["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
+    functions["point_toward"] = function_of("point_toward", [twist, matrix, place, toward], [moved])
     moved = ca.vertcat(*_chord_toward(twist, matrix, chord, toward))
-    found["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
-    found["corner"] = function_of("corner", [twist, matrix, place], [_image(twist, matrix, place)])
-    found |= _of_foundation(twist, matrix, ends, toward)
-    return found
+    functions["chord_toward"] = function_of("chord_toward", [twist, matrix, chord, toward], [moved])
+    functions["corner"] = function_of(
+        "corner", [twist, matrix, place], [_image(twist, matrix, place)]
+    )
+    functions |= _of_foundation(twist, matrix, ends, toward)
+    return functions
 
 
 def _of_foundation(
@@ -109,12 +111,12 @@ def _of_foundation(
     speed, fx, fy, *_ = _pressed_side(_Side(own), image)
     along = ca.vertcat(speed, *_transposed(matrix, fx, fy))
     thin = ca.vertcat(*_pressed_cone(twist, matrix, cone, image))
-    found = {"pressed_image": function_of("pressed_image", [twist, matrix, pressure], [image])}
+    functions = {"pressed_image": function_of("pressed_image", [twist, matrix, pressure], [image])}
     for name, place, sums in (("pressed_side", ends, along), ("pressed_cone", cone, thin)):
         moved = ca.jtimes(sums, matrix, toward)
         given = [twist, matrix, place, pressure, toward]
-        found[f"{name}_toward"] = function_of(f"{name}_toward", given, [moved])
-    return found
+        functions[f"{name}_toward"] = function_of(f"{name}_toward", given, [moved])
+    return functions
 
 
 def side_kernels() -> dict[str, ca.Function]:
@@ -392,15 +394,15 @@ def _chord_toward(twist: ca.SX, matrix: ca.SX, given: ca.SX, toward: ca.SX) -> l
 
 def contacts() -> dict[str, ca.Function]:
     """Return the functions of a contact: begin, slopes of each kind and law, finish of each law."""
-    found = {f"finish_{law}": _finish(law) for law in LAWS}
+    functions = {f"finish_{law}": _finish(law) for law in LAWS}
     for kind, law in PAIRS:
         state, p = ca.SX.sym("state", STATE.size), ca.SX.sym("p", MOTION.size)
         z = ca.SX.sym("z", LAWS[law])
         begun = list(_begun(kind, law, state, p, _facing(p), z))
-        found[f"begin_{kind}_{law}"] = function_of(f"begin_{kind}_{law}", [state, p, z], begun)
-        found[f"slopes_{kind}_{law}"] = _slopes(kind, law, by_all=False)
-        found[f"all_slopes_{kind}_{law}"] = _slopes(kind, law, by_all=True)
-    return found
+        functions[f"begin_{kind}_{law}"] = function_of(f"begin_{kind}_{law}", [state, p, z], begun)
+        functions[f"slopes_{kind}_{law}"] = _slopes(kind, law, by_all=False)
+        functions[f"all_slopes_{kind}_{law}"] = _slopes(kind, law, by_all=True)
+    return functions
 
 
 def _facing(p: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:

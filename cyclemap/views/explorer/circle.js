@@ -41,7 +41,7 @@ function samplesAt(engine, theta) {
 // jumps. The map is whole where they sufficed. `alive` is awaited now and then, and ends it where it returns
 // false; null then.
 async function sampledMap(engine, count, tolerance, alive) {
-  let { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
+  const { status, samples } = samplesAt(engine, range(count).map((index) => (TURN * index) / count));
   if (status < 1) return { status };
   const map = new CircleMap(samples);
   if (!tolerance) return { status, map };
@@ -153,12 +153,13 @@ function stationaryDensity(map, sigma, most = 8) {
     const moved = carried(density);
     return density.map((value, i) => value - moved[i]);
   };
-  const change = gmres(unbalanced, carried(even).map((value) => value - 1));
+  const tolerance = most > 1 ? 1e-9 : 1e-4;
+  const change = gmres(unbalanced, carried(even).map((value) => value - 1), tolerance);
   return change && range(CELLS).map((cell) => Math.max(0, 1 + change[cell * finer]));
 }
 
 // Solve A x = b for b and x without mean; null where 240 directions do not suffice.
-function gmres(apply, b) {
+function gmres(apply, b, tolerance) {
   const dot = (x, y) => {
     let sum = 0;
     for (let i = 0; i < x.length; i += 1) sum += x[i] * y[i];
@@ -190,7 +191,7 @@ function gmres(apply, b) {
     columns.push(column);
     rest.push(-s * rest[k]);
     rest[k] *= c;
-    if (Math.abs(rest[k + 1]) < 1e-9 * norm || size === 0) {
+    if (Math.abs(rest[k + 1]) < tolerance * norm || size === 0) {
       const y = rest.slice(0, k + 1);
       for (let i = k; i >= 0; i -= 1) {
         for (let j = i + 1; j <= k; j += 1) y[i] -= columns[j][i] * y[j];

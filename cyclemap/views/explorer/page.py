@@ -14,6 +14,7 @@ import math
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from html import escape
 from importlib import metadata, resources
 from pathlib import Path
@@ -34,7 +35,8 @@ from cyclemap.views.portrait_page import portrait_page
 from cyclemap.views.style import render
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
-_WORKER = ("engine.js", "circle.js", "worker.js")
+WORKER = ("engine.js", "circle.js", "worker.js")
+SCRIPTS = ("drawing.js", "page.js")
 # The ring of the stories is moved along its own direction, up to this many of its distances from
 # the origin; from the origin itself along x, up to so many metres.
 _FARTHEST, _FARTHEST_FROM_ORIGIN = 1.8, 0.04
@@ -114,7 +116,7 @@ def page_html(
     }
     style = "\n".join(_file(name) for name in ("page.css", "uplot/uPlot.min.css"))
     plot = _file("uplot/uPlot.iife.min.js")
-    script = "\n".join(_file(name) for name in ("drawing.js", "page.js"))
+    script = "\n".join(map(_file, SCRIPTS))
     policy = (
         f"default-src 'none'; script-src {_digest(plot)} {_digest(script)} 'wasm-unsafe-eval'; "
         f"worker-src blob:; style-src {_digest(style)}; img-src data:; base-uri 'none'; "
@@ -129,7 +131,7 @@ def page_html(
         policy=policy,
         style=style,
         plot=plot,
-        worker="\n".join(map(_file, _WORKER)),
+        worker="\n".join(map(_file, WORKER)),
         script=script,
         sections=sections,
         downloads=downloads,
@@ -137,39 +139,30 @@ def page_html(
     )
 
 
-@dataclass(frozen=True)
-class ExplorerFrame:
-    """A page that a notebook shows in a frame of its own; where its scripts are not trusted, the
-    picture (PNG).
-    """
-
-    page: str
-    picture: bytes
-
-    def _repr_mimebundle_(self, **_: object) -> dict[str, object]:
-        look = f'width="100%" height="{_FRAME_HEIGHT}" style="border: 1px solid #ccc"'
-        frame = (
-            f'<iframe sandbox="allow-scripts allow-downloads" {look} '
-            f'srcdoc="{escape(self.page)}"></iframe>'
-        )
-        return {"text/html": frame, "image/png": base64.b64encode(self.picture).decode()}
-
-
-def explorer_frame(loop: CollectionLoop, sigma: float | None = None) -> ExplorerFrame:
-    """Return the page of a loop for a notebook, 350 kB; sigma : noise of a cycle, rad, None: the
-    material's or 1.1 deg.
+def explorer_frame(loop: CollectionLoop) -> str:
+    """Return the page of a loop as HTML for a notebook, 500 kB: a frame of its own, laid over a
+    picture, which is left where what is not trusted may have no frames.
 
     >>> from cyclemap import CollectionLoop
-    >>> sorted(explorer_frame(CollectionLoop.mit("plywood"))._repr_mimebundle_())
-    ['image/png', 'text/html']
+    >>> explorer_frame(CollectionLoop.mit("plywood")).count("<iframe")
+    1
     """
-    found, tables = portrait(loop, sigma=sigma), collection_tables(loop)
+    found, tables = portrait(loop), collection_tables(loop)
     settings = {
         key: value for table in tables.values() for key, value in plain_numbers(table).items()
     }
-    return ExplorerFrame(page_html(found, 0.0, (loop.material.name,), settings), _still(found))
+    page = page_html(found, 0.0, (loop.material.name,), settings)
+    still = Section("", (), _still(found)).image
+    return (
+        f'<div style="position: relative; min-height: {_FRAME_HEIGHT}px">'
+        f'<img alt="portrait of {escape(loop.material.name)}" width="100%" src="{still}">'
+        '<iframe sandbox="allow-scripts allow-downloads" style="position: absolute; inset: 0; '
+        'width: 100%; height: 100%; border: 0; background: #fff" '
+        f'srcdoc="{escape(page)}"></iframe></div>'
+    )
 
 
+@lru_cache(maxsize=1)
 def _still(found: Portrait) -> bytes:
     """The portrait as a picture of few colours, a third as long as with all of them."""
     whole = render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)

@@ -4,8 +4,8 @@
 const range = (count) => Array.from({ length: count }, (_, index) => index);
 const FRAMES = 18, COURSES = 8, STAIRCASE_POINTS = 1500;
 // Accuracies of cycles, rad: while sliders move; of the map; of its fixed points.
-const ROUGH = 1e-5, FINE = 1e-7, FINEST = 1e-10;
-const MAP_TOLERANCE = 5e-7, REST_MS = 150, ROUGH_MS = 10;
+const ROUGH = 1e-3, FINE = 1e-7, FINEST = 1e-10;
+const MAP_TOLERANCE = 5e-7, REST_MS = 150, ROUGH_MS = 5;
 const STOPPED = {
   MANY_STEPS: "The motion turns so abruptly that it takes too many steps: " +
     "take a floor nearer to isotropic, or a thicker outline.",
@@ -17,7 +17,7 @@ const STOPPED = {
 };
 const NO_BALANCE = "The balance of forces cannot be solved here: take a floor nearer to isotropic.";
 
-let engine = null, newest = 0, roughCount = 48;
+let engine = null, newest = 0, roughCount = 24;
 const pause = (ms) => new Promise((done) => { setTimeout(done, ms); });
 
 onmessage = async ({ data }) => {
@@ -56,7 +56,7 @@ async function answered({ id, values, start, cycles }, fine, alive) {
   // As many samples as there is time for.
   if (!fine) {
     const affordable = (roughCount * ROUGH_MS) / (performance.now() - begun);
-    roughCount = Math.round(Math.min(96, Math.max(24, affordable)));
+    roughCount = Math.round(Math.min(96, Math.max(10, affordable)));
   }
   const sigma = values.noise_deg * RADIAN;
   if (fine) engine.set(values, FINEST);

@@ -19,7 +19,13 @@ from refusals import refused
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import DataFileError
-from cyclemap.evidence import Theta0Pairs, collection_p_values, compare, simulated_ensemble
+from cyclemap.evidence import (
+    CollectionModel,
+    Theta0Pairs,
+    collection_p_values,
+    compare,
+    simulated_ensemble,
+)
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.cycle_agreement import map_misfit
 from cyclemap.evidence.comparison.prediction import as_prediction
@@ -34,6 +40,16 @@ def quick(monkeypatch):
     """Few collections for directions and steps, which take longest."""
     monkeypatch.setattr("cyclemap.evidence.comparison.compare.MOST_DETAILED", 3)
     monkeypatch.setattr("cyclemap.evidence.comparison.compare.ENSEMBLE", 60)
+
+
+def test_the_misfit_of_a_models_own_paths_is_an_f_ratio() -> None:
+    """Of thirteen and 86 degrees of freedom, whose mean is 86/84."""
+    model = CollectionModel(CircleMap.rigid(0.31), WrappedNormal(0.05))
+    paths = model.paths(0.4, 100, 600, 5)
+    ensemble = simulated_ensemble(model, 0.4, 100, 10, 6)
+    ratios = map_misfit(paths, ensemble)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.05)
+    assert np.var(ratios) == pytest.approx(2.0 / 13.0 + 2.0 / 86.0, rel=0.3)
 
 
 def test_the_true_law_is_kept_in_every_question() -> None:

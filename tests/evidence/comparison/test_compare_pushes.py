@@ -10,6 +10,8 @@ from made_collections import own_pushes, write_poses
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
+from cyclemap.errors import ConvergenceError
+from cyclemap.evidence import compare
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import (
     mean_error,
@@ -35,11 +37,36 @@ def written(tmp_path):
 
 def agreements(table, loop, **options):
     data = collection_data(table, loop, **options)
-    return data, push_agreements(data.pushes, lambda done: None)
+    return data, push_agreements(data.pushes, lambda done: None)[0]
 
 
 def renamed(loop, name, **change) -> CollectionLoop:
     return replace(loop, material=replace(loop.material, name=name, **change))
+
+
+def test_a_push_for_which_the_mechanics_have_no_answer_is_left_out_and_counted(
+    loop, written, monkeypatch
+) -> None:
+    """One of twelve is few; where two of twelve have none the comparison is refused."""
+    path, push = written(own_pushes(loop, THETA)), type(loop.model).push
+
+    def failing(count):
+        def pushed(model, pose, way, **options):
+            if abs(pose.theta - THETA[:count]).min() < 1e-6:
+                raise ConvergenceError("no answer")
+            return push(model, pose, way, **options)
+
+        return pushed
+
+    monkeypatch.setattr(type(loop.model), "push", failing(1))
+    found = compare(loop, path, runs=19)
+    assert found.data.left_out == {"the mechanics have no answer": 1}
+    (agreement,) = found.pushes
+    np.testing.assert_allclose(agreement.theta, THETA[1:], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(agreement.predicted, agreement.measured, rtol=0, atol=1e-9)
+    monkeypatch.setattr(type(loop.model), "push", failing(2))
+    with pytest.raises(ConvergenceError, match="no answer"):
+        compare(loop, path, runs=19)
 
 
 @pytest.mark.parametrize("off", [(0.0, 0.0, 0.0), (0.02, 0.001, -0.003)])

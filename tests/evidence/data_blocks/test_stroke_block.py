@@ -54,14 +54,15 @@ TRUTH = SurfaceParameters(
 LATE = {"ellipticity_x": 0.05, "ellipticity_y": -0.1, "offset_x": 0.01, "offset_y": -0.01}
 LATE |= {"floor_dome": 2.5, "floor_bow_x": -1.0, "floor_bow_y": 0.2}
 OFFSET = np.array([8e-4, -5e-4])
-VALUES = {**TRUTH.values(), "tip_offset_x": 8e-4, "tip_offset_y": -5e-4}
+SHIFTS = {"tip_offset_x": 8e-4, "tip_offset_y": -5e-4, "rod_off_x": 3e-4, "rod_off_y": -2e-4}
+VALUES = {**TRUTH.values(), **SHIFTS}
 WORN = VALUES | {f"worn_{name}": value for name, value in LATE.items()}
-PLAIN = {**SurfaceParameters().values(), "tip_offset_x": 0.0, "tip_offset_y": 0.0}
+PLAIN = {**SurfaceParameters().values(), **dict.fromkeys(SHIFTS, 0.0)}
 OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
 # What a stroke itself may be off by, rad, and steps wide enough that it counts for little.
 STROKE_ERROR = 3e-4
 STEPS = {**dict.fromkeys((*FLOOR_NAMES, *PLATE_NAMES), 0.12), "pin_friction_radius": 1.6e-5}
-STEPS |= {"tip_offset_x": 1.6e-4, "tip_offset_y": 1.6e-4}
+STEPS |= dict.fromkeys(SHIFTS, 1.6e-4)
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
 
 
@@ -119,6 +120,8 @@ KINDS = {
         (24, 13),
         1e-4,
     ),
+    # Eight rods, each off its mark by itself: two unknowns a push.
+    "pushes by hand": (lambda: push_end_block(made_pushes(8), RECT1, None, 3), (24, 27), math.inf),
     "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 11), 3e-4),
     "cycles": (made_cycles, (12, 12), 5e-3),
     "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 19), math.inf),

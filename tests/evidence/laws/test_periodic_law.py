@@ -109,6 +109,33 @@ def test_bands_cover_the_truth_and_new_values_as_often_as_they_say() -> None:
 
 
 @pytest.mark.slow
+def test_the_covariance_of_correlated_residuals_is_the_double_sum_over_all_pairs() -> None:
+    """X'X^-1 (sum over i, j of w(i - j) r_i r_j x_i x_j') X'X^-1 n/(n - p) with Bartlett's w (Newey
+    & West 1987).
+    """
+    rng, count = np.random.default_rng(8), 70
+    design = fourier_columns(rng.uniform(0.0, TURN, count), 2)
+    value = np.convolve(rng.standard_normal(count + 4), np.ones(5), "valid")
+    fit = fit_linear(design, value, correlated=True)
+    lags = int(np.ceil(1.3 * np.sqrt(count)))
+    apart = np.abs(np.subtract.outer(np.arange(count), np.arange(count)))
+    weight = np.maximum(1.0 - apart / (lags + 1.0), 0.0)
+    moments = design * fit.residuals[:, None]
+    inverse = np.linalg.inv(design.T @ design)
+    expected = inverse @ moments.T @ weight @ moments @ inverse * (count / (count - 5))
+    np.testing.assert_allclose(fit.covariance, expected, rtol=1e-9)
+
+
+def test_scatter_is_that_of_the_values_not_of_what_many_coefficients_leave_of_it() -> None:
+    """Nine coefficients take nine in forty of the variance with them: it is given back."""
+    rng, levels = np.random.default_rng(9), []
+    for _ in range(300):
+        theta = rng.uniform(0.0, TURN, 40)
+        law = fit_periodic_law(theta, 0.1 * rng.standard_normal(40), harmonics=4, noise_harmonics=1)
+        levels.append(float(np.mean(law.noise(GRID) ** 2)))
+    assert np.median(levels) == pytest.approx(0.01, rel=0.12)
+
+
 def test_with_correlated_residuals_only_the_covariance_made_for_them_covers() -> None:
     """Autoregressive scatter (0.7) over angles that move slowly: plain bands are far too narrow."""
     runs, plain, right = 200, 0, 0

@@ -229,18 +229,19 @@ def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(
     assert len(as_read(path)) == len(PUSHES)
 
 
-def test_identification_takes_the_errors_that_the_table_tells_and_frees_no_shift(
+def test_identification_takes_the_errors_that_the_table_tells_and_frees_each_rods_own_shift(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "read.csv"
     path.write_text(filled_text(filled(tmp_path))[0])
     data = collected_blocks([path], LOOP)
-    along, _, turned, dragged = push_noise(READ, by_hand=True)
+    along, _, turned, dragged = push_noise(READ)
     sizes = {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
     assert data.noise == pytest.approx(sizes)
-    assert not {
-        name for block in data.blocks for name in block.parameters if name.startswith("tip_offset")
-    }
+    shifts = [name for block in data.blocks for name in block.parameters if "_off" in name[:10]]
+    assert shifts == [
+        f"rod_off_{axis}[push {number}]" for number in range(1, len(PUSHES) + 1) for axis in "xy"
+    ]
     table = pd.read_csv(path).drop(columns=["error_mm", "error_deg", "frames_agree"])
     table.to_csv(tmp_path / "plain.csv", index=False)
     plain = collected_blocks([tmp_path / "plain.csv"], LOOP)

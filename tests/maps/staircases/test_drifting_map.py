@@ -8,6 +8,7 @@ from cyclemap.maps import (
     CircleMap,
     DriftingMap,
     WrappedNormal,
+    mean_passage_time,
     predict_drift,
     sample_staircase,
     sample_staircases,
@@ -45,6 +46,27 @@ def test_a_blend_keeps_the_breaks_of_both():
     )
     assert both.at(5).breaks.tolist() == [0.0, 1.0]
     assert both.at(0).breaks.tolist() == [1.0]
+
+
+def test_between_maps_of_samples_a_frozen_one_is_a_map_of_samples_with_their_kinks_as_knots():
+    """Passages on it ask for nodes by its samples: as a mere lift the kinks were nodes by the
+    thousand, and the mean time was refused.
+    """
+    fresh, worn = (
+        CircleMap.from_samples(x, CircleMap.arnold(omega, 0.9)(x), max_error=1e-4)
+        for omega, x in ((0.15, np.linspace(0.0, 6.2, 301)), (0.2, np.linspace(0.1, 6.3, 290)))
+    )
+    frozen = DriftingMap.between([(0, fresh), (4, worn)]).at(1)
+    x = np.linspace(-7.0, 9.0, 5000)
+    np.testing.assert_allclose(frozen(x), 0.75 * fresh(x) + 0.25 * worn(x), rtol=0, atol=1e-13)
+    slope = 0.75 * fresh.derivative(x) + 0.25 * worn.derivative(x)
+    np.testing.assert_allclose(frozen.derivative(x), slope, rtol=0, atol=1e-10)
+    knots = np.union1d(fresh.pieces.knots, worn.pieces.knots)
+    np.testing.assert_array_equal(frozen.pieces.knots, knots)
+    noise = WrappedNormal(0.02)
+    time = mean_passage_time(frozen, noise, 0.9, (0.2, 1.6))
+    smooth = mean_passage_time(CircleMap.arnold(0.1625, 0.9), noise, 0.9, (0.2, 1.6))
+    assert abs(time - smooth) <= time.error_bound + smooth.error_bound < 0.05 * time
 
 
 def test_a_noise_free_path_goes_through_each_cycles_own_map():
