@@ -213,8 +213,9 @@ class Bifurcation:
     kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
         "border-collision" (a point of the orbit meets a break of the map) or "branch point"
         (multiplier 1 where branches cross).
-    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``,
-        but of a period doubling or branch point not what F' may be off.
+    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``
+        and what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
+        not the truth's, and period doublings and branch points move with the difference.
     points : shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
         collision the one on the break first.
     period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision
@@ -322,7 +323,9 @@ def smooth_bifurcation(
     ]
     condition = np.append(gradient, (change[1] - change[0]) / (high - low))
     residual = np.append(equations.residual(at.member(at.theta), at.theta), at.multiplier - target)
-    return at, recorded(kind, equations, at, push, condition, residual)
+    slope_errors = at.member.derivative_and_error(at.theta)[1]
+    unknown = float(np.abs(others) @ slope_errors)
+    return at, recorded(kind, equations, at, push, condition, residual, unknown=unknown)
 
 
 def recorded(
@@ -333,6 +336,7 @@ def recorded(
     condition: Array,
     residual: Array,
     *,
+    unknown: float = 0.0,
     multipliers: tuple[float, float] | None = None,
     first: int | None = None,
     jump: bool = False,
@@ -341,8 +345,8 @@ def recorded(
     rounding + error).
 
     error : the map's ``max_error``, of the orbit's equations alone. A saddle-node's row is 0 at the
-        multiplier, so that it does not move with F'; a period doubling does, and of the error of F'
-        the map does not tell.
+        multiplier, so that it does not move with F'; a period doubling does.
+    unknown : what the extra equation may be off by the error of F' that the map tells.
 
     push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ,
         p). residual : of all n + 1 equations. multipliers : from the right and from the left where they
@@ -353,6 +357,7 @@ def recorded(
     angle = 2.0 * TWO_PI + np.abs(np.roll(at.theta, -1) + TWO_PI * equations.hops)
     rounding = np.append(2.0 * EPS * angle, 8.0 * EPS * angle.size * max(1.0, abs(at.multiplier)))
     rounding[:-1] += at.member.max_error
+    rounding[-1] += unknown
     try:
         row = np.abs(np.linalg.inv(extended)[-1])
         error = float(row @ (np.abs(residual) + rounding)) + 2.0 * EPS * abs(at.parameter)

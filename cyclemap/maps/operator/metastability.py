@@ -164,6 +164,9 @@ def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
     vector_errors = _VERTEX + 2.0 * (left_over + steepest) * np.sum(
         spectrum.condition[count:] / apart, axis=1
     )
+    if not np.all(np.isfinite(vector_errors)):
+        # An eigenvalue without a bound leaves every state without: inf times 0 would be nan.
+        return np.full(count, np.inf)
     size = np.abs(chain.weight)
     # An eigenvalue of which nothing is proved has an infinite bound, and infinity times nought none.
     with np.errstate(invalid="ignore"):

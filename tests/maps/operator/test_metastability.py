@@ -130,3 +130,12 @@ def test_bounds_hold_on_random_wells_with_few_modes_and_with_maps_that_are_off()
             assert abs(one.leaving - other.leaving) <= 1.01 * one.leaving.error_bound
             compared += 1
     assert judged >= 12 and compared >= 12
+
+
+def test_with_too_few_modes_for_an_eigenvalue_the_chance_of_leaving_has_no_bound():
+    """Where the slow eigenvalues' bounds are infinite, so are those of all states, not nan."""
+    three_wells = wells(0.342, 0.002, 1.18, 3)
+    few = transfer_operator(three_wells, WrappedNormal(0.28), modes=8)
+    held = few.metastable_sets()
+    assert len(held) == 3
+    assert [state.leaving.error_bound for state in held] == [np.inf] * 3
