@@ -13,6 +13,7 @@ from cyclemap.maps import CircleMap, Noise, UniformNoise, VonMises, WrappedCauch
 TWO_PI = 2 * np.pi
 MOST_WAVES = 5_000
 _NODES = 20
+_LOGARITHM_NODES = 48  # ln|F'| has its singularities beside the circle where F' is small
 _UNIFORM_MODES = 700
 
 
@@ -126,12 +127,7 @@ def dense_numbers(case: RandomLift) -> DenseNumbers:
 
 def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
     modes = kappa.size - 1
-    panels = max(2 * case.waves, 2 * modes, 96)
-    edges = np.union1d(np.linspace(0.0, TWO_PI, panels + 1), case.map.breaks)
-    x, w = np.polynomial.legendre.leggauss(_NODES)
-    half = 0.5 * np.diff(edges)[:, None]
-    theta = (edges[:-1, None] + half * (1.0 + x)).ravel()
-    weight = (half * w).ravel() / TWO_PI
+    theta, weight = _gauss_rule(case, modes, _NODES)
     turn = case.map(theta) - theta
     matrix = np.zeros((modes + 1, 2 * modes + 1), dtype=complex)
     for some in np.array_split(np.arange(theta.size), 1 + theta.size // 4_000):
@@ -148,14 +144,26 @@ def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
     system[modes, modes] = 1.0
     moments = np.linalg.solve(system, np.eye(2 * modes + 1)[modes])[modes:]
     found = DenseNumbers(moments, np.nan, np.nan, 0.0)
-    mass = (
-        TWO_PI
-        * weight
-        * np.concatenate([found.density(part) for part in np.array_split(theta, 64)])
-    )
+    rotation = float(_mass(found, theta, weight) @ turn) / TWO_PI
+    theta, weight = _gauss_rule(case, modes, _LOGARITHM_NODES)
     slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
-    exponent = float(mass @ np.log(np.abs(slope(theta))))
-    return DenseNumbers(moments, float(mass @ turn) / TWO_PI, exponent, 0.0)
+    exponent = float(_mass(found, theta, weight) @ np.log(np.abs(slope(theta))))
+    return DenseNumbers(moments, rotation, exponent, 0.0)
+
+
+def _gauss_rule(case: RandomLift, modes: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes on a turn and their weights in turns, so many on every half wave of the detail."""
+    panels = max(2 * case.waves, 2 * modes, 96)
+    edges = np.union1d(np.linspace(0.0, TWO_PI, panels + 1), case.map.breaks)
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    half = 0.5 * np.diff(edges)[:, None]
+    return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel() / TWO_PI
+
+
+def _mass(found: DenseNumbers, theta: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """What the law gives to each node."""
+    density = [found.density(part) for part in np.array_split(theta, 64)]
+    return TWO_PI * weight * np.concatenate(density)
 
 
 def _powers(theta: np.ndarray, most: int) -> np.ndarray:

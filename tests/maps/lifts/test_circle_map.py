@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import CircleMap, inverse
 from tests.maps.known_maps import wavy, wavy_slope
 from tests.refusals import refused
 
@@ -236,3 +237,26 @@ def test_a_zero_close_to_the_circle_costs_no_digits():
         made(x), 2 * np.arctan((1 + a) / (1 - a) * np.tan(x / 2)), rtol=4e-15
     )
     assert made.derivative(0.0) == (1 + a) / (1 - a)
+
+
+@pytest.mark.parametrize("step", [1e-9, 1e-6, 1e-3])
+def test_a_jump_however_small_is_one_and_one_back_leaves_no_inverse(step):
+    def lift(x, jump):
+        return x + 0.3 + jump * (np.mod(x, TWO_PI) >= 3.0)
+
+    at, left, right = CircleMap(lambda x: lift(x, step), breaks=[0.0, 3.0]).jumps()
+    np.testing.assert_allclose(at, [0.0, 3.0])
+    np.testing.assert_allclose(right - left, [-step, step], rtol=0, atol=1e-13)
+    # Up at 3 it jumps back at 0, and the other way round.
+    for jump in (step, -step):
+        with pytest.raises(InvalidInput, match="jumps back"):
+            inverse(CircleMap(lambda x, jump=jump: lift(x, jump), breaks=[0.0, 3.0]))
+
+
+def test_a_given_derivative_is_off_by_rounding_alone_and_that_is_stated():
+    theta = np.linspace(0.0, TWO_PI, 5001)
+    slope, error = CircleMap.arnold(0.1, 0.9).derivative_and_error(theta)
+    strength = np.longdouble(0.9)
+    off = np.abs(slope - (1 - strength * np.cos(theta.astype(np.longdouble))))
+    assert np.all(off <= error) and np.all(error < 1e-14)
+    assert np.any(off > 0.0)
