@@ -34,9 +34,13 @@ _STEPS = 40
 class BatchRun:
     """Batches of consecutive cycles on one surface.
 
-    theta : (batches, cycles + 1) rad, on the lift. path : (batches, cycles, samples + 1, 2) m, the
-        centre of mass during each push, evenly in rod travel (last: at rest), in the world, whose
-        origin is the reset's target.
+    Attributes
+    ----------
+    theta : ndarray
+        (batches, cycles + 1) rad, on the lift.
+    path : ndarray
+        (batches, cycles, samples + 1, 2) m, the centre of mass during each push, evenly in rod
+        travel (last: at rest), in the world, whose origin is the reset's target.
     """
 
     theta: Array
@@ -116,7 +120,12 @@ class BatchRun:
 class BatchExperiment:
     """The numerical experiment on a surface and on its isotropic twin.
 
-    starts : (batches,) rad. speed : of the rod, m/s; None for the quasi-static model.
+    Attributes
+    ----------
+    starts : ndarray
+        (batches,) rad.
+    speed : float or None
+        Of the rod, m/s; None for the quasi-static model.
     """
 
     loop: CollectionLoop
@@ -140,9 +149,15 @@ def batch_experiment(
     """Run batches of cycles from evenly spaced orientations, on the loop's surface and on its
     isotropic twin.
 
+    Returns
+    -------
+    BatchExperiment
+
+    Notes
+    -----
     A `DynamicLoop` runs the paper's experiment (Ma & Rodriguez 2018, "Simulation"); a
-    `CollectionLoop` the same with quasi-static cycles on its own footprint. `progress` is called
-    with the fraction done.
+    `CollectionLoop` the same with quasi-static cycles on its own footprint. `progress` is
+    called with the fraction done.
     """
     count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count

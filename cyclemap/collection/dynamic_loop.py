@@ -40,11 +40,15 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
 class DynamicLoop:
     """A collection loop whose strokes are run by `DynamicModel`, at rest in between.
 
-    loop : the protocol; it stands on its own support points, or else on those that carry its
-        patch's pressure (`on_points`).
-    speed (m/s), stiffness (N/m), regularisation, tolerance : as `DynamicModel` takes and checks
-        them.
+    Attributes
+    ----------
+    loop : CollectionLoop
+        The protocol; it stands on its own support points, or else on those that carry its
+        patch's pressure (`on_points`). speed (m/s), stiffness (N/m), regularisation, tolerance
+        : as `DynamicModel` takes and checks them.
 
+    Examples
+    --------
     >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 1), round(math.degrees(cycle.drag_turn), 1)
     (73.9, -64.2)
@@ -126,6 +130,10 @@ class DynamicsComparison:
 def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
     """Run the cycles from orientations (...), rad, by both routes, on the same support points
     (`on_points`).
+
+    Returns
+    -------
+    DynamicsComparison
     """
     if not isinstance(loop, DynamicLoop):
         raise InvalidInput(
@@ -153,6 +161,14 @@ def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on a surface whose limit curve is the centred circle as large as its limit
     ellipse.
 
+    Returns
+    -------
+    CollectionLoop
+        The loop on a surface whose limit curve is the centred circle as large as its limit
+        ellipse.
+
+    Examples
+    --------
     >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
     0.2443
     """

@@ -39,15 +39,30 @@ class Anisotropy:
     """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops
     out.
 
-    offset : |(m0, n0)| / sqrt(mu_a mu_b). offset_direction : rad, of R(φ)(m0, n0) in the surface's
-        axes.
-    ellipticity : log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its
-        hyperbolic tangent.
-    ellipse_direction : rad in [0, π), of the axis along which friction is greater.
+    Attributes
+    ----------
+    offset : float
+        |(m0, n0)| / sqrt(mu_a mu_b).
+    offset_direction : float
+        rad, of R(φ)(m0, n0) in the surface's axes.
+    ellipticity : float
+        log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic
+        tangent.
+    ellipse_direction : float
+        rad in [0, π), of the axis along which friction is greater.
 
+    Raises
+    ------
+    InvalidInput
+        For a value that is not finite, or a negative offset or ellipticity.
+
+    Notes
+    -----
     It may be larger than any surface's, since scales are sought along a ray: `require_surface`
-    tells. Raises InvalidInput for a value that is not finite, or a negative offset or ellipticity.
+    tells.
 
+    Examples
+    --------
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction, round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
     (0.2041, 0.5, 0.2027, 2.0708)
@@ -139,22 +154,29 @@ class TurnResponse:
     """A turn G(z) about the isotropic surface, z the anisotropy as the object sees it
     (`Anisotropy.seen_from`).
 
+    Raises
+    ------
+    InvalidInput
+        For wrong shapes.
+
+    Notes
+    -----
     G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,),
     hessian (4, 4). At orientation θ on a surface of offset u along ψ and ellipticity v along φ,
     gradient·z is
 
         u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase);
 
-    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ - χ) -
-    bow_phase), bow (2,) being the derivative by b cos 2χ and b sin 2χ at θ = 0.
+    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ -
+    χ) - bow_phase), bow (2,) being the derivative by b cos 2χ and b sin 2χ at θ = 0.
 
-    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad in
-        (-π, π], the object's orientation, seen from the offset, at
-        which the offset turns it most. ellipse_phase (δ₂) : twice such an orientation, seen from
-        the axis of greater friction.
+    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad
+    in (-π, π], the object's orientation, seen from the offset, at which the offset turns it
+    most. ellipse_phase (δ₂) : twice such an orientation, seen from the axis of greater
+    friction.
 
-    Raises InvalidInput for wrong shapes.
-
+    Examples
+    --------
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
     >>> both.offset_amplitude, both.offset_phase, both.ellipse_amplitude, round(both.ellipse_phase, 6)
     (2.0, 0.0, 1.0, -1.570796)
@@ -197,19 +219,28 @@ class TurnResponse:
 class Fingerprint:
     """How the cycle of a protocol answers a surface that is nearly isotropic.
 
-    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂) + bow·A₃ cos(2(θ -
-    χ) - δ₃), with an error of second order, offset along ψ, greater friction along φ
+    Attributes
+    ----------
+    push, drag : TurnResponse
+        The two parts, both over the orientation before the push.
+    hessian_error : float
+        Largest asymmetry of the cycle's hessian as found, rad: what the differences that gave
+        it are good for.
+    remainder : float
+        1/rad, what the second order leaves of the turn of usual surfaces, root mean square,
+        over (offset·A₁ + ellipticity·A₂)²; it does not vanish with the anisotropy, since second
+        derivatives jump where contact phases come and go.
+    bow_remainder : float
+        rad, what the first order leaves of the turn on a floor of bow 1, at most; 0 for support
+        points, which have no bow.
+
+    Notes
+    -----
+    f(θ) = θ + Ω + offset·A₁ cos(θ - ψ - δ₁) + ellipticity·A₂ cos(2(θ - φ) - δ₂) + bow·A₃
+    cos(2(θ - χ) - δ₃), with an error of second order, offset along ψ, greater friction along φ
     (`Anisotropy`), the floor bowed along χ. The protocol alone tells Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃:
     `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`, `cycle.ellipse_amplitude`,
     `cycle.ellipse_phase`, `cycle.bow_amplitude`, `cycle.bow_phase`.
-
-    push, drag : the two parts, both over the orientation before the push. hessian_error : largest
-        asymmetry of the cycle's hessian as found, rad: what the differences
-        that gave it are good for. remainder : 1/rad, what the second order leaves of the turn of usual surfaces, root
-        mean square, over (offset·A₁ + ellipticity·A₂)²; it does not vanish with the anisotropy,
-        since second derivatives jump where contact phases come and go. bow_remainder : rad, what
-        the first order leaves of the turn on a floor of bow 1, at most; 0 for support points, which
-        have no bow.
     """
 
     push: TurnResponse
@@ -246,11 +277,25 @@ def fingerprint(
     """Return the fingerprint of a loop's protocol; its material's friction, and the floor's bow,
     play no part.
 
+    Returns
+    -------
+    Fingerprint
+        The fingerprint of a loop's protocol; its material's friction, and the floor's bow, play
+        no part.
+
+    Raises
+    ------
+    InvalidInput
+        Where `loop` is no CollectionLoop, or the way back has way-points, fixed in the world.
+
+    Notes
+    -----
     The gradient comes from the sensitivities of two isotropic cycles, the hessian from central
     differences of twelve nearly isotropic ones, the remainder from sixteen cycles on usual
-    surfaces. `progress` gets the fraction done. Raises InvalidInput where `loop` is no
-    CollectionLoop, or the way back has way-points, fixed in the world.
+    surfaces. `progress` gets the fraction done.
 
+    Examples
+    --------
     >>> found = fingerprint(CollectionLoop.mit()).cycle
     >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
     (8.002, 2.047, 1.769)

@@ -144,10 +144,12 @@ class Prediction:
     """The cycle map of a surface to first order, from the fingerprint of the protocol and its
     anisotropy alone.
 
+    Notes
+    -----
     The first-order map is off by `turn_error(θ)`: the second-order term there, and the
-    fingerprint's margin for what the second order leaves. That is an estimate, not a bound: of the
-    directions of random surfaces (offset up to 0.2, ellipticity up to 0.12) on four protocols 96 %
-    lay within their errors, and every verdict given was right.
+    fingerprint's margin for what the second order leaves. That is an estimate, not a bound: of
+    the directions of random surfaces (offset up to 0.2, ellipticity up to 0.12) on four
+    protocols 96 % lay within their errors, and every verdict given was right.
     """
 
     fingerprint: Fingerprint
@@ -325,9 +327,19 @@ class Prediction:
 def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
-    Raises InvalidInput for anything else, and for an anisotropy that no surface has
-    (`Anisotropy.require_surface`).
+    Returns
+    -------
+    Prediction
+        What a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
+    Raises
+    ------
+    InvalidInput
+        For anything else, and for an anisotropy that no surface has
+        (`Anisotropy.require_surface`).
+
+    Examples
+    --------
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> from cyclemap.collection.loop import CollectionLoop
     >>> loop = CollectionLoop.mit(material="plywood")
@@ -396,9 +408,22 @@ def check_prediction(
     """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it
     beside a prediction.
 
-    The loop is one of the protocol whose fingerprint predicted, on the surface that was predicted.
-    Raises InvalidInput where its friction has another anisotropy, or its floor a bow.
+    Returns
+    -------
+    PredictionCheck
 
+    Raises
+    ------
+    InvalidInput
+        Where its friction has another anisotropy, or its floor a bow.
+
+    Notes
+    -----
+    The loop is one of the protocol whose fingerprint predicted, on the surface that was
+    predicted.
+
+    Examples
+    --------
     >>> from cyclemap.collection.fingerprint import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))

@@ -91,10 +91,18 @@ class StrokePair(Generic[P, D]):
 class Cycles:
     """Many cycles as arrays, in the shape (...) of the orientations they start from.
 
-    theta, theta_next (lift), push_turn, drag_turn : (...), rad. push_displacement : (..., 2), m,
-        initial object frame.
-    drag_length : (...), m. left : (...), bool, where the rod lost the object before the push's
-        distance was done.
+    Attributes
+    ----------
+    push_displacement : ndarray
+        (..., 2), m, initial object frame.
+    drag_length : ndarray
+        (...), m.
+    left : ndarray
+        (...), bool, where the rod lost the object before the push's distance was done.
+
+    Notes
+    -----
+    theta, theta_next (lift), push_turn, drag_turn : (...), rad.
     """
 
     theta: NDArray[np.float64]
@@ -199,9 +207,13 @@ class Cycle(StrokePair[PushResult, DragResult]):
 class CycleSensitivity:
     """Derivatives of one cycle.
 
-    theta_next : rad. `by("theta")` is d theta_next / d theta, the multiplier. jacobian : (6, k),
-        derivatives of `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next)
-        by `parameters`, SI units and radians.
+    Attributes
+    ----------
+    theta_next : float
+        rad. `by("theta")` is d theta_next / d theta, the multiplier.
+    jacobian : ndarray
+        (6, k), derivatives of `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length,
+        theta_next) by `parameters`, SI units and radians.
     """
 
     theta: float
@@ -224,9 +236,13 @@ class CycleSensitivity:
 class CollectionLoop:
     """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
 
-    Every cycle starts with the ring at the target, the world's origin: the state is the orientation
-    theta alone.
+    Notes
+    -----
+    Every cycle starts with the ring at the target, the world's origin: the state is the
+    orientation theta alone.
 
+    Examples
+    --------
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> cycle = loop.cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 3), round(math.degrees(cycle.drag_turn), 3)
@@ -383,14 +399,31 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes
     (k, n).
 
-    loops : any mixture. theta : (n,), rad, orientations that all loops start from, or (k, n), those
-        of each.
+    Parameters
+    ----------
+    loops : sequence of CollectionLoop
+        Any mixture.
+    theta : array_like
+        (n,), rad, orientations that all loops start from, or (k, n), those of each.
 
+    Returns
+    -------
+    Cycles
+
+    Raises
+    ------
+    what
+        That raises where a cycle is refused, telling which loop and orientation.
+    InvalidInput
+        For loops that are none, or thetas in another shape.
+
+    Notes
+    -----
     One call of the engine, on as many threads as CYCLEMAP_THREADS tells, else one a core; the
-    results are the numbers of `CollectionLoop.cycle` to the bit. Raises what that raises where a
-    cycle is refused, telling which loop and orientation; InvalidInput for loops that are none, or
-    thetas in another shape.
+    results are the numbers of `CollectionLoop.cycle` to the bit.
 
+    Examples
+    --------
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
     array([[73.65, 73.93, 70.46],

@@ -80,21 +80,39 @@ class TurnStatistics:
 class Portrait:
     """What a collection loop does, cycle after cycle.
 
-    loop : the loop. map : its cycle map, θ in rad. turns : statistics of the map's turn.
-    fixed_points : the directions it maps to themselves. rotation : its rotation number.
-    gathering_jumps : the jumps (rad) about which orbits gather from both sides, as about a stable
-        point.
-    noise, operator : the noise added to every cycle, and the transfer operator of map plus noise.
-    staircase : one noisy run. prediction : what such a run looks like on average.
-    drifting, worn : where the surface wears, its map over the cycles of the run, which then follows
-        it, and what runs on the surface of the last cycle are like; all else is of the fresh
-        surface. None where it does not.
-    cycle : one noiseless cycle, started at the most visited stable point, or at 0 where there is
+    Attributes
+    ----------
+    loop : CollectionLoop
+        The loop.
+    map : CircleMap
+        Its cycle map, θ in rad.
+    turns : TurnStatistics
+        Statistics of the map's turn.
+    fixed_points : tuple of Orbit
+        The directions it maps to themselves.
+    rotation : RotationNumber
+        Its rotation number.
+    gathering_jumps : tuple of float
+        The jumps (rad) about which orbits gather from both sides, as about a stable point.
+    noise, operator : WrappedNormal
+        The noise added to every cycle, and the transfer operator of map plus noise.
+    staircase : Staircase
+        One noisy run.
+    prediction : StaircaseSummary
+        What such a run looks like on average.
+    drifting, worn : DriftingMap or None
+        Where the surface wears, its map over the cycles of the run, which then follows it, and
+        what runs on the surface of the last cycle are like; all else is of the fresh surface.
+        None where it does not.
+    cycle : Cycle
+        One noiseless cycle, started at the most visited stable point, or at 0 where there is
         none.
-    uncertainty : how well the stable directions are known, of the fresh surface; None where the
-        mechanics is not.
-    forecast : what the pushes of the run will bring, of all that is believed; None where there are
-        no samples of it.
+    uncertainty : DirectionUncertainty or None
+        How well the stable directions are known, of the fresh surface; None where the mechanics
+        is not.
+    forecast : LockForecast or None
+        What the pushes of the run will bring, of all that is believed; None where there are no
+        samples of it.
     """
 
     loop: CollectionLoop
@@ -188,12 +206,26 @@ def portrait(
 ) -> Portrait:
     """Compute the portrait of `loop`.
 
-    sigma : standard deviation (rad) of the noise of one cycle; None as in `staircase_forecast`.
-    cycles, start (rad), seed : of the noisy run.
-    tolerance : of the cycle map (rad). progress : called with the fraction done, in [0, 1].
+    Parameters
+    ----------
+    sigma : float, optional
+        Standard deviation (rad) of the noise of one cycle; None as in `staircase_forecast`.
+        cycles, start (rad), seed : of the noisy run.
+    tolerance : float, optional
+        Of the cycle map (rad).
+    progress : Progress, optional
+        Called with the fraction done, in [0, 1].
 
-    Raises InvalidInput for values that make no sense, ConvergenceError where a tolerance cannot be
-    met.
+    Returns
+    -------
+    Portrait
+
+    Raises
+    ------
+    InvalidInput
+        For values that make no sense.
+    ConvergenceError
+        Where a tolerance cannot be met.
     """
     if sigma is not None:
         positive_number("sigma", sigma)
@@ -305,11 +337,19 @@ class StaircaseForecast:
     """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a
     `Portrait`.
 
-    log10_residences : of each of the prediction's zones, log10 of its mean residence in cycles,
-        beyond every float too; None where it could not be certified. run : one noisy run. steps :
-        the dwells and steps found in it.
-    comparison : these steps beside the prediction, of the fresh surface. forecast : as of a
-        `Portrait`.
+    Attributes
+    ----------
+    log10_residences : tuple[Estimate or None, ...]
+        Of each of the prediction's zones, log10 of its mean residence in cycles, beyond every
+        float too; None where it could not be certified.
+    run : Staircase
+        One noisy run.
+    steps : Steps
+        The dwells and steps found in it.
+    comparison : StepComparison
+        These steps beside the prediction, of the fresh surface.
+    forecast : LockForecast or None
+        As of a `Portrait`.
     """
 
     loop: CollectionLoop
@@ -338,9 +378,16 @@ def staircase_forecast(
 ) -> StaircaseForecast:
     """Predict the staircase of `loop`.
 
-    sigma : standard deviation (rad) of the noise of one cycle; None: the run takes the material's
+    Parameters
+    ----------
+    sigma : float, optional
+        Standard deviation (rad) of the noise of one cycle; None: the run takes the material's
         own, where it has one, and what is predicted the white noise that carries as far at its
         slowest place, else 1.1 degrees. All else, and what is raised, as of `portrait`.
+
+    Returns
+    -------
+    StaircaseForecast
     """
     from cyclemap.maps import (
         log10_passage_time,

@@ -49,9 +49,15 @@ _APART = math.radians(40.0)
 class DirectionInterval:
     """One stable direction, over the materials that the data allow.
 
-    theta : rad, that of the stated numbers; None where they have none here. lower, upper : rad,
-        lower in [0, 2π) and upper not before it, 95 % of the samples that have the direction. share
-        : of the samples that have it.
+    Attributes
+    ----------
+    theta : float or None
+        rad, that of the stated numbers; None where they have none here.
+    lower, upper : float
+        rad, lower in [0, 2π) and upper not before it, 95 % of the samples that have the
+        direction.
+    share : float
+        Of the samples that have it.
     """
 
     theta: float | None
@@ -64,14 +70,21 @@ class DirectionInterval:
 class DirectionUncertainty:
     """How well stable directions are known.
 
-    source : `posterior`, or `axis ratio` where the material has none: then the two `samples` are
-        its axes' ratio 10 % smaller and larger, `lower` and `upper` their span with the stated one,
+    Attributes
+    ----------
+    source : str
+        `posterior`, or `axis ratio` where the material has none: then the two `samples` are its
+        axes' ratio 10 % smaller and larger, `lower` and `upper` their span with the stated one,
         and nothing here is a probability.
-    method : `first order` or `samples`. samples : how many. locks : how many of them have a stable
-        direction.
-    first_order_error : rad, the farthest that a direction of a sample run in full lay from its
-        first order; inf where the first order has another number of directions, None where it was
-        not tried.
+    method : str
+        `first order` or `samples`.
+    samples : int
+        How many.
+    locks : int
+        How many of them have a stable direction.
+    first_order_error : float or None
+        rad, the farthest that a direction of a sample run in full lay from its first order; inf
+        where the first order has another number of directions, None where it was not tried.
     """
 
     source: str
@@ -125,10 +138,19 @@ def direction_uncertainty(
 ) -> DirectionUncertainty:
     """Return how well the stable directions of a loop are known from its material's posterior.
 
-    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies inside
-    in 95 % of cases). A direction is a stable fixed point of the cycle map; places where orbits
-    gather about a jump are not among them. `progress` is called with the fraction done.
+    Returns
+    -------
+    DirectionUncertainty
+        How well the stable directions of a loop are known from its material's posterior.
 
+    Notes
+    -----
+    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies
+    inside in 95 % of cases). A direction is a stable fixed point of the cycle map; places where
+    orbits gather about a jump are not among them. `progress` is called with the fraction done.
+
+    Examples
+    --------
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.source, found.locks, [round(math.degrees(one.theta)) for one in found.directions]
     ('axis ratio', 2, [63])

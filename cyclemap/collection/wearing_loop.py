@@ -22,6 +22,13 @@ MAP_TOLERANCE = 1e-4
 def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     """Return the loop on its surface as it is after a number of cycles, from there on unchanging.
 
+    Returns
+    -------
+    CollectionLoop
+        The loop on its surface as it is after a number of cycles, from there on unchanging.
+
+    Examples
+    --------
     >>> loop = CollectionLoop.mit()
     >>> worn_loop(loop, 1000.0) == loop
     True
@@ -58,8 +65,20 @@ def drifting_map(
     """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within
     `tolerance` (rad).
 
-    `progress` is called with the number of maps computed so far. Raises InvalidInput where the
-    material does not wear.
+    Returns
+    -------
+    DriftingMap
+        The cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within
+        `tolerance` (rad).
+
+    Raises
+    ------
+    InvalidInput
+        Where the material does not wear.
+
+    Notes
+    -----
+    `progress` is called with the number of maps computed so far.
     """
     if loop.material.wear is None:
         raise InvalidInput(

@@ -338,12 +338,24 @@ def identified_material(
 ) -> Material:
     """Return what was identified as a material, marked as inferred.
 
-    sources : what the data were, for the provenance. last_cycle : the number of cycles behind the
-        first after which a surface that wears is the worn one. plate : the object whose shape was
-        identified, where it is one alone.
-    floor : what was known of it, whose plates, sessions and frames are kept, but for shares of the
-        load, which belong to flat floors. Samples of the posterior are of new sessions. What the
-        data do not depend on is left open in `found_with`. Raises InvalidInput for an empty name.
+    Parameters
+    ----------
+    sources : sequence of str, optional
+        What the data were, for the provenance.
+    last_cycle : float, optional
+        The number of cycles behind the first after which a surface that wears is the worn one.
+    plate : str, optional
+        The object whose shape was identified, where it is one alone.
+    floor : Material, optional
+        What was known of it, whose plates, sessions and frames are kept, but for shares of the
+        load, which belong to flat floors. Samples of the posterior are of new sessions. What
+        the data do not depend on is left open in `found_with`. Raises InvalidInput for an empty
+        name.
+
+    Returns
+    -------
+    Material
+        What was identified as a material, marked as inferred.
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")

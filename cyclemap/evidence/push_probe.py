@@ -68,12 +68,23 @@ class Harmonic:
 class Probe:
     """What a set of pushes from all around tells.
 
-    theta : (n,) rad. change : (n, 3) dx, dy (m, in the object's frame before the push), dtheta
-        (rad). p_value : of pushes that are alike in all directions but for noise. noise : (3,)
-        standard deviation of what no harmonic explains.
-    anisotropy : of the friction ellipse under `loop` that mimics them; ratio, offset : its axes'
-        ratio, 1 or more, and its centre over the mean radius, each (value, lower, upper) with 95
-        % confidence. explained : share of the pushes' dependence on orientation that it accounts for.
+    Attributes
+    ----------
+    theta : ndarray
+        (n,) rad.
+    change : ndarray
+        (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad).
+    p_value : float
+        Of pushes that are alike in all directions but for noise.
+    noise : ndarray
+        (3,) standard deviation of what no harmonic explains.
+    anisotropy : Anisotropy
+        Of the friction ellipse under `loop` that mimics them;
+    ratio, offset : tuple[float, float, float]
+        Its axes' ratio, 1 or more, and its centre over the mean radius, each (value, lower,
+        upper) with 95 % confidence.
+    explained : float
+        Share of the pushes' dependence on orientation that it accounts for.
     """
 
     loop: CollectionLoop
@@ -124,10 +135,19 @@ class Probe:
 def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     """Push from `count` orientations spread evenly and look at what comes back.
 
-    push : gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame
+    Parameters
+    ----------
+    push : Push
+        Gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame
         before it, rad. It has to be the push of `loop`, on whatever surface it has. See
         `probe_pushes`.
 
+    Returns
+    -------
+    Probe
+
+    Examples
+    --------
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> def plywood(theta):
     ...     cycle = loop.cycle(theta)
@@ -154,11 +174,21 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see
     `Probe`.
 
-    Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes allow),
-    and the ellipse by least squares of the loop's own pushes, its mean motion left free; outcomes
-    are weighted by the scatter that the harmonics leave. Intervals take noise as normal and
-    independent from push to push. Raises InvalidInput for fewer than 12 pushes, or ones that leave
-    gaps of a quarter turn.
+    Returns
+    -------
+    Probe
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 12 pushes, or ones that leave gaps of a quarter turn.
+
+    Notes
+    -----
+    Each outcome is fitted by harmonics of the orientation up to the fourth (as the pushes
+    allow), and the ellipse by least squares of the loop's own pushes, its mean motion left
+    free; outcomes are weighted by the scatter that the harmonics leave. Intervals take noise as
+    normal and independent from push to push.
     """
     angles, moved = (
         finite_array("theta", theta, ndim=1),
@@ -284,11 +314,22 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
     """Return the push of `loop` as `probe` asks for it, from a simulator that moves a rod in the
     world.
 
-    end_pose : gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after
-        the rod has gone straight from one place to another (m), at which the object lay at the
-        origin with orientation theta (rad): the rod first touches it where it starts. No push turns
-        an object by half a turn.
+    Parameters
+    ----------
+    end_pose : EndPose
+        Gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after the
+        rod has gone straight from one place to another (m), at which the object lay at the
+        origin with orientation theta (rad): the rod first touches it where it starts. No push
+        turns an object by half a turn.
 
+    Returns
+    -------
+    Push
+        The push of `loop` as `probe` asks for it, from a simulator that moves a rod in the
+        world.
+
+    Examples
+    --------
     >>> loop = CollectionLoop.mit()
     >>> push = simulated_push(loop, lambda theta, start, end: (*end, theta))
     >>> [round(part, 5) for part in push(0.3)]      # an object that goes to where the rod ends
@@ -310,8 +351,18 @@ def command_push(command: Sequence[str]) -> Push:
     """Return a push that a program makes: a line {"theta_deg": 30} in, a line {"dx_mm", "dy_mm",
     "dtheta_deg"} out.
 
-    The program is started once, and asked line by line. Raises InvalidInput where it answers
-    otherwise.
+    Returns
+    -------
+    Push
+
+    Raises
+    ------
+    InvalidInput
+        Where it answers otherwise.
+
+    Notes
+    -----
+    The program is started once, and asked line by line.
     """
     try:
         process = subprocess.Popen(

@@ -37,11 +37,16 @@ SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
 class RecordingNoise:
     """Standard deviations of normal noise in a simulated collection, independent from draw to draw.
 
-    turn : rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object
+    Attributes
+    ----------
+    turn : float
+        rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object
         really lies there.
-    position, angle : m and rad, error of each recorded pose of the object (x and y alike); the
-        robot's tip has none.
-    force : N, error of each recorded force component; the torque's is this times the rod's radius.
+    position, angle : float
+        m and rad, error of each recorded pose of the object (x and y alike); the robot's tip
+        has none.
+    force : float
+        N, error of each recorded force component; the torque's is this times the rod's radius.
     """
 
     turn: float = DEFAULT_SIGMA

@@ -306,7 +306,10 @@ class SimulatedCollection:
     """A complete collection: pushes, how many of them were made now and found there, friction
     scans, size of all files.
 
-    theta_last : rad, not wrapped, the true θ0 of the last push.
+    Attributes
+    ----------
+    theta_last : float
+        rad, not wrapped, the true θ0 of the last push.
     """
 
     folder: Path
@@ -329,22 +332,42 @@ def simulate_collection(
     """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was
     begun.
 
-    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n +
-    ξ_n with ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to
-    `loop.accuracy`) and α_n the turn by a gripper, if any. The drag back is not recorded. See
-    `record_push` for the series and their accuracy.
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with the fraction done.
 
-    asked : the other fields of `CollectionPlan`. progress : called with the fraction done.
+    Returns
+    -------
+    SimulatedCollection
 
-    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run
-    that was broken off and is called again with the same arguments ends with the files of an
-    undisturbed one, bit for bit; what was changed, cut or emptied since it was written is made
-    again, and all pushes behind it.
+    Raises
+    ------
+    InvalidInput
+        For bad arguments, a folder that holds something else or was begun with others.
+    CycleMapError
+        Where another process writes to it.
+    OSError
+        Where it cannot be written.
+    ConvergenceError
+        Or UnsupportedContact where a push leads out of what the mechanics can do.
 
-    Raises InvalidInput for bad arguments, a folder that holds something else or was begun with
-    others; CycleMapError where another process writes to it; OSError where it cannot be written;
-    ConvergenceError or UnsupportedContact where a push leads out of what the mechanics can do.
+    Notes
+    -----
+    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) +
+    α_n + ξ_n with ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its
+    loop (to `loop.accuracy`) and α_n the turn by a gripper, if any. The drag back is not
+    recorded. See `record_push` for the series and their accuracy.
 
+    asked : the other fields of `CollectionPlan`.
+
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a
+    run that was broken off and is called again with the same arguments ends with the files of
+    an undisturbed one, bit for bit; what was changed, cut or emptied since it was written is
+    made again, and all pushes behind it.
+
+    Examples
+    --------
     >>> import tempfile
     >>> from cyclemap.evidence.pushes.push_table import load_pushes
     >>> from cyclemap.evidence.recorded_push import RecordingNoise

@@ -52,11 +52,18 @@ class Estimate(float):
     """A number and a bound on its error: everywhere a float, with ``error_bound``, ``lower`` and
     ``upper``.
 
-    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is said
-    where the number is made; inf says that nothing is known.
+    Raises
+    ------
+    InvalidInput
+        For a bound that is negative or nan.
 
-    Raises InvalidInput for a bound that is negative or nan.
+    Notes
+    -----
+    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is
+    said where the number is made; inf says that nothing is known.
 
+    Examples
+    --------
     >>> half = Estimate(0.4999, 0.001)
     >>> half.lower <= 0.5 <= half.upper, half * 2
     (True, 0.9998)

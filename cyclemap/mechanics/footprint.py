@@ -151,9 +151,13 @@ class PointFootprint:
     """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled
     to sum one.
 
-    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest distance
-    from it.
+    Notes
+    -----
+    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest
+    distance from it.
 
+    Examples
+    --------
     >>> PointFootprint(((0.0, 0.0), (2.0, 0.0)), (1.0, 3.0)).centre
     (1.5, 0.0)
     """
@@ -200,9 +204,17 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box,
     where inside, alike.
 
+    Returns
+    -------
+    PointFootprint
+
+    Notes
+    -----
     Ma & Rodriguez (2018) use count = 8. From 2 to 99 (InvalidInput): each point weighs in every
     step of every push.
 
+    Examples
+    --------
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
@@ -226,15 +238,27 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
 
 
 def corner_footprint(outline: Polygon) -> PointFootprint:
-    """Return the footprint of an object that stands on its corners, the same load on each."""
+    """Return the footprint of an object that stands on its corners, the same load on each.
+
+    Returns
+    -------
+    PointFootprint
+        The footprint of an object that stands on its corners, the same load on each.
+    """
     return PointFootprint(outline.vertices, (1.0,) * outline.sides)
 
 
 def load_footprint(path: str | Path) -> PointFootprint:
     """Read support points from a CSV file with the columns x_mm, y_mm, weight (object frame).
 
-    Raises DataFileError, naming file and line, for a missing file or column, or a row that is not
-    three numbers.
+    Returns
+    -------
+    PointFootprint
+
+    Raises
+    ------
+    DataFileError
+        Naming file and line, for a missing file or column, or a row that is not three numbers.
     """
     table = read_csv_table(path)
     columns = ("x_mm", "y_mm", "weight")
@@ -252,6 +276,14 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV
     file.
 
+    Returns
+    -------
+    Footprint
+        The footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV
+        file.
+
+    Examples
+    --------
     >>> parse_footprint("corners", Polygon(((0, 0), (1, 0), (1, 1)))).positions[2]
     (1.0, 1.0)
     """

@@ -87,15 +87,27 @@ FLAT = SurfaceShape()
 class FloorField:
     """How a floor's shape varies with the place of the object's centroid.
 
-    coefficients : (3, 5); of dome, bow cos 2 axis and bow sin 2 axis by X, Y, X^2, X Y, Y^2, with
-        X, Y from the world's origin (the reset's target) in 50 mm, in the units of the shape.
-    reach : m; beyond it the shape stays what it is at that distance.
+    Attributes
+    ----------
+    coefficients : tuple[tuple of float, ...]
+        (3, 5); of dome, bow cos 2 axis and bow sin 2 axis by X, Y, X^2, X Y, Y^2, with X, Y
+        from the world's origin (the reset's target) in 50 mm, in the units of the shape.
+    reach : float
+        m; beyond it the shape stays what it is at that distance.
 
-    The shape is taken once a stroke: a quarter of the rod's way ahead of where a push begins, since
-    an object goes about half as far as the rod, and midway of each leg of a drag. Raises
-    InvalidInput for another shape of the coefficients, values that are not finite, and a reach that
-    is not positive.
+    Raises
+    ------
+    InvalidInput
+        For another shape of the coefficients, values that are not finite, and a reach that is
+        not positive.
 
+    Notes
+    -----
+    The shape is taken once a stroke: a quarter of the rod's way ahead of where a push begins,
+    since an object goes about half as far as the rod, and midway of each leg of a drag.
+
+    Examples
+    --------
     >>> field = FloorField(((1.0, 0, 0, 0, 0), (0, 0, 0, 0, 2.0), (0, 0, 0, 0, 0)), reach=0.2)
     >>> field.bend_at((0.05, 0.1)).tolist()
     [1.0, 8.0, 0.0]

@@ -18,19 +18,26 @@ from cyclemap.mechanics.footprint import Footprint
 class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
 
+    Raises
+    ------
+    InvalidInput
+        Where a value is not finite, an axis is not positive, or the centre lies so far out that
+        some direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be below
+        one.
+
+    Notes
+    -----
     In the material's axes (m, n), turned by `phi` (rad) counter-clockwise from the surface's x
-    axis, the dissipation per unit load and distance is the support function of the limit ellipse
-    (Ma & Rodriguez 2018, Eq. 2):
+    axis, the dissipation per unit load and distance is the support function of the limit
+    ellipse (Ma & Rodriguez 2018, Eq. 2):
 
         h(v) = s + m0 v_m + n0 v_n,   s = sqrt(mu_a^2 v_m^2 + mu_b^2 v_n^2)
 
-    and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2 v_n
-    / s.
+    and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2
+    v_n / s.
 
-    Raises InvalidInput where a value is not finite, an axis is not positive, or the centre lies so
-    far out that some direction of sliding would not dissipate: (m0/mu_a)^2 + (n0/mu_b)^2 must be
-    below one.
-
+    Examples
+    --------
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)
     """
@@ -107,11 +114,21 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
     """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they
     were given.
 
-    The ellipse's centre c = R(φ)(m0, n0) and shape matrix S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ go in a
-    straight line, so that angles that name the same ellipse (φ, φ + π; φ + π/2 with the axes
-    exchanged) make no difference. cᵀ S⁻¹ c, which must be below one, is jointly convex in (c, S).
-    Between the ends mu_a is of the axis nearest to `fresh`'s.
+    Returns
+    -------
+    EllipseFriction
+        The friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they were
+        given.
 
+    Notes
+    -----
+    The ellipse's centre c = R(φ)(m0, n0) and shape matrix S = R(φ) diag(mu_a², mu_b²) R(φ)ᵀ go
+    in a straight line, so that angles that name the same ellipse (φ, φ + π; φ + π/2 with the
+    axes exchanged) make no difference. cᵀ S⁻¹ c, which must be below one, is jointly convex in
+    (c, S). Between the ends mu_a is of the axis nearest to `fresh`'s.
+
+    Examples
+    --------
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0
     (0.353553, 0.3, 0.05)
@@ -140,14 +157,19 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 class LimitSurface:
     """Friction of a whole footprint, in its own frame, per unit load.
 
-    The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy, omega) of
-    the frame's origin; the friction wrench on the object is -grad D (maximum dissipation; Goyal,
-    Ruina & Papadopoulos 1991). Exact footprints are accurate to 1e-10 relative where the outline is
-    at least 1 % as thick as it is long; thinner ones, and those that lean, lose digits in
-    proportion: to 1e-6 at 1e-4, the thinnest that there may be. Of a PressedFootprint, `frame` is
-    the object's orientation on the floor: what the floor's shape turns by against the plate; it is
-    accurate to 1e-10 of the mean load times the shapes' numbers, where those are above one.
+    Notes
+    -----
+    The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy,
+    omega) of the frame's origin; the friction wrench on the object is -grad D (maximum
+    dissipation; Goyal, Ruina & Papadopoulos 1991). Exact footprints are accurate to 1e-10
+    relative where the outline is at least 1 % as thick as it is long; thinner ones, and those
+    that lean, lose digits in proportion: to 1e-6 at 1e-4, the thinnest that there may be. Of a
+    PressedFootprint, `frame` is the object's orientation on the floor: what the floor's shape
+    turns by against the plate; it is accurate to 1e-10 of the mean load times the shapes'
+    numbers, where those are above one.
 
+    Examples
+    --------
     >>> from cyclemap.mechanics import Ellipse, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
     >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R

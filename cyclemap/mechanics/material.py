@@ -45,8 +45,12 @@ class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own
     value holds.
 
-    pusher_friction : coefficient of rod and object. pin_friction_radius : m, of the rod in the
-        ring.
+    Attributes
+    ----------
+    pusher_friction : float or None
+        Coefficient of rod and object.
+    pin_friction_radius : float or None
+        m, of the rod in the ring.
     """
 
     pusher_friction: float | None = None
@@ -57,10 +61,16 @@ class FoundWith:
 class PlatePressure:
     """How a plate rests: shares of its load, or the shape of its underside.
 
-    plate : the name of the `Slider`. inner_share, rim_share, corner_share : of the load, the rest
-        even (`PatchFootprint`), from 0 to 1, together at most 1 (InvalidInput); they belong to the
-        pair of plate and surface. shape : in kPa at 50 mm (`SurfaceShape`), the plate's on every
-        surface; it takes the place of shares (InvalidInput for both).
+    Attributes
+    ----------
+    plate : str
+        The name of the `Slider`.
+    inner_share, rim_share, corner_share : float
+        Of the load, the rest even (`PatchFootprint`), from 0 to 1, together at most 1
+        (InvalidInput); they belong to the pair of plate and surface.
+    shape : SurfaceShape
+        In kPa at 50 mm (`SurfaceShape`), the plate's on every surface; it takes the place of
+        shares (InvalidInput for both).
     """
 
     plate: str
@@ -135,8 +145,15 @@ class FrameShift:
     """What to add to the robot's places (m) to have them in the camera's frame, in the data of one
     plate.
 
-    It belongs to those data, not to the surface: they are replayed with it, nothing is predicted
-    with it. Raises InvalidInput for a shift that is not finite or longer than 20 mm.
+    Raises
+    ------
+    InvalidInput
+        For a shift that is not finite or longer than 20 mm.
+
+    Notes
+    -----
+    It belongs to those data, not to the surface: they are replayed with it, nothing is
+    predicted with it.
     """
 
     plate: str
@@ -160,14 +177,23 @@ class FrameShift:
 class MaterialPosterior:
     """Sets of numbers that the data behind a material allow, drawn from their posterior.
 
-    Samples, not a covariance: the angle of an ellipse is undetermined where it is nearly a circle.
-
-    parameters : names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg, the floor's
+    Attributes
+    ----------
+    parameters : tuple of str
+        Names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg, the floor's
         shape; the same of the worn surface with `worn.` before them; pusher_mu and what else
         [found_with] holds; numbers of a plate as `rect1.rim_share`, `rect1.plate_dome_kpa`.
-    samples : (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name
+    samples : tuple[tuple of float, ...]
+        (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name
         that is unknown or given twice, rows of another length, and numbers that are not finite.
 
+    Notes
+    -----
+    Samples, not a covariance: the angle of an ellipse is undetermined where it is nearly a
+    circle.
+
+    Examples
+    --------
     >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).samples[1]
     (0.26, 0.3)
     """
@@ -212,10 +238,15 @@ class Wear:
     """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way
     (`worn_friction`).
 
-    course : ((cycles, share), ...), how much of that way is gone after some cycles before the last,
+    Attributes
+    ----------
+    course : tuple[tuple[float, float], ...]
+        ((cycles, share), ...), how much of that way is gone after some cycles before the last,
         both increasing, shares in [0, 1], straight between; without it the pace is even. Raises
-        InvalidInput for another course. floor : the worn floor's shape, kPa at 50 mm, to which the
-        fresh one's dome and bow go straight, too; None: it stays.
+        InvalidInput for another course.
+    floor : SurfaceShape or None
+        The worn floor's shape, kPa at 50 mm, to which the fresh one's dome and bow go straight,
+        too; None: it stays.
     """
 
     friction: EllipseFriction
@@ -250,8 +281,12 @@ class CycleNoise:
     """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad)
     over θ0, and memory.
 
-    log_sigma : c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad.
-    correlation : in [0, 1), of successive cycles.
+    Attributes
+    ----------
+    log_sigma : tuple of float
+        c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad.
+    correlation : float
+        In [0, 1), of successive cycles.
     """
 
     log_sigma: tuple[float, ...]
@@ -274,24 +309,41 @@ class CycleNoise:
 class Material:
     """A surface: its name, its point friction against the slider, and the source of the numbers.
 
-    misfit : how far the data lie from what the numbers predict, in words.
-    inferred : whether from how objects moved rather than from forces.
-    found_with : what was identified along with the friction.
-    wear : how it changes; None: not.
-    plates : how plates rest on it; those not named are flat, and on a flat floor press evenly.
-    posterior : what else the data allow; None where that is not known.
-    noise : of a cycle, as measured; None where that is not known.
-    frames : shifts of the frames of the data behind it.
-    floor : the floor's shape, kPa at 50 mm, its axis in the world's frame. A pressure a square
+    Attributes
+    ----------
+    misfit : str
+        How far the data lie from what the numbers predict, in words.
+    inferred : bool
+        Whether from how objects moved rather than from forces.
+    found_with : FoundWith
+        What was identified along with the friction.
+    wear : Wear or None
+        How it changes; None: not.
+    plates : tuple of PlatePressure
+        How plates rest on it; those not named are flat, and on a flat floor press evenly.
+    posterior : MaterialPosterior or None
+        What else the data allow; None where that is not known.
+    noise : CycleNoise or None
+        Of a cycle, as measured; None where that is not known.
+    frames : tuple of FrameShift
+        Shifts of the frames of the data behind it.
+    floor : SurfaceShape
+        The floor's shape, kPa at 50 mm, its axis in the world's frame. A pressure a square
         metre carries over from object to object; what it is in mean pressures depends on the
         object's weight per area.
-    sessions : the floor's shape as it was in single sessions; `floor` is their mean.
-    field : how the floor's shape varies with the place, kPa; None: not.
-    session_spread : standard deviations of dome, bow cos 2 axis and bow sin 2 axis from session to
-        session, kPa; a new session is off by so much.
+    sessions : tuple of FloorSession
+        The floor's shape as it was in single sessions; `floor` is their mean.
+    field : FloorField or None
+        How the floor's shape varies with the place, kPa; None: not.
+    session_spread : tuple[float, float, float]
+        Standard deviations of dome, bow cos 2 axis and bow sin 2 axis from session to session,
+        kPa; a new session is off by so much.
 
-    Raises InvalidInput where a sample of the posterior is no material, or where plates have shares
-    on a floor that has a shape.
+    Raises
+    ------
+    InvalidInput
+        Where a sample of the posterior is no material, or where plates have shares on a floor
+        that has a shape.
     """
 
     name: str

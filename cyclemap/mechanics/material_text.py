@@ -59,6 +59,12 @@ _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "s
 def material_names() -> tuple[str, ...]:
     """Names of the built-in materials.
 
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
     >>> "plywood" in material_names()
     True
     """
@@ -71,19 +77,34 @@ def material_names() -> tuple[str, ...]:
 def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
-    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and it
-    may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn] with
-    `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`); [found_with]
-    with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share, rim_share,
-    corner_share, or plate_dome_kpa, plate_warp_kpa, plate_warp_deg (`PlatePressure`); [floor_shape]
-    with floor_dome_kpa, floor_bow_kpa, floor_bow_deg, and [sessions.NAME] with the same
-    (`FloorSession`); [session_spread] with dome_kpa, bow_x_kpa, bow_y_kpa; [frames.NAME] with
-    shift_x_mm, shift_y_mm (`FrameShift`);
-    [posterior] with `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with
-    `log_sigma` and `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy
-    are passed over: `loop_from_file` reads those. Raises InvalidInput for an unknown
-    name, DataFileError for a file that is missing or is not such a table.
+    Returns
+    -------
+    Material
+        A built-in material by name, or one from a TOML file (a path that ends in .toml).
 
+    Raises
+    ------
+    InvalidInput
+        For an unknown name.
+    DataFileError
+        For a file that is missing or is not such a table.
+
+    Notes
+    -----
+    The file holds a table [friction] with mu_a, mu_b and, where not zero, m0, n0, phi_deg, and
+    it may hold `name`, `provenance`, `misfit`, `inferred` (true or false), and tables: [worn]
+    with `cycles`, the friction after them and a `course` of pairs [cycles, share] (`Wear`);
+    [found_with] with pusher_mu, pin_friction_mm (`FoundWith`); [plates.NAME] with inner_share,
+    rim_share, corner_share, or plate_dome_kpa, plate_warp_kpa, plate_warp_deg
+    (`PlatePressure`); [floor_shape] with floor_dome_kpa, floor_bow_kpa, floor_bow_deg, and
+    [sessions.NAME] with the same (`FloorSession`); [session_spread] with dome_kpa, bow_x_kpa,
+    bow_y_kpa; [frames.NAME] with shift_x_mm, shift_y_mm (`FrameShift`); [posterior] with
+    `parameters` and `samples` (`MaterialPosterior`); [cycle_noise] with `log_sigma` and
+    `correlation` (`CycleNoise`). Tables of object, push, reset, noise and strategy are passed
+    over: `loop_from_file` reads those.
+
+    Examples
+    --------
     >>> load_material("plywood").friction.mu_a
     0.2545
     """
@@ -275,6 +296,13 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
 def material_toml(material: Material) -> str:
     """Return a material as TOML; `load_material` gives it back, angles and lengths to rounding.
 
+    Returns
+    -------
+    str
+        A material as TOML; `load_material` gives it back, angles and lengths to rounding.
+
+    Examples
+    --------
     >>> print(material_toml(Material("slate", EllipseFriction(0.3, 0.2), inferred=True)))
     name = "slate"
     inferred = true

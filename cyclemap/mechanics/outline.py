@@ -20,12 +20,19 @@ class Polygon:
     """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins
     at vertex i.
 
-    Raises InvalidInput for fewer than three vertices, repeated vertices, zero area, crossing sides,
-    or vertices that run clockwise: turned round, their sides would bear other numbers.
+    Raises
+    ------
+    InvalidInput
+        For fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices
+        that run clockwise: turned round, their sides would bear other numbers.
 
+    Notes
+    -----
     From them: array (k, 2), m; area, m^2; centroid, m; extent, the largest distance from the
     centroid, m; sides, how many; is_convex.
 
+    Examples
+    --------
     >>> Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]).area
     2.0
     """
@@ -113,8 +120,12 @@ class Polygon:
 class Ellipse:
     """An ellipse about the frame's origin, semi-axes along x and y, m; a disc when they agree.
 
+    Notes
+    -----
     From them: area, m^2, and extent, m, as of a polygon; the whole outline is side 0.
 
+    Examples
+    --------
     >>> round(Ellipse(1.0, 2.0).area / math.pi, 12)
     2.0
     """

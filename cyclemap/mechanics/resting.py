@@ -12,9 +12,23 @@ from cyclemap.mechanics.foundation import PressedFootprint
 def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLike) -> Array:
     """Return the pressure under places (..., 2), m, object frame, of an object turned by theta.
 
-    theta in rad; pressures in mean pressures, (...), 0 where the object does not rest; places are
-    not asked whether they lie under it. Good to 1e-10. Raises InvalidInput for what is not finite.
+    Returns
+    -------
+    ndarray
+        The pressure under places (..., 2), m, object frame, of an object turned by theta.
 
+    Raises
+    ------
+    InvalidInput
+        For what is not finite.
+
+    Notes
+    -----
+    theta in rad; pressures in mean pressures, (...), 0 where the object does not rest; places
+    are not asked whether they lie under it. Good to 1e-10.
+
+    Examples
+    --------
     >>> import math
     >>> from cyclemap.mechanics import Polygon, SurfaceShape
     >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))

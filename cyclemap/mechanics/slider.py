@@ -164,6 +164,8 @@ class Pusher:
     """A vertical rod: radius in m (zero: a point) and its Coulomb friction coefficient with the
     slider.
 
+    Examples
+    --------
     >>> Pusher().radius
     0.00475
     """

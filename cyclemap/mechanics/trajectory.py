@@ -23,16 +23,17 @@ _STICKS = np.array([mode.law == "stick" for mode in MODES])
 class Trajectory:
     """A motion sampled at the ends of its steps.
 
-    path : (n,) rod travel, m
-    pose : (n, 3) object's x, y (m) and theta (rad)
-    pusher : (n, 2) rod's centre, m
-    contact_point : (n, 2) m; of two contacts at once, the first
-    contact_force : (n, 2) force of the rod on the object, N; of two contacts, their sum
-    mode : (n,) str: stick, slide_left, slide_right, slide_free; in a concave corner wedge_left,
-        wedge_right, wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck
-    phase : (n,) int: number of the stretch under one law to which the sample belongs
-    residual : how far forces are from what the laws ask for, at worst over the samples, relative to
-        the friction coefficients: of the balance, and of the friction cone of the contact
+    Attributes
+    ----------
+    path : ndarray
+        (n,) rod travel, m pose : (n, 3) object's x, y (m) and theta (rad) pusher : (n, 2) rod's
+        centre, m contact_point : (n, 2) m; of two contacts at once, the first contact_force :
+        (n, 2) force of the rod on the object, N; of two contacts, their sum mode : (n,) str:
+        stick, slide_left, slide_right, slide_free; in a concave corner wedge_left, wedge_right,
+        wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck phase :
+        (n,) int: number of the stretch under one law to which the sample belongs residual : how
+        far forces are from what the laws ask for, at worst over the samples, relative to the
+        friction coefficients: of the balance, and of the friction cone of the contact
     """
 
     path: Array
@@ -158,6 +159,8 @@ class PushResult(Stroke):
     """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or
     `left`.
 
+    Notes
+    -----
     A rod leaves where it no longer approaches; one that still sticks then could pull the object
     along by friction for a while: here it leaves. `is_ambiguous`: it came into a concave corner
     from which more than one motion balances all forces, mostly being wedged beside another one;
@@ -197,10 +200,22 @@ class DynamicTrajectory:
     """A motion sampled evenly in time while the rod moves, and once more when the object rests, in
     the world frame.
 
-    time : (n,) s. path : (n,) rod travel, m. pose : (n, 3) object's x, y (m) and theta (rad).
-    velocity : (n, 3) of the centre of mass, m/s, and spin, rad/s. pusher : (n, 2) rod's centre, m.
-    contact_point : (n, 2) m. contact_force : (n, 2) force of the rod on the object, N; zero where
-        they do not touch.
+    Attributes
+    ----------
+    time : ndarray
+        (n,) s.
+    path : ndarray
+        (n,) rod travel, m.
+    pose : ndarray
+        (n, 3) object's x, y (m) and theta (rad).
+    velocity : ndarray
+        (n, 3) of the centre of mass, m/s, and spin, rad/s.
+    pusher : ndarray
+        (n, 2) rod's centre, m.
+    contact_point : ndarray
+        (n, 2) m.
+    contact_force : ndarray
+        (n, 2) force of the rod on the object, N; zero where they do not touch.
     """
 
     time: Array

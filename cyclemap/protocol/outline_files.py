@@ -72,18 +72,34 @@ def read_outline(
 ) -> OutlineFile:
     """Read the outline of an object from a file: the largest closed line of it, holes left out.
 
+    Parameters
+    ----------
+    unit : str, optional
+        "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which `words`
+        say.
+    tolerance : float, optional
+        m, by which the outline may be simplified. Needs the libraries of the extra
+        ``cyclemap[outlines]`` for all but CSV.
+
+    Returns
+    -------
+    OutlineFile
+
+    Raises
+    ------
+    DataFileError
+        Where the file has no closed outline.
+    InvalidInput
+        Where a library is missing.
+
+    Notes
+    -----
     - ``.svg``: paths and shapes, drawn with y down, in the unit of the drawing's width.
     - ``.dxf``: closed polylines, lines that meet, circles, splines, in the drawing's unit.
-    - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`: the
-      foot print.
-    - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two that
-      there are.
-
-    unit : "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which
-        `words` say. tolerance : m, by which the outline may be simplified. Needs the libraries of the extra
-        ``cyclemap[outlines]`` for all but CSV.
-    Raises DataFileError where the file has no closed outline, InvalidInput where a library is
-    missing.
+    - ``.stl`` and other meshes, ``.urdf``: the silhouette from above (along z); `underside`:
+      the foot print.
+    - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two
+      that there are.
     """
     path = Path(path)
     kind = path.suffix.lower()

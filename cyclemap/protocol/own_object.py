@@ -127,10 +127,20 @@ class CheckedCollection:
 def check_collection(path: str | Path) -> CheckedCollection:
     """Look at a collection file as a careful colleague would.
 
-    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment, then,
-    by running the push and drag from 24 orientations, whether the rod runs off the object and
-    whether cycles turn it; last, friction. Raises DataFileError where the file is no collection at
-    all.
+    Returns
+    -------
+    CheckedCollection
+
+    Raises
+    ------
+    DataFileError
+        Where the file is no collection at all.
+
+    Notes
+    -----
+    Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment,
+    then, by running the push and drag from 24 orientations, whether the rod runs off the object
+    and whether cycles turn it; last, friction.
     """
     (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
     told = [

@@ -40,16 +40,29 @@ def write_protocol(
 ) -> None:
     """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
 
+    Parameters
+    ----------
+    noise : float, optional
+        Of one cycle, standard deviation in rad.
+    predicted : Prediction, optional
+        Scores by name (numbers, texts, booleans, lists of them; None is left out), a table that
+        readers pass over.
+
+    Raises
+    ------
+    InvalidInput
+        For a loop that settings cannot say.
+    OSError
+        Where the file cannot be written.
+
+    Notes
+    -----
     The file holds the robot's side of the loop as --set keys (the surface is named in a comment
-    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal one.
-    None: no strategy. Its first line is a
-    checksum of the rest. noise : of one cycle, standard deviation in rad. predicted : scores by
-        name (numbers, texts, booleans, lists of them; None is left out), a table that readers pass
-        over.
+    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal
+    one. None: no strategy. Its first line is a checksum of the rest.
 
-    Raises InvalidInput for a loop that settings cannot say, OSError where the file cannot be
-    written.
-
+    Examples
+    --------
     >>> import tempfile
     >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:
@@ -91,9 +104,21 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its
     strategy.
 
+    Returns
+    -------
+    tuple[Settings, ResetStrategy or None]
+        The settings of a protocol file, in its units (for `loop_from_settings`), and its
+        strategy.
+
+    Raises
+    ------
+    DataFileError
+        Naming file, key and value, where the file is none of settings, or holds no strategy.
+
+    Notes
+    -----
     Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the
-    strategy is None. Raises DataFileError, naming file, key and value, where the file is none of
-    settings, or holds no strategy.
+    strategy is None.
     """
     settings = read_settings(path)
     # Decimals, so that no number is rounded before its unit is known.

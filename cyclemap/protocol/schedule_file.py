@@ -77,14 +77,23 @@ def write_schedule(
     """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of
     `run_strategy`'s `seed`.
 
-    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg
-    that leaves it (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...);
-    gripper_turn_deg. The first line is a checksum of the rest. Every number that `read_schedule`
-    needs has the digits that give it back exactly; the file is written whole or not at all.
+    Raises
+    ------
+    InvalidInput
+        For a bad value or a push that the object does not allow.
+    OSError
+        Where it cannot be written.
 
-    Raises InvalidInput for a bad value or a push that the object does not allow, OSError where it
-    cannot be written.
+    Notes
+    -----
+    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the
+    leg that leaves it (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...);
+    gripper_turn_deg. The first line is a checksum of the rest. Every number that
+    `read_schedule` needs has the digits that give it back exactly; the file is written whole or
+    not at all.
 
+    Examples
+    --------
     >>> import tempfile
     >>> loop = CollectionLoop.mit()
     >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
@@ -159,12 +168,21 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     """Return the actions of a file of `write_schedule`, equal to those written, with their pushes
     and way-points.
 
-    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them: give
-    the loop the one that the file's comments name.
+    Returns
+    -------
+    tuple of CycleAction
 
-    Raises DataFileError, naming the line, where the file is cut short, damaged or edited: a cycle
-    missing or out of order, a field that is no number, legs that do not run between the way-points
-    beside them.
+    Raises
+    ------
+    DataFileError
+        Naming the line, where the file is cut short, damaged or edited: a cycle missing or out
+        of order, a field that is no number, legs that do not run between the way-points beside
+        them.
+
+    Notes
+    -----
+    `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them:
+    give the loop the one that the file's comments name.
     """
     table, facts = _read_commented(path)
     legs = 0

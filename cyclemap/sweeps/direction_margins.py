@@ -37,10 +37,17 @@ SMOOTH = {"saddle-node": 1.0, "period doubling": -1.0}
 class DirectionChange:
     """A value of a setting at which the number of stable directions changes.
 
-    value : SI units or rad. kind : "saddle-node" (a stable direction and an unstable one merge),
-        "period doubling" (it gives way to two that alternate) or "kink" (elsewise, at a kink or a
-        jump of the map). theta : rad, where; nan at a
-    kink. directions : how many stable ones there are beyond it.
+    Attributes
+    ----------
+    value : Estimate
+        SI units or rad.
+    kind : str
+        "saddle-node" (a stable direction and an unstable one merge), "period doubling" (it
+        gives way to two that alternate) or "kink" (elsewise, at a kink or a jump of the map).
+    theta : float
+        rad, where; nan at a kink.
+    directions : int
+        How many stable ones there are beyond it.
     """
 
     value: Estimate
@@ -53,11 +60,19 @@ class DirectionChange:
 class DirectionMargin:
     """How far one setting is from a change of the number of stable directions.
 
-    key : the setting's. value : what the loop has, SI units or rad. directions : how many stable
-        ones it has.
-    below, above : the nearest change on either side; None where there is none down to `low`, or up
-        to `high`, as far as the loop can be run within the usual range. span : length of the usual
-        range.
+    Attributes
+    ----------
+    key : str
+        The setting's.
+    value : float
+        What the loop has, SI units or rad.
+    directions : int
+        How many stable ones it has.
+    below, above : DirectionChange or None
+        The nearest change on either side; None where there is none down to `low`, or up to
+        `high`, as far as the loop can be run within the usual range.
+    span : float
+        Length of the usual range.
     """
 
     key: str

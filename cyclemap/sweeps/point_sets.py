@@ -32,9 +32,17 @@ _MOST_VALUES = 1_000_000
 class SweepAxis:
     """The values that a key takes, in their order: numbers, words, or lists of points.
 
-    Degrees and millimetres as the key's ending says. Raises InvalidInput for an unknown key, a
-    value that the key cannot have, or one that is given twice.
+    Raises
+    ------
+    InvalidInput
+        For an unknown key, a value that the key cannot have, or one that is given twice.
 
+    Notes
+    -----
+    Degrees and millimetres as the key's ending says.
+
+    Examples
+    --------
     >>> SweepAxis("mu_a", (0.2, 0.3)).values
     (0.2, 0.3)
     """
@@ -68,6 +76,8 @@ class SweepAxis:
 class SweepRange:
     """The range of a numeric key that a sample draws from, in the key's units.
 
+    Examples
+    --------
     >>> SweepRange("mu_a", 0.2, 0.4).at(0.5)
     0.30000000000000004
     """
@@ -178,6 +188,8 @@ _MOST_SOBOL = 2**30
 class Grid:
     """Every combination of the values of the axes, the last axis running fastest.
 
+    Examples
+    --------
     >>> grid = Grid((SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("side", (0, 1))))
     >>> len(grid), grid.settings(2)
     (4, {'mu_a': 0.3, 'side': 0.0})
@@ -219,10 +231,15 @@ class Grid:
 class Sample:
     """A number of points spread over ranges (and listed values), the same for the same seed.
 
-    sequence : "sobol", scrambled (Owen 1998), whose points fill the box evenly at any count, best
-        at powers of two; or "uniform", independent points. A longer sample begins with the shorter
+    Attributes
+    ----------
+    sequence : str
+        "sobol", scrambled (Owen 1998), whose points fill the box evenly at any count, best at
+        powers of two; or "uniform", independent points. A longer sample begins with the shorter
         one.
 
+    Examples
+    --------
     >>> sample = Sample((SweepRange("mu_a", 0.2, 0.3),), 4)
     >>> len(sample), all(0.2 <= sample.settings(k)["mu_a"] < 0.3 for k in range(4))
     (4, True)

@@ -70,8 +70,12 @@ def code_version() -> str:
 class Quantity:
     """A number that every point has, or a list of numbers of which it has as many as there are.
 
-    unit : "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
-    many : the name of what a list runs over, empty for a number.
+    Attributes
+    ----------
+    unit : str
+        "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
+    many : str
+        The name of what a list runs over, empty for a number.
     """
 
     name: str
@@ -177,8 +181,14 @@ Values = dict[str, float | tuple[float, ...]]
 class SweptPoint:
     """One point of a sweep.
 
-    number : from 0. settings : all that differ from MIT's on `material`, noise included. swept :
-        the swept keys alone.
+    Attributes
+    ----------
+    number : int
+        From 0.
+    settings : mapping
+        All that differ from MIT's on `material`, noise included.
+    swept : mapping
+        The swept keys alone.
     """
 
     number: int
@@ -202,17 +212,24 @@ class PointOutcome:
 class PortraitNumbers:
     """What a sweep asks of every point: some groups of the portrait's numbers.
 
-    groups : of `GROUPS`; "map" is always among them. tolerance : of the cycle map, rad.
-    rotation_tolerance : turns a cycle; 0 is the portrait's own effort, more ends the iteration
-        earlier.
+    Attributes
+    ----------
+    groups : tuple of str
+        Of `GROUPS`; "map" is always among them.
+    tolerance : float
+        Of the cycle map, rad.
+    rotation_tolerance : float
+        turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
 
-    The defaults are finer than a phase diagram shows. A map known to 1e-4 rad leaves the stationary
-    law uncertain, and tells rotation numbers to 3e-5 turns a cycle at best, however long it is
-    iterated. Where the groups need no law and rotation_tolerance is not 0, a map ten times as
-    coarse as `tolerance` will do, if none within its error has another number of fixed points, and
-    it tells the rotation number as finely as asked; `max_error` says how good a map was. With
-    rotation_tolerance 0 every number equals that of `portrait` at the same tolerance, to the last
-    bit.
+    Notes
+    -----
+    The defaults are finer than a phase diagram shows. A map known to 1e-4 rad leaves the
+    stationary law uncertain, and tells rotation numbers to 3e-5 turns a cycle at best, however
+    long it is iterated. Where the groups need no law and rotation_tolerance is not 0, a map ten
+    times as coarse as `tolerance` will do, if none within its error has another number of fixed
+    points, and it tells the rotation number as finely as asked; `max_error` says how good a map
+    was. With rotation_tolerance 0 every number equals that of `portrait` at the same tolerance,
+    to the last bit.
     """
 
     groups: tuple[str, ...] = CHEAP_GROUPS

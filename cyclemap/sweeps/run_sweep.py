@@ -154,22 +154,42 @@ def run_sweep(
     """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless
     interrupted.
 
-    workers : processes; by default one a core that this one may use,
-        1 for none but this one. executor : run on it instead, be it of threads, processes or a cluster
-        (`distributed.Client.get_executor()`); `workers` then says how many
-        chunks it works on at once. progress : called with the status at the beginning and after every chunk.
+    Parameters
+    ----------
+    workers : int, optional
+        processes; by default one a core that this one may use, 1 for none but this one.
+    executor : Executor, optional
+        Run on it instead, be it of threads, processes or a cluster
+        (`distributed.Client.get_executor()`); `workers` then says how many chunks it works on
+        at once.
+    progress : Progress, optional
+        Called with the status at the beginning and after every chunk.
 
-    Only this process writes. Memory does not grow with the length of the sweep: at most twice as
-    many chunks as workers are on their way. What is found depends neither on the number or kind of
-    workers nor on interruptions, as long as the machines round alike (of several, all with one
-    library of the engine and processors of one kind). Two sweeps into one store at once do no harm,
-    but do the work twice. Scripts that use processes guard their main part by ``if __name__ ==
-    "__main__"``.
+    Returns
+    -------
+    SweepStatus
 
-    On KeyboardInterrupt the chunks at work are awaited and stored, and it is raised again; a second
-    one drops them. Raises StoreWriteError on a full disk, CycleMapError where a worker dies or
-    fails; what was stored is kept in each case. See `SweepStore` for stores that are refused.
+    Raises
+    ------
+    StoreWriteError
+        On a full disk.
+    CycleMapError
+        Where a worker dies or fails; what was stored is kept in each case.
 
+    Notes
+    -----
+    Only this process writes. Memory does not grow with the length of the sweep: at most twice
+    as many chunks as workers are on their way. What is found depends neither on the number or
+    kind of workers nor on interruptions, as long as the machines round alike (of several, all
+    with one library of the engine and processors of one kind). Two sweeps into one store at
+    once do no harm, but do the work twice. Scripts that use processes guard their main part by
+    ``if __name__ == "__main__"``.
+
+    On KeyboardInterrupt the chunks at work are awaited and stored, and it is raised again; a
+    second one drops them. See `SweepStore` for stores that are refused.
+
+    Examples
+    --------
     >>> import tempfile
     >>> from cyclemap.sweeps.portrait_numbers import PortraitNumbers
     >>> quick = PortraitNumbers(("rotation",), tolerance=1e-2)
@@ -296,6 +316,10 @@ class _Run:
 def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus:
     """How far the store at `path` is; with a `plan`, an absent one is at the beginning and
     another's is refused.
+
+    Returns
+    -------
+    SweepStatus
     """
     if plan is not None and not Path(path).exists():
         return SweepStatus(len(plan), 0, 0)

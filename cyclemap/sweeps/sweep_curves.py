@@ -19,10 +19,16 @@ from cyclemap.sweeps.sweep_results import Sweep
 class SweptPlane:
     """A grid over two keys.
 
-    first, second : the axes of rows and columns. planes : quantities with their values (m, n),
-        angles in degrees, nan
-    where there is none. rotation : the rotation numbers, where they were asked for. refused : (m,
-        n).
+    Attributes
+    ----------
+    first, second : SweepAxis
+        The axes of rows and columns.
+    planes : tuple[tuple[Quantity, ndarray], ...]
+        Quantities with their values (m, n), angles in degrees, nan where there is none.
+    rotation : RotationPlane or None
+        The rotation numbers, where they were asked for.
+    refused : ndarray
+        (m, n).
     """
 
     first: SweepAxis
@@ -36,14 +42,22 @@ class SweptPlane:
 class SweptLines:
     """Points over one key.
 
-    axis : the key with the values that are here, in order. parameter : (n,), the values, or 0,
-        1, ... where they are
-    no numbers. lines : quantities with their values (n,), angles in degrees. rotation : the
-        rotation numbers at `rotation_at` (k,), those points that have
-        one; None where there is none. points : of each fixed point, three (p,) arrays: where on
-        the axis, its direction in
-        degrees, whether it is stable; None where they were not asked for.
-    refused : (r,), where on the axis points were refused.
+    Attributes
+    ----------
+    axis : SweepAxis
+        The key with the values that are here, in order.
+    parameter : ndarray
+        (n,), the values, or 0, 1, ... where they are no numbers.
+    lines : tuple[tuple[Quantity, ndarray], ...]
+        Quantities with their values (n,), angles in degrees.
+    rotation : RotationNumbers or None
+        The rotation numbers at `rotation_at` (k,), those points that have one; None where there
+        is none.
+    points : tuple[ndarray, ndarray, ndarray] or None
+        Of each fixed point, three (p,) arrays: where on the axis, its direction in degrees,
+        whether it is stable; None where they were not asked for.
+    refused : ndarray
+        (r,), where on the axis points were refused.
     """
 
     axis: SweepAxis
@@ -75,8 +89,15 @@ def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
     """What can be drawn of a sweep over one key or two; `names` : which quantities, by default
     those that are there.
 
-    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are
-    no numbers, a quantity that was not asked for, or a sweep without points.
+    Returns
+    -------
+    SweptCurves
+
+    Raises
+    ------
+    InvalidInput
+        For more keys (select values of the others first), a sample of keys that are no numbers,
+        a quantity that was not asked for, or a sweep without points.
     """
     if not len(sweep):
         raise InvalidInput("no point of this sweep is stored: there is nothing to draw")

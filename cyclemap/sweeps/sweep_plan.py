@@ -35,17 +35,31 @@ class SweepPlan:
     """A sweep: MIT's loop on a material with settings, changed at each point, and the numbers asked
     of it.
 
-    points : a `Grid` or a `Sample`. material : a name, a TOML file or a `Material`; None only where
-        the points name
-    one. settings : of all points, in degrees and millimetres, by the keys of `--set` and
-        `noise_deg`.
-    numbers : what is asked of each point. footprint_files : digests of the files of support points,
-        by their names.
+    Attributes
+    ----------
+    points : PointSet
+        a `Grid` or a `Sample`.
+    material : str or Path or Material or None
+        a name, a TOML file or a `Material`; None only where the points name one.
+    settings : mapping
+        Of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
+    numbers : PortraitNumbers
+        What is asked of each point.
+    footprint_files : mapping
+        Digests of the files of support points, by their names.
 
-    Raises InvalidInput where a key is unknown, both set and swept, or has a value that it cannot
-    have. Whether a point's values go together is found when it runs: its refusal is then part of
-    the result.
+    Raises
+    ------
+    InvalidInput
+        Where a key is unknown, both set and swept, or has a value that it cannot have.
 
+    Notes
+    -----
+    Whether a point's values go together is found when it runs: its refusal is then part of the
+    result.
+
+    Examples
+    --------
     >>> plan = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-12, -10, -8)})
     >>> len(plan), dict(plan.point(1).settings)
     (6, {'mu_a': 0.2, 'hitch_x_mm': -10.0})

@@ -30,14 +30,26 @@ Wanted = float | str | tuple[float, float] | Sequence[object]
 class Sweep:
     """What a sweep has found so far.
 
-    keys : the swept keys. axes : of a grid, those that are not selected away;
-        () for a sample. quantities : what was
-    asked. number : (n,) of the points that are here, in the plan's order. swept : by key, the n
-        values of the points.
-    columns : by quantity, (n,) in SI units, nan where there is none. lists : by quantity, n arrays
-        of any length.
-    refusals : n texts, empty where nothing was refused. description : what the store tells of its
-        plan.
+    Attributes
+    ----------
+    keys : tuple of str
+        The swept keys.
+    axes : tuple of SweepAxis
+        Of a grid, those that are not selected away; () for a sample.
+    quantities : tuple of Quantity
+        What was asked.
+    number : ndarray
+        (n,) of the points that are here, in the plan's order.
+    swept : mapping
+        By key, the n values of the points.
+    columns : mapping
+        By quantity, (n,) in SI units, nan where there is none.
+    lists : mapping
+        By quantity, n arrays of any length.
+    refusals : tuple of str
+        n texts, empty where nothing was refused.
+    description : mapping
+        What the store tells of its plan.
     """
 
     keys: tuple[str, ...]
@@ -180,7 +192,14 @@ def _same(value: object, wanted: object) -> bool:
 def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     """Read what the store at `path` holds, finished or not; with a `plan`, another's is refused.
 
-    Raises DataFileError for a file that is absent, damaged or no store.
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    DataFileError
+        For a file that is absent, damaged or no store.
     """
     with SweepStore(Path(path), plan) as store:
         description: dict[str, Any] = store.description
@@ -219,6 +238,8 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     """Write one line a point, in the plan's order: its number, swept keys, quantities, lists spread
     out, refusal.
 
+    Notes
+    -----
     The file appears whole or not at all (OSError). The same points give the same bytes, however
     they were found.
     """
@@ -262,9 +283,17 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     """Return the sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is
     `point`.
 
-    Each quantity is a variable with its unit and meaning as attributes; a list has one dimension
-    more, as long as the longest, padded with nan, and a variable `NAME_count` of how many there
-    are. `refusal` is text.
+    Returns
+    -------
+    xarray.Dataset
+        The sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is
+        `point`.
+
+    Notes
+    -----
+    Each quantity is a variable with its unit and meaning as attributes; a list has one
+    dimension more, as long as the longest, padded with nan, and a variable `NAME_count` of how
+    many there are. `refusal` is text.
     """
     import xarray
 

@@ -56,8 +56,14 @@ class SweepStatus:
 class SweepStore(AbstractContextManager["SweepStore"]):
     """An open store; use it in a `with` block.
 
-    Raises DataFileError for a file that is damaged or no store of a sweep, InvalidInput for the
-    store of another plan, StoreWriteError where it cannot be written.
+    Raises
+    ------
+    DataFileError
+        For a file that is damaged or no store of a sweep.
+    InvalidInput
+        For the store of another plan.
+    StoreWriteError
+        Where it cannot be written.
     """
 
     def __init__(self, path: Path, plan: SweepPlan | None = None) -> None:

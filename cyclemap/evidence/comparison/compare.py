@@ -92,11 +92,20 @@ class Verdict:
 class Comparison:
     """A prediction beside data; what could not be asked is None or empty.
 
-    prediction, data : both as they were used; ``data.left_out`` counts what was not. pushes : one a
-        set, the largest
-    first. orientations : the histogram. directions : stable ones and slow zones. staircase : turns,
-        steps, dwells.
-    uncertified : what could not be computed to its tolerance, in words.
+    Attributes
+    ----------
+    prediction, data : Prediction
+        Both as they were used; ``data.left_out`` counts what was not.
+    pushes : tuple of PushAgreement
+        One a set, the largest first.
+    orientations : OrientationAgreement or None
+        The histogram.
+    directions : DirectionAgreement or None
+        Stable ones and slow zones.
+    staircase : StaircaseAgreement or None
+        turns, steps, dwells.
+    uncertified : tuple of str
+        What could not be computed to its tolerance, in words.
     """
 
     prediction: Prediction

@@ -96,19 +96,35 @@ def friction_scan_block(
 ) -> DataBlock:
     """Return friction scans as a block of data.
 
-    scans : columns, or arrays by these names: `direction` (rad, of the motion in the world),
-        `force_along` and `force_across` (N, of the rod on the object, the second to the left of the
-        motion). weight : N, of the object.
+    Parameters
+    ----------
+    scans : pandas.DataFrame or mapping
+        Columns, or arrays by these names: `direction` (rad, of the motion in the world),
+        `force_along` and `force_across` (N, of the rod on the object, the second to the left of
+        the motion).
+    weight : float
+        N, of the object.
 
-    Carried in translation all points of the object slide alike, however the pressure is spread, and
-    the force is the weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2). Rows are
-    along then across for each scan; scans in one direction are one group, so that what a
-    direction's repeats have in common is not taken for evidence. With fewer than four directions
-    each row stands for itself: so few groups cannot tell their scatter.
+    Returns
+    -------
+    DataBlock
+        Friction scans as a block of data.
 
-    Raises InvalidInput for columns that are missing or hold what is no number (NaN: leave such
-    scans out).
+    Raises
+    ------
+    InvalidInput
+        For columns that are missing or hold what is no number (NaN: leave such scans out).
 
+    Notes
+    -----
+    Carried in translation all points of the object slide alike, however the pressure is spread,
+    and the force is the weight times the traction of one point (Ma & Rodriguez 2018, Eq. 2).
+    Rows are along then across for each scan; scans in one direction are one group, so that what
+    a direction's repeats have in common is not taken for evidence. With fewer than four
+    directions each row stands for itself: so few groups cannot tell their scatter.
+
+    Examples
+    --------
     >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
     >>> residual, _ = friction_scan_block(scans, 8.0).residuals(SurfaceParameters(math.log(0.25)).values())
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
@@ -167,13 +183,29 @@ def friction_ellipse_from_scans(
     """Identify the friction ellipse from friction scans alone; arguments as in
     `friction_scan_block`.
 
-    noise : N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72
+    Parameters
+    ----------
+    noise : float, optional
+        N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72
         directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
         repeats of a direction share most of their error.
-    Scans in fewer than three directions leave the ellipse open: the estimates then say that they
-    are not identifiable. Raises ConvergenceError where the noise can be told from nothing: without
-    repeats of a direction or `noise`.
 
+    Returns
+    -------
+    Identification
+
+    Raises
+    ------
+    ConvergenceError
+        Where the noise can be told from nothing: without repeats of a direction or `noise`.
+
+    Notes
+    -----
+    Scans in fewer than three directions leave the ellipse open: the estimates then say that
+    they are not identifiable.
+
+    Examples
+    --------
     >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
     >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
     >>> round(friction_ellipse_from_scans(scans, 8.0).friction().mu_a, 5)
@@ -188,11 +220,15 @@ class WrenchTwists:
     """Wrenches that kept an object moving, and its twists then, both in its own frame about its
     origin.
 
-    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none of
-        them zero.
+    Raises
+    ------
+    InvalidInput
+        For shapes that do not agree, what is not finite, rest, and wrenches of the wrong sign.
 
-    Raises InvalidInput for shapes that do not agree, what is not finite, rest, and wrenches of the
-    wrong sign.
+    Notes
+    -----
+    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none
+    of them zero.
     """
 
     wrench: Array
@@ -266,14 +302,22 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     """Return pairs of wrench and twist as a block of data on `friction_scale`, the floor's dome and
     the plate's shape.
 
-    Pairs of one place of contact share their errors (`WrenchTwists.contact_pieces`). The wrench is
-    the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991). The
-    torque is divided by the outline's extent, so that all rows are in N.
+    Returns
+    -------
+    DataBlock
 
-    The object's orientation in the world is not in such data: friction is taken as isotropic, and a
-    floor's bow, which the plate turns against, is left out. Twists are taken as exact: their noise
-    makes weight near the rim look less.
+    Notes
+    -----
+    Pairs of one place of contact share their errors (`WrenchTwists.contact_pieces`). The wrench
+    is the weight times grad D of the footprint at the twist (Goyal, Ruina & Papadopoulos 1991).
+    The torque is divided by the outline's extent, so that all rows are in N.
 
+    The object's orientation in the world is not in such data: friction is taken as isotropic,
+    and a floor's bow, which the plate turns against, is left out. Twists are taken as exact:
+    their noise makes weight near the rim look less.
+
+    Examples
+    --------
     >>> from cyclemap.mechanics import Slider
     >>> square, twist = Slider.mit("rect1"), [[0.0, 0.01, 0.0]]
     >>> block = wrench_twist_block(WrenchTwists([[0.0, 0.25 * square.weight, 0.0]], twist), square)

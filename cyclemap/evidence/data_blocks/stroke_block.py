@@ -100,11 +100,18 @@ def push_end_block(
 ) -> DataBlock:
     """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
 
-    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have
-    them in the frame of the object's poses. Where rods were set by marks on the object, each is off
-    its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]` of the seventh;
-    first_set is then the number of the first. With a target (m, where resets end), also how the
-    floor's shape varies with the place about it.
+    Returns
+    -------
+    DataBlock
+        The block of where pushes ended: place (m) and orientation (rad), grouped by contact.
+
+    Notes
+    -----
+    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to
+    have them in the frame of the object's poses. Where rods were set by marks on the object,
+    each is off its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]`
+    of the seventh; first_set is then the number of the first. With a target (m, where resets
+    end), also how the floor's shape varies with the place about it.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
     shifts = TIP_OFFSET if first_set is None else rods_set(first_set, len(pushes))
@@ -154,7 +161,16 @@ def drag_turn_block(
     """Return the block of how far drags turned the object (rad), each ring going straight to where
     it ended.
 
-    target : as of `push_end_block`.
+    Parameters
+    ----------
+    target : Place, optional
+        As of `push_end_block`.
+
+    Returns
+    -------
+    DataBlock
+        The block of how far drags turned the object (rad), each ring going straight to where it
+        ended.
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
@@ -382,17 +398,27 @@ def cycle_pair_block(
 ) -> DataBlock:
     """Return the block of measured turns of whole cycles, rad, set against the cycle map of a loop.
 
-    loop : who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
-        unknowns'.
-    theta, turn (n,) : rad, orientation before a push and how
-        far the cycle turned the object. groups (n,) : labels.
-    share (n,) or None : how worn the surface was, 0 fresh to 1 at the end of the data; the turn is
-        then blended linearly between the two, its ends having an ellipse and a floor each, the worn
-        one's `worn_...`.
-    nodes : angles at which cycles are computed; between them a trigonometric polynomial, so the map
+    Parameters
+    ----------
+    loop : CollectionLoop
+        Who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
+        unknowns'. theta, turn (n,) : rad, orientation before a push and how far the cycle
+        turned the object. groups (n,) : labels. share (n,) or None : how worn the surface was,
+        0 fresh to 1 at the end of the data; the turn is then blended linearly between the two,
+        its ends having an ellipse and a floor each, the worn one's `worn_...`.
+    nodes : int, optional
+        Angles at which cycles are computed; between them a trigonometric polynomial, so the map
         must be smooth.
 
-    Raises InvalidInput where shapes differ or nothing is given.
+    Returns
+    -------
+    DataBlock
+        The block of measured turns of whole cycles, rad, set against the cycle map of a loop.
+
+    Raises
+    ------
+    InvalidInput
+        Where shapes differ or nothing is given.
     """
     angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
     if angles.size == 0 or measured.shape != angles.shape:

@@ -68,24 +68,39 @@ Function = Callable[[Values], tuple[Array, Array]]
 class DataBlock:
     """Data of one sort, set against a prediction that depends on named parameters.
 
-    parameters : names of the k unknowns. function : values by name -> residuals (n,), predicted
-        less measured in the data's own units, and derivatives (n, k). Where the model has no answer
-        it raises InvalidInput, ConvergenceError or UnsupportedContact, and the search turns back.
-    groups (n,) : whole numbers; rows of one label share their errors and are left out together.
-    kinds (n,) : which noise each row has, such as `push turn (rad)`, one size of noise a kind; one
-        name does for all.
-    own_parameters : unknowns that belong to these data alone.
-    part : rows (m,) -> the function of these rows alone, where that is quicker than to leave out
+    Attributes
+    ----------
+    parameters : tuple of str
+        Names of the k unknowns.
+    function : Function
+        Values by name -> residuals (n,), predicted less measured in the data's own units, and
+        derivatives (n, k). Where the model has no answer it raises InvalidInput,
+        ConvergenceError or UnsupportedContact, and the search turns back. groups (n,) : whole
+        numbers; rows of one label share their errors and are left out together. kinds (n,) :
+        which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
+        does for all.
+    own_parameters : tuple of Parameter
+        Unknowns that belong to these data alone.
+    part : callable or None
+        Rows (m,) -> the function of these rows alone, where that is quicker than to leave out
         the others.
-    motions : (s, 2) rad, orientation before each stroke or cycle
-        and its measured turn, for pictures. curve : of cycles: values, angles (a,), whether at the end of the wear ->
-        predicted turns (a,).
-    asked : what `function` calls the parameters, where they have other names.
-    stayed : of strokes: values -> after how many the object is taken to be where it was, since the
+    motions : ndarray or None
+        (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures.
+    curve : callable or None
+        Of cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
+    asked : tuple of str
+        What `function` calls the parameters, where they have other names.
+    stayed : callable or None
+        Of strokes: values -> after how many the object is taken to be where it was, since the
         rod misses it or the motion has no answer.
 
-    Raises InvalidInput where shapes do not agree.
+    Raises
+    ------
+    InvalidInput
+        Where shapes do not agree.
 
+    Examples
+    --------
     >>> line = DataBlock("line", ("slope",), lambda v: (v["slope"] - np.ones(2), np.ones((2, 1))), [0, 1], "m")
     >>> line.residuals({"slope": 3.0})[0]
     array([2., 2.])

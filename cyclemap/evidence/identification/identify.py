@@ -188,10 +188,20 @@ class Estimate:
 class Identification:
     """Parameters identified from data.
 
-    priors : what was believed (value, standard deviation). errors : by block and kind. fit : the
-        minimum of the best
-    start. uncertainty : to first order. notes : all that qualifies the result, in words. problem :
-        what was solved.
+    Attributes
+    ----------
+    priors : mapping
+        What was believed (value, standard deviation).
+    errors : tuple of KindErrors
+        By block and kind.
+    fit : Fit
+        The minimum of the best start.
+    uncertainty : Uncertainty
+        To first order.
+    notes : tuple of str
+        All that qualifies the result, in words.
+    problem : JointProblem
+        What was solved.
     """
 
     estimates: tuple[Estimate, ...]

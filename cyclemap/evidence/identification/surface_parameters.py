@@ -53,13 +53,25 @@ ROUNDEST = 1e-6
 class Parameter:
     """One unknown.
 
-    description : in plain words, for reports. unit : SI; 1 for a pure number.
-    lower, upper : bounds; infinite where there is none. start : where a search begins, strictly
-        between the bounds.
-    scale : a change that matters; starts are drawn within two scales of `start`.
-    nominal : the value taken where the parameter is neither free nor given; `start` if left out.
+    Attributes
+    ----------
+    description : str
+        In plain words, for reports.
+    unit : str
+        SI; 1 for a pure number.
+    lower, upper : float
+        bounds; infinite where there is none.
+    start : float
+        Where a search begins, strictly between the bounds.
+    scale : float
+        a change that matters; starts are drawn within two scales of `start`.
+    nominal : float or None
+        The value taken where the parameter is neither free nor given; `start` if left out.
 
-    Raises InvalidInput where the numbers contradict each other.
+    Raises
+    ------
+    InvalidInput
+        Where the numbers contradict each other.
     """
 
     name: str
@@ -91,6 +103,8 @@ class ParameterSpace:
     """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,)
     each.
 
+    Examples
+    --------
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
     array([3.])
@@ -277,16 +291,27 @@ def floor_field(values: Mapping[str, float]) -> FloorField | None:
 class SurfaceParameters:
     """Values of the unknowns of a surface, rod and ring; `SURFACE` describes each.
 
-    friction_scale : log sqrt(mu_a mu_b). ellipticity_x, ellipticity_y : log(mu_a/mu_b) (cos 2 phi,
-        sin 2 phi).
-    offset_x, offset_y : R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame. pusher_friction :
-        coefficient of rod on object.
-    floor_... : of the floor's shape, world frame, plate_... : of the plate's, its own frame; kPa at
-        50 mm.
-    pin_friction_radius : m.
+    Attributes
+    ----------
+    friction_scale : float
+        Log sqrt(mu_a mu_b).
+    ellipticity_x, ellipticity_y : float
+        log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
+    offset_x, offset_y : float
+        R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame.
+    pusher_friction : float
+        Coefficient of rod on object. floor_... : of the floor's shape, world frame, plate_... :
+        of the plate's, its own frame; kPa at 50 mm.
+    pin_friction_radius : float
+        m.
 
-    Raises InvalidInput for a value that is not finite or beyond its bounds.
+    Raises
+    ------
+    InvalidInput
+        For a value that is not finite or beyond its bounds.
 
+    Examples
+    --------
     >>> surface = SurfaceParameters.from_friction(EllipseFriction(0.3, 0.2, phi=0.5))
     >>> round(surface.to_friction().mu_a, 12), round(surface.to_friction().phi, 12)
     (0.3, 0.5)

@@ -56,14 +56,20 @@ class WornLaw:
     """A periodic law that wears: its coefficients are Σ_j P_j(s) coefficients[j], s the cycle
     scaled to [-1, 1].
 
-    coefficients : (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in
+    Attributes
+    ----------
+    coefficients : ndarray
+        (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in
         ``PeriodicLaw``.
-    first, last : the cycles s = -1 and s = 1; outside them the law stays as it is at the nearer
-        one.
-    whole : the law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does
+    first, last : float
+        The cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
+    whole : PeriodicLaw
+        The law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does
         not wear.
-    covariance : (degree + 1, 2K + 1, degree + 1, 2K + 1). rmse_by_order : (degrees, orders), as in
-        ``PeriodicLaw``.
+    covariance : ndarray
+        (degree + 1, 2K + 1, degree + 1, 2K + 1).
+    rmse_by_order : ndarray or None
+        (degrees, orders), as in ``PeriodicLaw``.
     """
 
     coefficients: Array
@@ -114,15 +120,28 @@ def fit_worn_law(
     """Fit a Fourier series in θ whose coefficients are polynomials of the cycle number, in least
     squares.
 
-    theta, value, cycle : (n,), radians, any unit, and numbers of the cycles; the rows in order of
-        recording.
-    harmonics, degree : the two orders; what is None is chosen, both together, as in
-        ``fit_periodic_law``: by blocks of successive cycles left out, the fewest coefficients
-        within one standard error of the best.
-    noise_harmonics, seed : as in ``fit_periodic_law``.
+    Parameters
+    ----------
+    theta, value, cycle : array_like
+        (n,), radians, any unit, and numbers of the cycles; the rows in order of recording.
+    harmonics, degree : int, optional
+        The two orders; what is None is chosen, both together, as in ``fit_periodic_law``: by
+        blocks of successive cycles left out, the fewest coefficients within one standard error
+        of the best.
+    noise_harmonics, seed : int, optional
+        As in ``fit_periodic_law``.
 
-    Raises InvalidInput as there, and where all cycles are the same.
+    Returns
+    -------
+    WornLaw
 
+    Raises
+    ------
+    InvalidInput
+        As there, and where all cycles are the same.
+
+    Examples
+    --------
     >>> n = np.arange(400.0)
     >>> worn = fit_worn_law(2.4 * n, (1.0 + n / 100) * np.cos(2.4 * n), n, harmonics=1, degree=1)
     >>> worn.at(100.0).coefficients.round(9).tolist()[1]
@@ -164,8 +183,12 @@ def _polynomials(cycles: Array, first: float, last: float, degree: int) -> Array
 class FittedMap:
     """The lift θ → θ + law(θ) that fits measured pairs, and how sure it is.
 
-    law : the law of the turn (rad), all pairs alike: wear is in its scatter.
-    wear : the law that changes with the cycle, with its own scatter; None where no cycle numbers
+    Attributes
+    ----------
+    law : PeriodicLaw
+        The law of the turn (rad), all pairs alike: wear is in its scatter.
+    wear : WornLaw or None
+        The law that changes with the cycle, with its own scatter; None where no cycle numbers
         were given.
     """
 
@@ -234,18 +257,34 @@ def fit_map(
 ) -> FittedMap:
     """Fit the cycle map to measured pairs: the turn θ_next - θ as a Fourier series of θ.
 
-    theta, theta_next : (n,) radians in order of recording, ``theta_next`` lifted: the difference is
-        the turn. Where all images lie within one turn, and turns of neighbouring angles differ by
-        whole ones, they were wrapped: whole turns are then added so that neighbours agree, and the
+    Parameters
+    ----------
+    theta, theta_next : array_like
+        (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
+        Where all images lie within one turn, and turns of neighbouring angles differ by whole
+        ones, they were wrapped: whole turns are then added so that neighbours agree, and the
         middle turn lies in [-π, π).
-    cycle : (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice
+    cycle : array_like, optional
+        (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice
         of ``harmonics`` and polynomial degree (``wear_degree`` None chooses up to 4), see
         ``fit_worn_law``.
+
+    Returns
+    -------
+    FittedMap
+
+    Raises
+    ------
+    InvalidInput
+        For lists of different lengths, values that are not finite, too few pairs, and turns
+        that jump by a whole one where images are not all within one turn.
+
+    Notes
+    -----
     The rest is as in ``fit_periodic_law``.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, too few pairs,
-    and turns that jump by a whole one where images are not all within one turn.
-
+    Examples
+    --------
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
     >>> round(float(fitted.map.derivative(0.0)), 9), fitted.pairs
@@ -330,9 +369,13 @@ class FittedStaircase:
 class MeasuredStaircase:
     """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
 
-    steps : the dwells and steps found in the path, without a model. foretold : what the map fitted
-        to its pairs makes of it; None where the pairs do not fix a map all around, and `problem`
-        says why.
+    Attributes
+    ----------
+    steps : Steps
+        The dwells and steps found in the path, without a model.
+    foretold : FittedStaircase or None
+        What the map fitted to its pairs makes of it; None where the pairs do not fix a map all
+        around, and `problem` says why.
     """
 
     path: Array
@@ -352,7 +395,14 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     """Find the steps of the measured path, fit its map, and predict the staircase from that: wear
     counts as noise.
 
-    Raises InvalidInput where the order of the pushes is unknown, or the turns have no noise.
+    Returns
+    -------
+    MeasuredStaircase
+
+    Raises
+    ------
+    InvalidInput
+        Where the order of the pushes is unknown, or the turns have no noise.
     """
     path = pairs.unbroken.path
     if path is None:

@@ -158,17 +158,27 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
 class PeriodicLaw:
     """The law y(θ) = c_0 + Σ_k c_k cos kθ + s_k sin kθ, in the unit of the values it was fitted to.
 
-    coefficients : (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ... covariance : (2K + 1, 2K + 1)
-        of these.
-    log_variance : (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for
+    Attributes
+    ----------
+    coefficients : ndarray
+        (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ...
+    covariance : ndarray
+        (2K + 1, 2K + 1) of these.
+    log_variance : ndarray
+        (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for
         constant scatter.
-    sigma : root mean square scatter of one value about the law, degrees of freedom counted. rmse :
-        of the residuals.
-    count, mean, total_std : of the values fitted. lag_correlation : of each residual with the next
-        in order of recording; far from 0, the covariance, that of independent residuals, is too
-        small.
-    rmse_by_order : (orders,) root mean square error in values left out, by order, inf where it
-        cannot be fitted; None where the order was given.
+    sigma : float
+        Root mean square scatter of one value about the law, degrees of freedom counted.
+    rmse : float
+        Of the residuals.
+    count, mean, total_std : int
+        Of the values fitted.
+    lag_correlation : float
+        Of each residual with the next in order of recording; far from 0, the covariance, that
+        of independent residuals, is too small.
+    rmse_by_order : ndarray or None
+        (orders,) root mean square error in values left out, by order, inf where it cannot be
+        fitted; None where the order was given.
     """
 
     coefficients: Array
@@ -273,19 +283,32 @@ def fit_periodic_law(
 ) -> PeriodicLaw:
     """Fit a Fourier series in θ to values measured at ``theta``, in least squares.
 
-    theta, value : (n,), radians and any unit, in order of recording where the order is to be
-        chosen.
-    harmonics : the order; None chooses it from 0 to ``max_harmonics`` by ten-fold cross-validation
+    Parameters
+    ----------
+    theta, value : array_like
+        (n,), radians and any unit, in order of recording where the order is to be chosen.
+    harmonics : int, optional
+        The order; None chooses it from 0 to ``max_harmonics`` by ten-fold cross-validation
         whose folds are made of blocks of successive cycles, dealt by ``seed``, with the
         one-standard-error rule on paired differences.
-    noise_harmonics : the order of the log-variance of the scatter in θ; 0 takes it constant, None
-        chooses from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
-        maximum likelihood, and its order is chosen twice: with equal weights, then with the weights
-        1/variance (of mean 1) of that first law.
+    noise_harmonics : int, optional
+        The order of the log-variance of the scatter in θ; 0 takes it constant, None chooses
+        from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
+        maximum likelihood, and its order is chosen twice: with equal weights, then with the
+        weights 1/variance (of mean 1) of that first law.
 
-    Raises InvalidInput for lists of different lengths, values that are not finite, and too few
-    values for the order.
+    Returns
+    -------
+    PeriodicLaw
 
+    Raises
+    ------
+    InvalidInput
+        For lists of different lengths, values that are not finite, and too few values for the
+        order.
+
+    Examples
+    --------
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
     >>> law.coefficients.round(9).tolist()[:2], round(float(law(np.pi)), 9)

@@ -37,15 +37,28 @@ _NARROWEST = 0.002
 class CircularLaw:
     """A law on the circle, tabulated once so that many samples can be set against it.
 
-    density : vectorised callable of angles in [0, 2π] (radians), per radian, period 2π; cells : of
-        the table, equal.
+    Attributes
+    ----------
+    density : Density
+        Vectorised callable of angles in [0, 2π] (radians), per radian, period 2π;
+    cells : int
+        Of the table, equal.
 
-    The distribution function is integrated by Simpson's rule and is a monotone cubic inside each
-    cell (slopes limited as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a smooth
-    positive density, O(h³) where it touches 0, O(h) beside a jump. The table is rescaled to mass 1.
-    Raises InvalidInput where the density is not finite, negative, not vectorised, or further than 1
-    % from integrating to 1.
+    Raises
+    ------
+    InvalidInput
+        Where the density is not finite, negative, not vectorised, or further than 1 % from
+        integrating to 1.
 
+    Notes
+    -----
+    The distribution function is integrated by Simpson's rule and is a monotone cubic inside
+    each cell (slopes limited as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a
+    smooth positive density, O(h³) where it touches 0, O(h) beside a jump. The table is rescaled
+    to mass 1.
+
+    Examples
+    --------
     >>> law = CircularLaw(lambda theta: (1 + np.cos(theta)) / (2 * np.pi))
     >>> round(float(law.cumulative(np.pi / 2)), 12) == round(0.25 + 1 / (2 * np.pi), 12)
     True
@@ -126,16 +139,33 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     """Wasserstein distance of order 1 on the circle, radians, in [0, π]: shape (...), a number for
     one sample.
 
+    Parameters
+    ----------
+    sample : Any
+        (..., n), radians, any turn; each row is a sample of its own.
+    law : Any
+        a ``CircularLaw``, or a second sample (m,), with which ``sample`` must be (n,). Between
+        two samples it is exact to rounding. Against a law, G is taken as linear between the
+        table's knots and the sample's angles: an error of at most h²/8 times the total
+        variation of the density, h = 2π/cells; about 1e-6 rad for a density with one peak of
+        height 1.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    InvalidInput
+        For an empty sample and numbers that are not finite.
+
+    Notes
+    -----
     W1 = ∫ |F - G - median(F - G)| dθ, F and G the distribution functions from any origin, the
     median over the uniform measure (Rabin, Delon & Gousseau 2011).
 
-    sample : (..., n), radians, any turn; each row is a sample of its own. law : a ``CircularLaw``,
-        or a second sample (m,), with which ``sample`` must be (n,). Between two samples it is exact
-        to rounding. Against a law, G is taken as linear between the table's knots and the sample's
-        angles: an error of at most h²/8 times the total variation of the density, h = 2π/cells;
-        about 1e-6 rad for a density with one peak of height 1.
-    Raises InvalidInput for an empty sample and numbers that are not finite.
-
+    Examples
+    --------
     >>> round(float(circular_wasserstein([0.1, 0.1], [6.2])), 6)
     0.183185
     """
@@ -195,10 +225,18 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
     """Total variation distance ½ Σ |share of the sample - probability| over equal bins of [0, 2π),
     in [0, 1].
 
-    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so
-        that it is at most the distance of the laws themselves; n independent orientations from the
-        law itself lie Σ √(P(1 - P)/(2πn)) away on average, more where they are autocorrelated.
+    Returns
+    -------
+    ndarray
 
+    Notes
+    -----
+    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so
+    that it is at most the distance of the laws themselves; n independent orientations from the
+    law itself lie Σ √(P(1 - P)/(2πn)) away on average, more where they are autocorrelated.
+
+    Examples
+    --------
     >>> float(total_variation([0.5, 1.0, 2.0, 3.0], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)), 2))
     0.5
     """
@@ -223,12 +261,21 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
 class PValue:
     """A Monte Carlo p-value and what it rests on.
 
-    value : (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1]
-        (Davison & Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of runs.
-    runs : simulated statistics. statistic : the observed one. null_quantiles : the simulated ones
-        at ``LEVELS``.
-    standard_error : of ``value`` by the finite number of runs: the posterior standard deviation of
-        the true p after a uniform prior, which is never 0.
+    Attributes
+    ----------
+    value : float
+        (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1]
+        (Davison & Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of
+        runs.
+    runs : int
+        Simulated statistics.
+    statistic : float
+        The observed one.
+    null_quantiles : ndarray
+        The simulated ones at ``LEVELS``.
+    standard_error : float
+        Of ``value`` by the finite number of runs: the posterior standard deviation of the true
+        p after a uniform prior, which is never 0.
     """
 
     LEVELS: ClassVar[tuple[float, ...]] = (0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
@@ -260,9 +307,18 @@ def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
     """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960); it does not depend on the
     origin of the angles.
 
-    sample : (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty
+    Parameters
+    ----------
+    sample : Any
+        (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty
         sample.
 
+    Returns
+    -------
+    ndarray
+
+    Examples
+    --------
     >>> round(float(kuiper_statistic([0.0, np.pi], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)))), 12)
     0.5
     """
@@ -276,6 +332,10 @@ def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
 def watson_statistic(sample: Any, law: CircularLaw) -> Array:
     """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n); the rest as of
     ``kuiper_statistic``.
+
+    Returns
+    -------
+    ndarray
     """
     reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     size = reached.shape[-1]
@@ -287,12 +347,25 @@ def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
     """Angles in [0, 2π) of the maxima of a wrapped normal kernel estimate of the density, sorted,
     shape (k,).
 
-    theta : shape (n,), radians, any turn. bandwidth : radians, the kernel's standard deviation,
-        0.002 to π.
+    Parameters
+    ----------
+    theta : Any
+        Shape (n,), radians, any turn.
+    bandwidth : float, optional
+        radians, the kernel's standard deviation, 0.002 to π.
+
+    Returns
+    -------
+    ndarray
+
+    Notes
+    -----
     The estimate is a finite Fourier series, exactly: p = 1/2π + (1/π) Σ e^(-h²k²/2) Re(c_k*
     e^(ikθ)), c_k the mean of e^(ikθ). Maxima that rise less than a tenth of the uniform density
     above the dips beside them are left out.
 
+    Examples
+    --------
     >>> kernel_modes([1.0, 1.0, 4.0]).round(6).tolist()
     [1.0, 4.0]
     """

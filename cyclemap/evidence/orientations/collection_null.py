@@ -34,8 +34,13 @@ _APART = 1_000  # between the seeds of two samples
 class CollectionModel:
     """θ_{n+1} = F_n(θ_n) + ξ_n: a map, fixed or drifting, and its noise.
 
-    first : of a drifting map, the cycle that a collection begins with. samples : maps of a
-        posterior's samples, from which simulated collections then come in turn, not from ``map``.
+    Attributes
+    ----------
+    first : int
+        Of a drifting map, the cycle that a collection begins with.
+    samples : tuple[CircleMap or DriftingMap, ...]
+        Maps of a posterior's samples, from which simulated collections then come in turn, not
+        from ``map``.
     """
 
     map: CircleMap | DriftingMap
@@ -97,9 +102,18 @@ def simulated_ensemble(
     """Simulate ``count`` collections of ``length`` orientations from ``start`` (rad), with the law
     of what they record.
 
-    The law is the mean over the collections' cycles of the noise's density about the image of each
-    orientation: no bandwidth is chosen, and wear and the approach from the start are in it.
+    Returns
+    -------
+    Ensemble
 
+    Notes
+    -----
+    The law is the mean over the collections' cycles of the noise's density about the image of
+    each orientation: no bandwidth is chosen, and wear and the approach from the start are in
+    it.
+
+    Examples
+    --------
     >>> from cyclemap.maps import WrappedNormal
     >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
     >>> law = simulated_ensemble(model, 0.0, 401, 50, seed=0).law
@@ -158,25 +172,45 @@ def collection_p_values(
     """P-values of a path of orientations under a map that may wear, autocorrelation and fitted
     parameters included.
 
+    Parameters
+    ----------
+    theta : Any
+        (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the
+        climb.
+    statistics : mapping, optional
+        By name; None takes ``collection_statistics()``.
+    refit : CollectionRefit, optional
+        None for a model given in full, else what fits a path (n,), unwrapped, to a model, by
+        the rule that made ``model`` of ``theta``: each simulated collection is then set against
+        an ensemble of its own fit, as the measured one is (parametric bootstrap).
+    ensemble : Ensemble, optional
+        Of the model, where it is at hand; it must come from another seed than ``seed`` and
+        ``seed`` + 1.
+    progress : callable, optional
+        Called with the fraction done, in (0, 1].
+
+    Returns
+    -------
+    dict[str, PValue]
+
+    Raises
+    ------
+    InvalidInput
+        For a path or counts that cannot be used; what ``refit`` raises passes through.
+
+    Notes
+    -----
     The null is the same statistics of ``runs`` simulated collections, as long and from the same
     start.
 
-    theta : (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the
-        climb.
-    statistics : by name; None takes ``collection_statistics()``.
-    refit : None for a model given in full, else what fits a path (n,), unwrapped, to a model, by
-        the rule that made ``model`` of ``theta``: each simulated collection is then set against an
-        ensemble of its own fit, as the measured one is (parametric bootstrap).
-    ensemble : of the model, where it is at hand; it must come from another seed than ``seed`` and
-        ``seed`` + 1.
-    progress : called with the fraction done, in (0, 1].
-
     Without ``refit`` the values are exact: P(p ≤ a) ≤ a under the null for any n and ``runs``
-    (Davison & Hinkley 1997, chapter 4), whatever the ensemble's size. With it they are so to first
-    order in the error of the fit: true models that wear, fitted with two harmonics to 300 cycles,
-    are measured to be rejected at the 5 % level in 3 to 6 % of runs, at 10 % in 6 to 11 %. Raises
-    InvalidInput for a path or counts that cannot be used; what ``refit`` raises passes through.
+    (Davison & Hinkley 1997, chapter 4), whatever the ensemble's size. With it they are so to
+    first order in the error of the fit: true models that wear, fitted with two harmonics to 300
+    cycles, are measured to be rejected at the 5 % level in 3 to 6 % of runs, at 10 % in 6 to 11
+    %.
 
+    Examples
+    --------
     >>> from cyclemap.maps import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.arnold(0.05, 0.3)), (200, CircleMap.arnold(0.1, 0.3))])
     >>> model = CollectionModel(worn, WrappedNormal(0.2))

@@ -57,12 +57,22 @@ class Knowledge:
 class PushPlan:
     """Pushes to make, in the order in which they tell most, and what they will tell.
 
-    ends (n, 3) : where each is likely to end, m and rad, in the frame of the room. knowledge :
-        before any push, then
-    after some. without : after all but the one that is missed most. chance : that the loop locks
-        in, as it is believed now; None where that is not asked. read : error of a reading, m and
-        rad.
-    samples, candidates : of how many floors and pushes it was chosen.
+    Attributes
+    ----------
+    knowledge : tuple of Knowledge
+        Before any push, then
+    without : mapping
+        After all but the one that is missed most.
+    chance : float or None
+        That the loop locks in, as it is believed now; None where that is not asked.
+    read : tuple[float, float]
+        Error of a reading, m and rad.
+    samples, candidates : int
+        Of how many floors and pushes it was chosen.
+
+    Notes
+    -----
+    ends (n, 3) : where each is likely to end, m and rad, in the frame of the room. after some.
     """
 
     loop: CollectionLoop

@@ -57,14 +57,28 @@ def contact_force_ratio(
     """Return the median over the push of |tangential| over normal contact force; NaN where it
     cannot be had.
 
-    outline : (k, 2) m, the object's closed outline in its own frame as a polyline. rod_radius : m.
+    Parameters
+    ----------
+    outline : ndarray
+        (k, 2) m, the object's closed outline in its own frame as a polyline.
+    rod_radius : float, optional
+        m.
 
-    Poses of object and tip are interpolated to the times of the wrenches that both clocks cover.
-    The contact normal points from the rod's centre to the nearest point of the outline; the force
-    of the rod on the object is minus the recorded one. A sample counts as contact where the rod's
-    centre is outside the object, within 3 mm of one radius from its outline, and the normal force
-    is at least 0.5 N; with fewer than 10 such samples the ratio is NaN. In a sliding contact under
-    Coulomb's law it is the friction coefficient, in a sticking one it is less.
+    Returns
+    -------
+    float
+        The median over the push of |tangential| over normal contact force; NaN where it cannot
+        be had.
+
+    Notes
+    -----
+    Poses of object and tip are interpolated to the times of the wrenches that both clocks
+    cover. The contact normal points from the rod's centre to the nearest point of the outline;
+    the force of the rod on the object is minus the recorded one. A sample counts as contact
+    where the rod's centre is outside the object, within 3 mm of one radius from its outline,
+    and the normal force is at least 0.5 N; with fewer than 10 such samples the ratio is NaN. In
+    a sliding contact under Coulomb's law it is the friction coefficient, in a sticking one it
+    is less.
     """
     pressing, tangential, touching, _ = _contact_frame(push, outline, rod_radius)
     if np.count_nonzero(touching) < FEWEST_SAMPLES:

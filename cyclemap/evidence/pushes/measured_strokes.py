@@ -155,8 +155,14 @@ class MeasuredPush:
     """A straight push: the object's poses before and after, the rod's centre before and after (m,
     world frame).
 
-    end.theta is on the lift nearest to start.theta. contact : label of the place touched, alike for
-    pushes there.
+    Attributes
+    ----------
+    contact : int
+        Label of the place touched, alike for pushes there.
+
+    Notes
+    -----
+    end.theta is on the lift nearest to start.theta.
     """
 
     start: Pose
@@ -187,7 +193,10 @@ class MeasuredDrag:
     """A straight drag by the ring: the object's poses before and after; end.theta nearest to
     start.theta.
 
-    contact : label of drags that belong together.
+    Attributes
+    ----------
+    contact : int
+        Label of drags that belong together.
     """
 
     start: Pose

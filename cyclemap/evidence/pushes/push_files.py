@@ -49,14 +49,23 @@ _WRENCH_LIMITS = (1e11, 1e5, 1e5, 1e5)
 class PushRecord:
     """The time series of one push, each on its own clock, in the world frame.
 
-    object_pose, tip_pose : (n, 4) and (m, 4): time (s), x (m), y (m), angle (rad, wrapped or not).
-    ft_wrench : (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT
+    Attributes
+    ----------
+    object_pose, tip_pose : ndarray
+        (n, 4) and (m, 4): time (s), x (m), y (m), angle (rad, wrapped or not).
+    ft_wrench : ndarray
+        (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT
         files have it.
 
-    Raises InvalidInput, naming the table and the row, for a wrong shape, fewer than two rows of a
-    pose, a number that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind
-    the units), and for a clock that runs backwards.
+    Raises
+    ------
+    InvalidInput
+        Naming the table and the row, for a wrong shape, fewer than two rows of a pose, a number
+        that is not finite or beyond what a table top holds (100 m, 1e4 rad, 1e5 N: mind the
+        units), and for a clock that runs backwards.
 
+    Examples
+    --------
     >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
     >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
     >>> round(push.turn, 6)
@@ -112,8 +121,12 @@ class ScanRecord:
     """The time series of one friction scan: a straight stroke of the rod that carries the object
     with it.
 
-    tip : (m, 4): time (s), x (m), y (m), angle (rad). ft_wrench : (k, 4) as in `PushRecord`, and
-        refused alike.
+    Attributes
+    ----------
+    tip : ndarray
+        (m, 4): time (s), x (m), y (m), angle (rad).
+    ft_wrench : ndarray
+        (k, 4) as in `PushRecord`, and refused alike.
     """
 
     tip: Array
@@ -168,14 +181,24 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     """Read one push (or, where its name or its tables say so, one friction scan) from a .h5, .hdf5
     or .json file.
 
+    Returns
+    -------
+    PushRecord or ScanRecord
+
+    Raises
+    ------
+    DataFileError
+        Naming the file and the reason, where it is absent, cut short, damaged, lacks a table,
+        has wrong columns, text or NaN among the numbers, or a clock that runs backwards; and,
+        before anything is read, where it is no regular file, a table would take more than 16 MB
+        as doubles, is packed otherwise than by gzip, or lies outside the file.
+
+    Notes
+    -----
     A push has the tables `object_pose`, `tip_pose` and `ft_wrench`, a scan `tip_array` (or
     `tip_pose`) and `ft_wrench`; see `PushRecord` for their columns. Any name will do, but scans
-    (`record_...`) must be straight. Other tables are passed over. In JSON they are lists of rows.
-
-    Raises DataFileError, naming the file and the reason, where it is absent, cut short, damaged,
-    lacks a table, has wrong columns, text or NaN among the numbers, or a clock that runs backwards;
-    and, before anything is read, where it is no regular file, a table would take more than 16 MB as
-    doubles, is packed otherwise than by gzip, or lies outside the file.
+    (`record_...`) must be straight. Other tables are passed over. In JSON they are lists of
+    rows.
     """
     path = Path(path)
     try:

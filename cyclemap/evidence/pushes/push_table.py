@@ -211,24 +211,35 @@ class UnreadableFile:
 class PushTable:
     """Pushes and friction scans, a row each, and the files that could not be read.
 
-    table : a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`,
-        `fraction`, `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's
-        path, from `tip_x0`, `tip_y0` to `tip_x1`, `tip_y1` (m, world). `x0`, `y0` (m), `theta0`
-        (rad), `x1`, `y1`, `theta1`: first and last pose there. `dx`, `dy` (m): displacement in the
-        object's initial frame. `dtheta` (rad): theta1 - theta0, counted along the series, so never
-        wrapped. `theta_next` (rad): start of the next repetition of the same set (same folder or
-        CSV table, same facts), on the lift nearest to theta1; so theta_next - theta0 is the turn of
-        the cycle where the drag back turns by less than half a turn. `force_ratio`: see
-        `contact_force_ratio`. `samples`: poses of the object, 0 in a CSV table. `path`: the file.
-    scans : a row a friction scan. `direction` (rad) of the motion in the world, by the name;
+    Attributes
+    ----------
+    table : pandas.DataFrame
+        a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`,
+        `fraction`, `angle` (rad), `repetition`: from the file's name. `length` (m): of the
+        rod's path, from `tip_x0`, `tip_y0` to `tip_x1`, `tip_y1` (m, world). `x0`, `y0` (m),
+        `theta0` (rad), `x1`, `y1`, `theta1`: first and last pose there. `dx`, `dy` (m):
+        displacement in the object's initial frame. `dtheta` (rad): theta1 - theta0, counted
+        along the series, so never wrapped. `theta_next` (rad): start of the next repetition of
+        the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
+        theta_next - theta0 is the turn of the cycle where the drag back turns by less than half
+        a turn. `force_ratio`: see `contact_force_ratio`. `samples`: poses of the object, 0 in a
+        CSV table. `path`: the file.
+    scans : pandas.DataFrame
+        a row a friction scan. `direction` (rad) of the motion in the world, by the name;
         `force_along` and `force_across` (N): see `scan_forces`; `ratio`: force_across /
         force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.
-    unreadable : the files left out, in order of their paths. convention : in which they were
-        written; all of the above is in ours. convention_told : whether somebody said it.
+    unreadable : tuple of UnreadableFile
+        The files left out, in order of their paths.
+    convention : Convention
+        In which they were written; all of the above is in ours.
+    convention_told : bool
+        Whether somebody said it.
 
+    Notes
+    -----
     What is unknown is NaN: facts of a file whose name is not of the layout, the repetition of a
-    single push, theta_next of the last of a set, the force ratio of an object that is no MIT shape
-    or without contact.
+    single push, theta_next of the last of a set, the force ratio of an object that is no MIT
+    shape or without contact.
     """
 
     table: pandas.DataFrame
@@ -249,19 +260,35 @@ def load_pushes(
     """Read pushes and friction scans in the MIT layout (.h5, .hdf5, .json) or as CSV: a file, a
     folder or a tree.
 
-    angles, frame, offset_deg : how the data count angles and lay their axes, as in `Convention`;
-        what is not told is what a collection.toml with the data says in its table [data], else
-        counter-clockwise and right-handed, 0.
-    progress : called with the fraction done, in (0, 1]. Other files are passed over; links to
-        folders are not followed. Rows are sorted by the facts in the order of their columns, then
-        by path, then as in their file. For CSV tables of poses or of θ0 see `read_push_csv`; a push
-        that stands in two files makes two rows.
+    Parameters
+    ----------
+    angles, frame, offset_deg : str, optional
+        How the data count angles and lay their axes, as in `Convention`; what is not told is
+        what a collection.toml with the data says in its table [data], else counter-clockwise
+        and right-handed, 0.
+    progress : callable, optional
+        Called with the fraction done, in (0, 1]. Other files are passed over; links to folders
+        are not followed. Rows are sorted by the facts in the order of their columns, then by
+        path, then as in their file. For CSV tables of poses or of θ0 see `read_push_csv`; a
+        push that stands in two files makes two rows.
 
+    Returns
+    -------
+    PushTable
+
+    Raises
+    ------
+    InvalidInput
+        Where there is nothing at `path`, or no file of push data below it.
+
+    Notes
+    -----
     A file that cannot be read - cut short, damaged, a table missing, wrong columns, text or NaN
-    among the numbers, a clock that runs backwards, a size that its file cannot hold - is listed in
-    `unreadable` with the reason, and the rest is kept. Raises InvalidInput where there is nothing
-    at `path`, or no file of push data below it.
+    among the numbers, a clock that runs backwards, a size that its file cannot hold - is listed
+    in `unreadable` with the reason, and the rest is kept.
 
+    Examples
+    --------
     >>> import json, pathlib, tempfile
     >>> poses = [[0.0, 0.3, 0.0, 1.5], [0.1, 0.3, 0.05, 1.6]]
     >>> with tempfile.TemporaryDirectory() as folder:

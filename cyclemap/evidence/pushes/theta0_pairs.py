@@ -55,14 +55,21 @@ DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 class Theta0Pairs:
     """Measured steps of the cycle map.
 
-    theta, theta_next : (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that
-        cycle.
-    path : (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is
+    Attributes
+    ----------
+    theta, theta_next : ndarray
+        (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
+    path : ndarray or None
+        (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is
         unknown.
-    dropped : how many pairs were left out, by reason.
-    cycle : (n,) the number of each pair's push; path_cycle : (m,) that of each entry of `path`.
-        None where unknown.
-    moved : numbers of pushes behind which somebody moved the object: they make no pair, and the
+    dropped : mapping
+        How many pairs were left out, by reason.
+    cycle : ndarray or None
+        (n,) the number of each pair's push;
+    path_cycle : ndarray or None
+        (m,) that of each entry of `path`. None where unknown.
+    moved : tuple of float
+        Numbers of pushes behind which somebody moved the object: they make no pair, and the
         path breaks there.
     """
 
@@ -143,18 +150,29 @@ def read_theta0_pairs(
 ) -> Theta0Pairs:
     """Read measured pairs from a CSV file, in one of three layouts told apart by the header.
 
-    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a
-      flag makes no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order where
-      pairs begin where the one before ended (half of 20 or more within a fifth of what turns vary
-      by, or all within 0.005 degrees), in any order else. Pairs of a row in order that begin
-      elsewhere are warned of (`DoubtfulInput`).
-    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A
-      column beside it whose name is nearly theta_next_deg, or speaks of the next one, is refused.
+    Parameters
+    ----------
+    angles, offset_deg : str, optional
+        How the file counts angles, as in `Convention`, or all of that as one; what is not told
+        is what a collection.toml with the data says, else counter-clockwise. Orientations alone
+        cannot tell.
 
-    angles, offset_deg : how the file counts angles, as in `Convention`, or all of that as one; what
-        is not told is what a collection.toml with the data says, else counter-clockwise.
-        Orientations alone cannot tell.
+    Returns
+    -------
+    Theta0Pairs
+
+    Notes
+    -----
+    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row
+      with a flag makes no pair and is counted in `dropped`; the last row has no next θ0.
+    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order
+      where pairs begin where the one before ended (half of 20 or more within a fifth of what
+      turns vary by, or all within 0.005 degrees), in any order else. Pairs of a row in order
+      that begin elsewhere are warned of (`DoubtfulInput`).
+    - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A
+      column beside it whose name is nearly theta_next_deg, or speaks of the next one, is
+      refused.
+
     DataFileError names the file, the line and the mend.
     """
     table = (convention or convention_of(path, angles, None, offset_deg)).table(
@@ -386,7 +404,12 @@ class MapAgreement:
 
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
-    """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π)."""
+    """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π).
+
+    Returns
+    -------
+    TurnBins
+    """
     index = bin_index(pairs.theta, bins)
     count = np.bincount(index, minlength=bins)
     filled = np.flatnonzero(count >= 3)
@@ -398,6 +421,12 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     """Probability density (per rad) of the directions `theta` (n,) rad in `bins` equal bins over
     [0, 2π).
 
+    Returns
+    -------
+    AngleHistogram
+
+    Examples
+    --------
     >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
     array([0.5, 0.5])
     """
@@ -430,7 +459,12 @@ class MeasuredOverlay:
 
 
 def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> MeasuredOverlay:
-    """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad)."""
+    """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad).
+
+    Returns
+    -------
+    MeasuredOverlay
+    """
     bins = turn_bins(pairs)
     off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)
     rms, bin_rms = (

@@ -170,18 +170,34 @@ def push_along(
 class Replay:
     """A recorded push beside its prediction, at the times of the recorded poses.
 
-    time : (n,) s. measured, predicted : (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : (n,) m, the rod's way along its path. tip : (n, 2) m, its place. outline : (k, 2) m,
-        the object's, closed.
-    shift : (2,) m, by which the recorded path was moved: the offset that was given, and what takes
-        the rod out of the object at the start. start_gap : m, between rod and object there with the
-        offset alone; negative: they overlap.
-    straightness : m, how far the path leaves its chord. strokes : how many straight pushes stand
-        for it.
-    touched, left : whether the predicted rod touches the object, and has lost it by the end.
-    touch_agrees : whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod
-        travel, or neither does.
-    leaving_agrees : whether the rod ends over 3 mm from both objects, or from neither.
+    Attributes
+    ----------
+    time : ndarray
+        (n,) s.
+    measured, predicted : ndarray
+        (n, 3), x, y (m) and theta (rad, counted along the series).
+    travel : ndarray
+        (n,) m, the rod's way along its path.
+    tip : ndarray
+        (n, 2) m, its place.
+    outline : ndarray
+        (k, 2) m, the object's, closed.
+    shift : ndarray
+        (2,) m, by which the recorded path was moved: the offset that was given, and what takes
+        the rod out of the object at the start.
+    start_gap : float
+        m, between rod and object there with the offset alone; negative: they overlap.
+    straightness : float
+        m, how far the path leaves its chord.
+    strokes : int
+        How many straight pushes stand for it.
+    touched, left : bool
+        Whether the predicted rod touches the object, and has lost it by the end.
+    touch_agrees : bool
+        Whether both objects start to move, by 0.5 mm at the rim, within 3 mm of rod travel, or
+        neither does.
+    leaving_agrees : bool
+        Whether the rod ends over 3 mm from both objects, or from neither.
     """
 
     time: Array
@@ -245,14 +261,27 @@ def replay_push(
 ) -> Replay:
     """Push the model's slider from the record's first pose along the record's tip path.
 
-    The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one is
-    a single push. The model is quasi-static: the tip's times say where the rod is, its speed
-    changes nothing. A rod that overlaps the object at the start by up to 5 mm is an offset between
-    two calibrations: the path is then shifted along the outward normal until they touch. `offset`
-    (m) is added to the path before. A rod that never touches predicts no motion. Raises
-    InvalidInput for a larger overlap or a tip that does not move; UnsupportedContact and
-    ConvergenceError as `QuasiStaticModel.push` does.
+    Returns
+    -------
+    Replay
 
+    Raises
+    ------
+    InvalidInput
+        For a larger overlap or a tip that does not move; UnsupportedContact and
+        ConvergenceError as `QuasiStaticModel.push` does.
+
+    Notes
+    -----
+    The path is a chain of straight strokes within 0.3 mm of the recorded places; a straight one
+    is a single push. The model is quasi-static: the tip's times say where the rod is, its speed
+    changes nothing. A rod that overlaps the object at the start by up to 5 mm is an offset
+    between two calibrations: the path is then shifted along the outward normal until they
+    touch. `offset` (m) is added to the path before. A rod that never touches predicts no
+    motion.
+
+    Examples
+    --------
     >>> from cyclemap.mechanics import EllipseFriction, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]

@@ -118,8 +118,17 @@ REPLAY_COLUMNS = (
 def dataset_sliders() -> dict[str, Slider]:
     """Return the objects of the MIT push dataset by the names that its files use.
 
+    Returns
+    -------
+    dict[str, Slider]
+        The objects of the MIT push dataset by the names that its files use.
+
+    Notes
+    -----
     Mass and inertia of `butter`, the butterfly, are those of its outline in the plate of rect1.
 
+    Examples
+    --------
     >>> len(dataset_sliders()), dataset_sliders()["butter"].outline.is_convex
     (11, False)
     """
@@ -137,13 +146,16 @@ class ReplayedPushes:
     """Pushes replayed, a row each, and the files left out, each with the reason; replays in the
     order of the table.
 
-    table : `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
-        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus measured):
-        at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic friction under even
-        pressure; `rms_error`, `rms_turn_error`: along the rod's path. `measured_motion`,
-        `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn` (rad), `start_gap`,
-        `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`, `leaving_agrees`: as in
-        `Replay`.
+    Attributes
+    ----------
+    table : pandas.DataFrame
+        `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
+        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus
+        measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic friction
+        under even pressure; `rms_error`, `rms_turn_error`: along the rod's path.
+        `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn`
+        (rad), `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`,
+        `leaving_agrees`: as in `Replay`.
     """
 
     table: pandas.DataFrame
@@ -212,26 +224,49 @@ def replay_pushes(
 ) -> ReplayedPushes:
     """Replay every push of a file, a folder or a tree along its own tip path; see `replay_push`.
 
+    Parameters
+    ----------
+    friction : EllipseFriction
+        Of the surface; of an isotropic one the coefficient changes no motion.
+    sliders : mapping, optional
+        The objects by the names in the files; None: those of the dataset, `butter` among them.
+    plates : sequence of PlatePressure, optional
+        How objects rest on the surface, by the same names; the others are flat, or as built in
+        where the floor has a shape.
+    floor : SurfaceShape, optional
+        Its shape, kPa at 50 mm;
+    sessions : sequence of FloorSession, optional
+        Its shapes in sessions that were seen, taken for pushes of their plate and speed.
+    field : FloorField, optional
+        How the floor's shape varies with the place about the dataset's target, kPa.
+    frames : sequence of FrameShift, optional
+        How the frames of each plate's data are shifted.
+    select : mapping, optional
+        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is
+        replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what
+        is known of surface and plates is worth what it gains on that.
+    progress : callable, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    ReplayedPushes
+
+    Raises
+    ------
+    InvalidInput
+        Where there is no push data at `path`, or none that is selected.
+
+    Notes
+    -----
     The layout is that of the MIT dataset, or CSV with a row a push: poses before and after
-    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which
-    went straight from one to the other.
+    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`),
+    which went straight from one to the other.
 
-    friction : of the surface; of an isotropic one the coefficient changes no motion. sliders : the
-        objects by the names in the files; None: those of the dataset, `butter` among them. plates :
-        how objects rest on the surface, by the same names; the others are flat, or as built in
-        where the floor has a shape. floor : its shape, kPa at 50 mm;
-    sessions : its shapes in sessions that were seen, taken
-        for pushes of their plate and speed. field : how the floor's shape varies with the place
-        about the dataset's target, kPa. frames
-        : how the frames of each plate's data are shifted. select : values of surface, object,
-        speed, side, fraction, angle (SI, rad) to keep. Each push is replayed on isotropic friction,
-        all flat, too, with the same rod, no frame shifted: what is known of surface and plates is
-        worth what it gains on that. progress : called with the fraction done.
-
-    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a
-    contact outside the model, a table of end poses without a tip path, a robot more than 5 mm from
-    where it was sent, a file that cannot be read - is listed in `not_replayed` with the reason.
-    Raises InvalidInput where there is no push data at `path`, or none that is selected.
+    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the
+    start, a contact outside the model, a table of end poses without a tip path, a robot more
+    than 5 mm from where it was sent, a file that cannot be read - is listed in `not_replayed`
+    with the reason.
     """
     import pandas
 

@@ -191,11 +191,18 @@ class WornForecast:
 class MeasuredCycleMap:
     """A fitted cycle map and its account.
 
-    fitted : with scatter that may depend on the angle and wear in time (of degree 0 where it was
-        not asked for, or the order of the cycles is unknown). quietest, loudest : (rad, rad) where
-        the pairs within 10 degrees scatter least and most about it,
-        and their root mean square. early, late : the map an eighth of the run from its ends.
-    forecast : None where the order of the pushes is unknown, or the map's paths leave the measured
+    Attributes
+    ----------
+    fitted : FittedMap
+        With scatter that may depend on the angle and wear in time (of degree 0 where it was not
+        asked for, or the order of the cycles is unknown).
+    quietest, loudest : tuple[float, float]
+        (rad, rad) where the pairs within 10 degrees scatter least and most about it, and their
+        root mean square.
+    early, late : MapState
+        The map an eighth of the run from its ends.
+    forecast : WornForecast or None
+        None where the order of the pushes is unknown, or the map's paths leave the measured
         orientations.
     """
 
@@ -224,13 +231,27 @@ def measured_cycle_map(
 ) -> MeasuredCycleMap:
     """Fit the map, and follow it from where the measured path stood.
 
-    harmonics : the order; None chooses it, together with the degree of the wear, by
-        cross-validation over blocks of successive cycles; the degree is that of least error where
-        there is wear at all.
-    wear : False keeps the map the same in all cycles. runs : paths of each forecast.
+    Parameters
+    ----------
+    harmonics : int, optional
+        The order; None chooses it, together with the degree of the wear, by cross-validation
+        over blocks of successive cycles; the degree is that of least error where there is wear
+        at all.
+    wear : bool, optional
+        False keeps the map the same in all cycles.
+    runs : int, optional
+        Paths of each forecast.
 
-    Raises InvalidInput for fewer than 20 pairs, and where they do not fix the map; ConvergenceError
-    where the scatter could not be fitted.
+    Returns
+    -------
+    MeasuredCycleMap
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 20 pairs, and where they do not fix the map.
+    ConvergenceError
+        Where the scatter could not be fitted.
     """
     if pairs.theta.size < FEWEST:
         raise InvalidInput(

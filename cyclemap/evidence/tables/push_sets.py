@@ -34,13 +34,22 @@ class PushSet:
     """The pushes of one surface, object and protocol, from one folder or CSV table, in order of
     recording.
 
-    name : short, unlike that of any other set of the collection. source : the folder or the table.
-    facts : what all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and
-        ``CONTACT`` that are known. contacts : how many places and directions of pushing it pools; 1
-        for repeated pushes.
-    theta : (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and
+    Attributes
+    ----------
+    name : str
+        Short, unlike that of any other set of the collection.
+    source : Path
+        The folder or the table.
+    facts : mapping
+        What all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and
+        ``CONTACT`` that are known.
+    contacts : int
+        How many places and directions of pushing it pools; 1 for repeated pushes.
+    theta : ndarray
+        (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and
         displacement of the push in the object's initial frame; NaN where unknown.
-    pairs : the steps of the cycle map, where orientations before successive pushes are known, else
+    pairs : Theta0Pairs or None
+        The steps of the cycle map, where orientations before successive pushes are known, else
         None.
     """
 
@@ -71,12 +80,25 @@ def push_sets(
     """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed
     and contact.
 
-    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets are
-    then pooled over the contacts, and say so in ``contacts``.
-    select : columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and
+    Parameters
+    ----------
+    select : mapping, optional
+        Columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and
         radians.
 
-    Raises InvalidInput for a column of another name, and where nothing is selected.
+    Returns
+    -------
+    tuple of PushSet
+
+    Raises
+    ------
+    InvalidInput
+        For a column of another name, and where nothing is selected.
+
+    Notes
+    -----
+    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets
+    are then pooled over the contacts, and say so in ``contacts``.
     """
     table = selected_pushes(pushes.table, select or {})
     homes = [
@@ -240,6 +262,10 @@ class PushStatistics:
 def push_statistics(pushes: PushSet) -> PushStatistics:
     """The set's row of the table; with fewer than five pushes of known motion it has a problem and
     no numbers.
+
+    Returns
+    -------
+    PushStatistics
     """
     known = np.isfinite(pushes.dtheta)
     count = int(np.sum(known))

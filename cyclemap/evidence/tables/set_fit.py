@@ -102,8 +102,16 @@ def set_laws(
 ) -> SetLaws:
     """Fit the three laws of a set; a law that cannot be fitted has its ``problem`` instead.
 
-    harmonics : the order of all three; None chooses each by cross-validation. progress : called
-        with the share done.
+    Parameters
+    ----------
+    harmonics : int, optional
+        The order of all three; None chooses each by cross-validation.
+    progress : callable, optional
+        Called with the share done.
+
+    Returns
+    -------
+    SetLaws
     """
     found = []
     for done, quantity in enumerate(QUANTITIES, 1):
@@ -160,16 +168,25 @@ class TurnHistogram:
     """Measured and predicted counts of the same number of pushes, in equal bins, in the unit of the
     values.
 
-    edges : (k + 1,). measured : (k,) counts. predicted : (k,) expected counts where θ0 is one of
-        the measured ones and projected by the law with its scatter; what falls outside the edges
-        counts in the outer bins.
-    law_alone : (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
-    total_variation, law_alone_total_variation : ½ Σ |measured - predicted|/n in [0, 1].
-    distance, law_alone_distance : Wasserstein distance of order 1 of the values, ∫ |F - G|, in
-        their unit.
-    chance : of the total variation of as many pushes simulated from the law and refitted. Residuals
-        are taken independent and normal: where they are correlated in time, as wear makes them, p
-        is too small.
+    Attributes
+    ----------
+    edges : ndarray
+        (k + 1,).
+    measured : ndarray
+        (k,) counts.
+    predicted : ndarray
+        (k,) expected counts where θ0 is one of the measured ones and projected by the law with
+        its scatter; what falls outside the edges counts in the outer bins.
+    law_alone : ndarray
+        (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
+    total_variation, law_alone_total_variation : float
+        ½ Σ |measured - predicted|/n in [0, 1].
+    distance, law_alone_distance : float
+        Wasserstein distance of order 1 of the values, ∫ |F - G|, in their unit.
+    chance : PValue
+        Of the total variation of as many pushes simulated from the law and refitted. Residuals
+        are taken independent and normal: where they are correlated in time, as wear makes them,
+        p is too small.
     """
 
     edges: Array
@@ -206,13 +223,23 @@ def turn_histogram(
     """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these
     orientations.
 
+    Returns
+    -------
+    TurnHistogram
+
+    Raises
+    ------
+    InvalidInput
+        For lists of different lengths, fewer values than coefficients, and values all alike.
+
+    Notes
+    -----
     Predicted is the mixture of the laws N(law(θ_i), noise(θ_i)²) of all n orientations. A law
-    fitted to the same values knows them: ``chance`` refits each simulated set, and so allows for
-    that. Time: about 2 ms a run for 2000 pushes.
+    fitted to the same values knows them: ``chance`` refits each simulated set, and so allows
+    for that. Time: about 2 ms a run for 2000 pushes.
 
-    Raises InvalidInput for lists of different lengths, fewer values than coefficients, and values
-    all alike.
-
+    Examples
+    --------
     >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 400)
@@ -302,8 +329,12 @@ class SetFit:
     """A set with what was fitted to it; what could not be is None, and its row or ``map_problem``
     says why.
 
-    histogram : of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
-    rest : the multiplier of its last cycles, of one path without gaps that rests; else None.
+    Attributes
+    ----------
+    histogram : TurnHistogram or None
+        Of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
+    rest : RestMultiplier or None
+        The multiplier of its last cycles, of one path without gaps that rests; else None.
     """
 
     pushes: PushSet
@@ -330,9 +361,18 @@ def fit_set(
 ) -> SetFit:
     """Fit the laws, the histogram and the cycle map of a set; never fails for want of pushes.
 
-    harmonics : the order of all laws; None chooses each by cross-validation. wear : whether the
-        cycle map may change
-    with the cycle. progress : called with the share done.
+    Parameters
+    ----------
+    harmonics : int, optional
+        The order of all laws; None chooses each by cross-validation.
+    wear : bool, optional
+        Whether the cycle map may change with the cycle.
+    progress : callable, optional
+        Called with the share done.
+
+    Returns
+    -------
+    SetFit
     """
     report = progress or (lambda fraction: None)
     laws = set_laws(

@@ -32,16 +32,28 @@ _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever 
 class BifurcationCurve:
     """A curve of one kind of bifurcation in the plane, in order along it.
 
-    kind : as of ``Bifurcation``. first, second : shape (m,). points : shape (m, period), radians,
-        continuous along it.
-    coefficient : shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov
-        coefficient (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable;
-        nan at border collisions.
-    special : its points of codimension two, in order. period, winding : of the orbits.
-    ends : why it ends at its two ends: "end of the plane", "closed" (it is a loop), "tip", "half
-        the period" (the orbit becomes one of half its period), "border collision" (a point of the
-        orbit meets a break), "lost" or "steps".
-    residual : the largest of the equations' residuals.
+    Attributes
+    ----------
+    kind : str
+        As of ``Bifurcation``.
+    first, second : ndarray
+        Shape (m,).
+    points : ndarray
+        Shape (m, period), radians, continuous along it.
+    coefficient : ndarray
+        Shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient
+        (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at
+        border collisions.
+    special : tuple of CodimensionTwo
+        Its points of codimension two, in order.
+    period, winding : int
+        Of the orbits.
+    ends : tuple[str, str]
+        Why it ends at its two ends: "end of the plane", "closed" (it is a loop), "tip", "half
+        the period" (the orbit becomes one of half its period), "border collision" (a point of
+        the orbit meets a break), "lost" or "steps".
+    residual : float
+        The largest of the equations' residuals.
     """
 
     kind: str
@@ -360,10 +372,18 @@ def bifurcation_curves(
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
     plane.
 
-    ``bifurcations`` are sought on ``lines`` evenly spaced lines across the plane each way; one that
-    lies on no curve found so far, to a fiftieth of the plane, starts a new one
+    Returns
+    -------
+    list[BifurcationCurve]
+
+    Notes
+    -----
+    ``bifurcations`` are sought on ``lines`` evenly spaced lines across the plane each way; one
+    that lies on no curve found so far, to a fiftieth of the plane, starts a new one
     (``follow_bifurcation``). A curve that no line crosses is lost.
 
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> wavy = lambda p, K: CircleMap(lambda x: x + p - K * np.sin(x) - 0.1 * np.sin(2 * x))
     >>> curves = bifurcation_curves(wavy, (-0.5, 0.5), (-0.4, 0.4))

@@ -213,14 +213,26 @@ _ASIDE = 1e-3  # scaled arclength
 class OrbitBranch:
     """A branch of periodic orbits, in order along it.
 
-    parameter : shape (m,). points : shape (m, period), radians, continuous along the branch (any
-        turn), in order of
-    visit. multiplier : shape (m,). stable : shape (m,), whether |multiplier| < 1.
-    special : the bifurcations met, in order. period, winding : of the orbits.
-    ends : why the branch ends at its two ends: "end of the range", "jump" (a point meets a jump of
-        the map), "half the period" (it merges with an orbit of half its period), "closed" (it is a
-        loop), "lost" (no step converged) or "steps" (4,000 were made).
-    residual : the largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
+    Attributes
+    ----------
+    parameter : ndarray
+        Shape (m,).
+    points : ndarray
+        Shape (m, period), radians, continuous along the branch (any turn), in order of visit.
+    multiplier : ndarray
+        Shape (m,).
+    stable : Mask
+        Shape (m,), whether |multiplier| < 1.
+    special : tuple of Bifurcation
+        The bifurcations met, in order.
+    period, winding : int
+        Of the orbits.
+    ends : tuple[str, str]
+        Why the branch ends at its two ends: "end of the range", "jump" (a point meets a jump of
+        the map), "half the period" (it merges with an orbit of half its period), "closed" (it
+        is a loop), "lost" (no step converged) or "steps" (4,000 were made).
+    residual : float
+        The largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
     """
 
     parameter: Array
@@ -246,20 +258,35 @@ def follow_orbit(
     """The branch of periodic orbits through ``start``, followed both ways within the parameters
     (low, high).
 
-    start : an orbit of the family's map at the parameter ``at`` (default: low), or an angle near a
+    Parameters
+    ----------
+    start : Orbit or float
+        An orbit of the family's map at the parameter ``at`` (default: low), or an angle near a
         point of one, then with its ``period`` and ``winding``.
 
+    Returns
+    -------
+    OrbitBranch
+
+    Raises
+    ------
+    InvalidInput
+        When there is no such orbit at ``at``.
+    ConvergenceError
+        When a bifurcation cannot be located.
+
+    Notes
+    -----
     F(θ_i; p) = θ_{i+1} + 2πh_i is solved for all points at once and followed in its arclength
-    (Keller 1977), so that folds in p are passed and every point is correct to rounding. Steps are
-    halved where Newton's method fails, the direction turns by more than 18° or the multiplier
-    changes fast, and grow up to 0.08 in units of (θ, p/(high - low)). Saddle-nodes, period
-    doublings and branch points are where the multiplier passes ±1; border collisions where a point
-    passes a break: beyond a kink the branch goes on, at a jump it ends. What happens twice within
-    one step is missed.
+    (Keller 1977), so that folds in p are passed and every point is correct to rounding. Steps
+    are halved where Newton's method fails, the direction turns by more than 18° or the
+    multiplier changes fast, and grow up to 0.08 in units of (θ, p/(high - low)). Saddle-nodes,
+    period doublings and branch points are where the multiplier passes ±1; border collisions
+    where a point passes a break: beyond a kink the branch goes on, at a jump it ends. What
+    happens twice within one step is missed.
 
-    Raises InvalidInput when there is no such orbit at ``at``, ConvergenceError when a bifurcation
-    cannot be located.
-
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
     >>> [b.kind for b in fold.special], fold.ends
@@ -352,13 +379,24 @@ def orbit_branches(
 ) -> list[OrbitBranch]:
     """All branches of periodic orbits of this period and winding within the parameters (low, high).
 
-    All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``); one
-    that lies on no branch found so far starts a new one (``follow_orbit``): a branch that lives and
-    dies between two of these parameters is lost. An orbit that is neutral or on a kink just at one
-    of them is left to the next.
+    Returns
+    -------
+    list[OrbitBranch]
 
-    Raises InvalidInput as these two do, for instance where the map's iterate is the identity.
+    Raises
+    ------
+    InvalidInput
+        As these two do, for instance where the map's iterate is the identity.
 
+    Notes
+    -----
+    All orbits are listed at ``resolution + 1`` evenly spaced parameters (``periodic_orbits``);
+    one that lies on no branch found so far starts a new one (``follow_orbit``): a branch that
+    lives and dies between two of these parameters is lost. An orbit that is neutral or on a
+    kink just at one of them is left to the next.
+
+    Examples
+    --------
     >>> [branch.ends for branch in orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.5, 1.5))]
     [('end of the range', 'end of the range')]
     """
@@ -409,10 +447,18 @@ def bifurcations(
     """All bifurcations of the orbits of this period and winding within (low, high), sorted by
     parameter.
 
-    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is
-    refined by solving its extended system, to a residual near rounding, and carries an error bound
-    of first order.
+    Returns
+    -------
+    list[Bifurcation]
 
+    Notes
+    -----
+    Those met on all branches of ``orbit_branches``, each once; complete as these are. Each is
+    refined by solving its extended system, to a residual near rounding, and carries an error
+    bound of first order.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
     >>> [b.kind for b in found]
@@ -445,6 +491,12 @@ def saddle_nodes(
 ) -> list[Bifurcation]:
     """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
 
+    Returns
+    -------
+    list[Bifurcation]
+
+    Examples
+    --------
     >>> import numpy as np
     >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
     >>> birth.parameter.holds(0.2 * np.pi)
@@ -464,6 +516,12 @@ def period_doublings(
 ) -> list[Bifurcation]:
     """The period doublings among ``bifurcations``: multiplier -1.
 
+    Returns
+    -------
+    list[Bifurcation]
+
+    Examples
+    --------
     >>> import numpy as np
     >>> [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.0, 3.0))
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
@@ -484,6 +542,12 @@ def border_collisions(
     """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of
     the map.
 
+    Returns
+    -------
+    list[Bifurcation]
+
+    Examples
+    --------
     >>> import numpy as np
     >>> def tent(p):
     ...     return CircleMap(lambda x: x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), None, [0.0, np.pi])

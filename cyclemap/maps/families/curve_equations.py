@@ -34,13 +34,20 @@ _STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.
 class CodimensionTwo:
     """A point of a plane at which the bifurcation along a curve changes its kind.
 
-    kind : "cusp" (of a saddle-node's curve: (F^n)'' = 0), "generalised flip" (of a period
-        doubling's: the first Lyapunov coefficient is 0, and a curve of saddle-nodes of twice the
-        period ends), "tip" (F^n is a rotation, as where the two edges of a tongue meet), "border
-        saddle-node" and "border flip" (a multiplier of 1 or -1 while a point of the orbit is on a
-        break of the map).
-    first, second : the parameters. points : of the orbit, radians in [0, 2π). period, winding : of
-        the orbit.
+    Attributes
+    ----------
+    kind : str
+        "cusp" (of a saddle-node's curve: (F^n)'' = 0), "generalised flip" (of a period
+        doubling's: the first Lyapunov coefficient is 0, and a curve of saddle-nodes of twice
+        the period ends), "tip" (F^n is a rotation, as where the two edges of a tongue meet),
+        "border saddle-node" and "border flip" (a multiplier of 1 or -1 while a point of the
+        orbit is on a break of the map).
+    first, second : Estimate
+        The parameters.
+    points : ndarray
+        Of the orbit, radians in [0, 2π).
+    period, winding : int
+        Of the orbit.
     """
 
     kind: str

@@ -27,19 +27,32 @@ class ParametricLift:
     """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the
     CircleMap.
 
-    lift : ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta,
-        shape (..., n), and parameters, each a number or of shape (n,). Several threads may call it
-        at once.
-    derivative : the same for F', or None: then differences.
-    breaks : radians, the same for the whole family, where F jumps or F' does.
-    nondecreasing : ``nondecreasing(*parameters)``, a boolean array: where theory says that F never
-        falls; None compares F at 65 angles instead, which sees only folds wider than that.
-    circle_map : makes the member at given numbers where a faster form than the formula exists; else
+    Attributes
+    ----------
+    lift : ParametricFunction
+        ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta,
+        shape (..., n), and parameters, each a number or of shape (n,). Several threads may call
+        it at once.
+    derivative : ParametricFunction or None
+        The same for F', or None: then differences.
+    breaks : Any
+        radians, the same for the whole family, where F jumps or F' does.
+    nondecreasing : Callable[..., Any] or None
+        ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls;
+        None compares F at 65 angles instead, which sees only folds wider than that.
+    circle_map : Callable[..., CircleMap] or None
+        Makes the member at given numbers where a faster form than the formula exists; else
         None.
-    max_error : a bound on |lift - truth| in radians, as of ``CircleMap``.
+    max_error : float
+        a bound on |lift - truth| in radians, as of ``CircleMap``.
 
-    Raises InvalidInput for what is not callable; each member is checked like any CircleMap.
+    Raises
+    ------
+    InvalidInput
+        For what is not callable; each member is checked like any CircleMap.
 
+    Examples
+    --------
     >>> two_waves = ParametricLift(lambda x, shift, size: x + shift + size * np.sin(2 * x))
     >>> round(float(two_waves(0.5, 0.2).turn(np.pi / 4)), 12)
     0.7

@@ -37,9 +37,13 @@ class OrbitDiagram:
 class LyapunovExponents:
     """Made by ``lyapunov_exponents``: arrays of the parameters' broadcast shape.
 
-    value : mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0. error : four
-        standard errors of the means over 20 parts of the orbit: statistical where it is chaotic,
-        and no bound.
+    Attributes
+    ----------
+    value : ndarray
+        Mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0.
+    error : ndarray
+        Four standard errors of the means over 20 parts of the orbit: statistical where it is
+        chaotic, and no bound.
     """
 
     parameters: tuple[Array, ...]
@@ -53,14 +57,27 @@ def orbit_diagram(
     """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient``
     cycles that are left out.
 
-    family : parameter → CircleMap. values : shape (m,), in the order in which they are gone
-        through: each orbit starts where the one before has ended (the first at ``start``, radians),
-        so that an attractor is followed for as long as it lasts; through the values in reverse
-        order the other branch of a hysteresis loop shows.
+    Parameters
+    ----------
+    family : Family
+        Parameter → CircleMap.
+    values : Any
+        Shape (m,), in the order in which they are gone through: each orbit starts where the one
+        before has ended (the first at ``start``, radians), so that an attractor is followed for
+        as long as it lasts; through the values in reverse order the other branch of a
+        hysteresis loop shows.
 
-    Raises InvalidInput for values that are not finite, none at all, or a family that gives no
-    CircleMap.
+    Returns
+    -------
+    OrbitDiagram
 
+    Raises
+    ------
+    InvalidInput
+        For values that are not finite, none at all, or a family that gives no CircleMap.
+
+    Examples
+    --------
     >>> flips = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [1.8, 2.2], transient=2000)
     >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
     [1, 2]
@@ -86,15 +103,25 @@ def lyapunov_exponents(
     """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that
     broadcast together.
 
-    family : parameters → CircleMap. A ``ParametricLift`` that has a derivative,
-        ``CircleMap.arnold`` and ``CircleMap.moebius`` are followed all together, others one by one,
-        a hundred times slower. The mean of ln|F'| over ``cycles`` cycles after ``transient`` ones:
-        good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far
-        better.
+    Parameters
+    ----------
+    family : Callable[..., CircleMap]
+        Parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold``
+        and ``CircleMap.moebius`` are followed all together, others one by one, a hundred times
+        slower. The mean of ln|F'| over ``cycles`` cycles after ``transient`` ones: good to
+        about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far better.
 
-    Raises InvalidInput for parameters that are not finite, none at all, or a family that gives no
-    CircleMap.
+    Returns
+    -------
+    LyapunovExponents
 
+    Raises
+    ------
+    InvalidInput
+        For parameters that are not finite, none at all, or a family that gives no CircleMap.
+
+    Examples
+    --------
     >>> found = lyapunov_exponents(CircleMap.arnold, 0.1, [0.9, 5.0])
     >>> bool(found.value[0] < -1.0 < 1.0 < found.value[1])
     True
@@ -167,22 +194,36 @@ def lyapunov_exponent(
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
-    With noise: the integral over the stationary law, on panels graded towards the folds; the bound
-    is that of ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the
-    error of F'. Without noise, for the orbit of ``start`` (radians) after ``transient`` cycles:
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    InvalidInput
+        Where orbits from those angles have different exponents: the map has several attractors.
+    ConvergenceError
+        Where F has no derivative that differences can follow.
+
+    Notes
+    -----
+    With noise: the integral over the stationary law, on panels graded towards the folds; the
+    bound is that of ``TransferOperator.expectation`` (``max_error`` counts through the law
+    only) and the error of F'. Without noise, for the orbit of ``start`` (radians) after
+    ``transient`` cycles:
+
     - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit
       itself, solved by Newton's method; the bound is a measured one of rounding;
     - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of
       ``birkhoff_average``;
-    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
-      of 40 batches: a statistical bound, and it is about 1e-2. To each the error of F' adds
-      (``derivative_and_error``); inf where F' is lost in it. -inf where F' = 0 on a set that the
-      law or the orbit visits. Without a start: the orbits from five angles that no symmetry
-      favours, so that none lies on a repelling orbit; a small basin may be missed.
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the
+      means of 40 batches: a statistical bound, and it is about 1e-2. To each the error of F'
+      adds (``derivative_and_error``); inf where F' is lost in it. -inf where F' = 0 on a set
+      that the law or the orbit visits. Without a start: the orbits from five angles that no
+      symmetry favours, so that none lies on a repelling orbit; a small basin may be missed.
 
-    Raises InvalidInput where orbits from those angles have different exponents: the map has several
-    attractors; ConvergenceError where F has no derivative that differences can follow.
-
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142

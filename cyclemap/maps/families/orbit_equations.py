@@ -210,18 +210,28 @@ _TRANSVERSE = (
 class Bifurcation:
     """A parameter at which a periodic orbit changes.
 
-    kind : "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
+    Attributes
+    ----------
+    kind : str
+        "saddle-node" (two orbits merge, multiplier 1), "period-doubling" (multiplier -1),
         "border-collision" (a point of the orbit meets a break of the map) or "branch point"
         (multiplier 1 where branches cross).
-    parameter : where, with a bound on its error, to first order; it holds the map's ``max_error``
-        and what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
-        not the truth's, and period doublings and branch points move with the difference.
-    points : shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
+    parameter : Estimate
+        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and what
+        ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope, not the
+        truth's, and period doublings and branch points move with the difference.
+    points : ndarray
+        Shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
         collision the one on the break first.
-    period, winding : of the orbit. multiplier, left_multiplier : (Fⁿ)' there; at a border collision
-        with the slopes from the right and from the left of the break.
-    jump : whether the break met is a jump of the map, where the branch ends, and not a kink.
-    residual : the largest residual of the equations of the orbit and of the condition.
+    period, winding : int
+        Of the orbit.
+    multiplier, left_multiplier : float
+        (Fⁿ)' there; at a border collision with the slopes from the right and from the left of
+        the break.
+    jump : bool
+        Whether the break met is a jump of the map, where the branch ends, and not a kink.
+    residual : float
+        The largest residual of the equations of the orbit and of the condition.
     """
 
     kind: str

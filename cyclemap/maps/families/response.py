@@ -94,7 +94,12 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
 class Response:
     """Derivatives by the parameter, made by ``response``; each is computed when it is asked for.
 
-    operator : at the parameter. near, far : ∂F/∂p by differences over a step and over two.
+    Attributes
+    ----------
+    operator : TransferOperator
+        At the parameter.
+    near, far : ParameterTangent
+        ∂F/∂p by differences over a step and over two.
     """
 
     operator: TransferOperator

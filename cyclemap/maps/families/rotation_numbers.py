@@ -41,10 +41,16 @@ class RotationNumbers:
     """Rotation numbers of many nondecreasing lifts, turns a cycle; arrays of the parameters'
     broadcast shape.
 
-    value : the middle of [lower, upper]. lower, upper : the truth lies between them (rounded
-        outward).
-    period, winding : q and p where ρ = p/q is proved, else 0 and 0.
-    tolerance : what was asked for: half the width of the enclosures that meet it.
+    Attributes
+    ----------
+    value : ndarray
+        The middle of [lower, upper].
+    lower, upper : ndarray
+        The truth lies between them (rounded outward).
+    period, winding : Whole
+        q and p where ρ = p/q is proved, else 0 and 0.
+    tolerance : float
+        What was asked for: half the width of the enclosures that meet it.
     """
 
     value: Array
@@ -64,21 +70,38 @@ def rotation_numbers(
     """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within
     ``tolerance``.
 
-    family : a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or
+    Parameters
+    ----------
+    family : Callable[..., CircleMap]
+        a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or
         ``CircleMap.arnold`` or ``CircleMap.moebius``, whose formulas are known.
-    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
-    threads : None takes one a processor; the numbers do not depend on it.
+    tolerance : float, optional
+        turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
+    threads : int, optional
+        None takes one a processor; the numbers do not depend on it.
 
-    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ by
-    p/n from below and (p + 1)/n from above (Poincaré 1885), on the terms of ``rotation_number``;
-    maps whose bounds are near enough drop out, most after about 1/√tolerance cycles, all but those
-    whose ρ depends too steeply on e within 1/tolerance + 2. Orbits that start beside an attracting
-    periodic orbit, on either side of it, prove locking.
+    Returns
+    -------
+    RotationNumbers
 
-    Raises InvalidInput for parameters that are not finite or where F falls (its rotation numbers
-    are an interval: see ``rotation_interval``, ``rotation_plane``), ConvergenceError when the
-    bounds contradict each other.
+    Raises
+    ------
+    InvalidInput
+        For parameters that are not finite or where F falls (its rotation numbers are an
+        interval: see ``rotation_interval``, ``rotation_plane``).
+    ConvergenceError
+        When the bounds contradict each other.
 
+    Notes
+    -----
+    Every map follows two orbits, of F - e and F + e, whose whole turns p after n cycles bound ρ
+    by p/n from below and (p + 1)/n from above (Poincaré 1885), on the terms of
+    ``rotation_number``; maps whose bounds are near enough drop out, most after about
+    1/√tolerance cycles, all but those whose ρ depends too steeply on e within 1/tolerance + 2.
+    Orbits that start beside an attracting periodic orbit, on either side of it, prove locking.
+
+    Examples
+    --------
     >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
     >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
@@ -281,14 +304,21 @@ def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
 class RotationPlane:
     """Rotation numbers over a grid of parameters, turns a cycle; arrays of shape (m, n).
 
-    first_values, second_values : shape (m,) and (n,), the parameters of rows and of columns.
-    value : the middle of [lower, upper], or what ``rotation_number`` gives for a map done by
+    Attributes
+    ----------
+    first_values, second_values : ndarray
+        Shape (m,) and (n,), the parameters of rows and of columns.
+    value : ndarray
+        The middle of [lower, upper], or what ``rotation_number`` gives for a map done by
         itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
-    lower, upper : the truth lies between them; where the lift folds, all of its rotation interval
-        does.
-    period, winding : q and p where ρ = p/q is proved for every orbit, else 0 and 0. folded : where
-        the lift falls.
-    tolerance : the half-width that was asked for where the lift does not fold.
+    lower, upper : ndarray
+        The truth lies between them; where the lift folds, all of its rotation interval does.
+    period, winding : Whole
+        q and p where ρ = p/q is proved for every orbit, else 0 and 0.
+    folded : Mask
+        Where the lift falls.
+    tolerance : float
+        The half-width that was asked for where the lift does not fold.
     """
 
     first_values: Array
@@ -399,20 +429,40 @@ def rotation_plane(
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.
 
-    family : any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
+    Parameters
+    ----------
+    family : Callable[..., CircleMap]
+        Any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
         ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
         takes some milliseconds, in which its folds are found, others far less
         (``rotation_numbers``). All else goes map by map (``rotation_number``).
-    first_values, second_values : shape (m,) and (n,), strictly increasing or decreasing.
-    tolerance : turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift
-        does not fold; one that is wider shows it by its ``lower`` and ``upper``.
-    progress : is called with the fraction done.
-    executor : of threads, processes, or a cluster (``distributed.Client.get_executor()``), on which
+    first_values, second_values : Any
+        Shape (m,) and (n,), strictly increasing or decreasing.
+    tolerance : float, optional
+        turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does
+        not fold; one that is wider shows it by its ``lower`` and ``upper``.
+    progress : callable, optional
+        Is called with the fraction done.
+    executor : Executor, optional
+        Of threads, processes, or a cluster (``distributed.Client.get_executor()``), on which
         what goes map by map is run; the family must then be one that can be pickled.
 
-    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q. Raises InvalidInput for axes
-    that are empty, not finite or not monotone, and for a map that is no CircleMap of degree 1.
+    Returns
+    -------
+    RotationPlane
 
+    Raises
+    ------
+    InvalidInput
+        For axes that are empty, not finite or not monotone, and for a map that is no CircleMap
+        of degree 1.
+
+    Notes
+    -----
+    Inside the tongue p/q of the plane (Arnold 1965) ``period`` is q.
+
+    Examples
+    --------
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.winding.tolist()
     ([[1, 1], [2, 2]], [[0, 0], [1, 1]])

@@ -28,8 +28,14 @@ _BEND, _STEP = 1e-4, 1e-5  # radians, and of the range: for differences of F' an
 class SlowFold:
     """A saddle-node at which a parameter that moves takes a stable fixed point away.
 
-    fold : the saddle-node, its parameter with a bound. delay_cycles : how many cycles after the
-        parameter has passed it the path has left. parameter : the parameter by then.
+    Attributes
+    ----------
+    fold : Bifurcation
+        The saddle-node, its parameter with a bound.
+    delay_cycles : float
+        How many cycles after the parameter has passed it the path has left.
+    parameter : float
+        The parameter by then.
     """
 
     fold: Bifurcation

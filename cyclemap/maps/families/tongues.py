@@ -271,14 +271,21 @@ class Tongue:
     """The tongue p/q of a one-parameter family: the parameters at which an orbit of rotation number
     p/q exists.
 
-    ratio : p/q, turns a cycle. left, right : its edges, in the parameter's unit.
-    left_orbit, right_orbit : shape (q,), radians in [0, 2π), the orbit that is born at each edge,
-        in order of visit.
-    left_kind, right_kind : why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1)
-        or "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it
-        is one of the two as well: no orbit of an edge visits a plateau of the monotone envelope, on
-        which F^q - id falls.
-    folded : whether the map folds at an edge. If not, the rotation number is p/q all through the
+    Attributes
+    ----------
+    ratio : Fraction
+        p/q, turns a cycle.
+    left, right : Estimate
+        Its edges, in the parameter's unit.
+    left_orbit, right_orbit : ndarray
+        Shape (q,), radians in [0, 2π), the orbit that is born at each edge, in order of visit.
+    left_kind, right_kind : str
+        Why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1) or
+        "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it
+        is one of the two as well: no orbit of an edge visits a plateau of the monotone
+        envelope, on which F^q - id falls.
+    folded : bool
+        Whether the map folds at an edge. If not, the rotation number is p/q all through the
         tongue and nowhere else (locking); if it does, p/q is one of an interval of rotation
         numbers, and tongues overlap.
     """
@@ -304,10 +311,18 @@ class Tongue:
 class TongueBoundaries:
     """The edges of several tongues as curves over a second parameter.
 
-    ratios : the p/q, k of them. second : shape (m,), the second parameter's values.
-    left, right : shape (k, m), the edges in the first parameter. left_error, right_error : bounds
-        on their errors.
-    folded : shape (k, m), whether the map folds at an edge there (see ``Tongue``).
+    Attributes
+    ----------
+    ratios : tuple of Fraction
+        The p/q, k of them.
+    second : ndarray
+        Shape (m,), the second parameter's values.
+    left, right : ndarray
+        Shape (k, m), the edges in the first parameter.
+    left_error, right_error : ndarray
+        Bounds on their errors.
+    folded : Mask
+        Shape (k, m), whether the map folds at an edge there (see ``Tongue``).
     """
 
     ratios: tuple[Fraction, ...]
@@ -322,27 +337,43 @@ class TongueBoundaries:
 def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
-    family : parameter → CircleMap of degree 1. ratio : a Fraction, a whole number, or (p, q) in
-        lowest terms.
-    parameters : (low, high), with the whole tongue inside; the family is called only there.
+    Parameters
+    ----------
+    family : Family
+        Parameter → CircleMap of degree 1.
+    ratio : Any
+        a Fraction, a whole number, or (p, q) in lowest terms.
+    parameters : Range
+        (low, high), with the whole tongue inside; the family is called only there.
 
+    Returns
+    -------
+    Tongue
+
+    Raises
+    ------
+    InvalidInput
+        When an edge lies outside the range or the family is seen to fall.
+
+    Notes
+    -----
     Left edge: where the largest value of F^q - id - 2πp over the circle reaches 0; right edge:
-    where the least does (Arnold 1965; Herman 1977): a saddle-node of period q, at a kink or jump a
-    border collision. Where F folds, the same of its monotone envelopes: the left edge of F⁺ and the
-    right edge of F⁻ bound the parameters whose rotation interval holds p/q (Boyland 1986). Both
-    extrema are monotone in the parameter, so each edge is bracketed to neighbouring floats. A
-    tongue narrower than rounding has width 0 and the bound says how narrow.
+    where the least does (Arnold 1965; Herman 1977): a saddle-node of period q, at a kink or
+    jump a border collision. Where F folds, the same of its monotone envelopes: the left edge of
+    F⁺ and the right edge of F⁻ bound the parameters whose rotation interval holds p/q (Boyland
+    1986). Both extrema are monotone in the parameter, so each edge is bracketed to neighbouring
+    floats. A tongue narrower than rounding has width 0 and the bound says how narrow.
 
-    The error bounds add the bracket, the lift's rounding (to first order along the edge's orbit),
-    some 2e-15 for ``arnold``, and what the search for extrema may have missed just outside the
-    edge: since F^q does not fall, no value between two samples exceeds the second by more than
-    their distance, and samples are added until that rules every other hump out (proved). Where 4096
-    samples cannot, F^q counts as smooth where a quartic meets five neighbours to rounding: humps
-    narrower, at half their height, than a tenth of a milliradian, and no higher, may hide there.
-    ``max_error`` is not added.
+    The error bounds add the bracket, the lift's rounding (to first order along the edge's
+    orbit), some 2e-15 for ``arnold``, and what the search for extrema may have missed just
+    outside the edge: since F^q does not fall, no value between two samples exceeds the second
+    by more than their distance, and samples are added until that rules every other hump out
+    (proved). Where 4096 samples cannot, F^q counts as smooth where a quartic meets five
+    neighbours to rounding: humps narrower, at half their height, than a tenth of a milliradian,
+    and no higher, may hide there. ``max_error`` is not added.
 
-    Raises InvalidInput when an edge lies outside the range or the family is seen to fall.
-
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
     >>> locked.right.holds(0.9 / (2 * np.pi)), locked.right.error_bound < 1e-14
@@ -380,11 +411,23 @@ def tongues(
     """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of
     ``second``.
 
-    family : nowhere falling in its first parameter. second : shape (m,), in the order in which it
-        is followed: each edge is sought near the line through the last two. parameters : (low,
-        high) of the first parameter, with every edge inside. Accuracy, bounds and errors raised as
-        in ``tongue``.
+    Parameters
+    ----------
+    family : Family
+        Nowhere falling in its first parameter.
+    second : Any
+        Shape (m,), in the order in which it is followed: each edge is sought near the line
+        through the last two.
+    parameters : Range
+        (low, high) of the first parameter, with every edge inside. Accuracy, bounds and errors
+        raised as in ``tongue``.
 
+    Returns
+    -------
+    TongueBoundaries
+
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> edges = tongues(CircleMap.arnold, [0, (1, 2)], [0.4, 0.8], (-0.5, 1.0))
     >>> bool(np.all(np.abs(edges.right[0] - np.array([0.4, 0.8]) / (2 * np.pi)) <= edges.right_error[0]))

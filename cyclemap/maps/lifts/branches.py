@@ -72,10 +72,16 @@ _UNKNOWN = 2
 class Branch:
     """A maximal interval on which a lift is continuous and monotone.
 
-    start, end : radians, 0 ≤ start < 2π, start < end ≤ start + 2π.
-    start_value, end_value : radians, lifted: the limits of F at both ends from inside.
-    direction : 1 rising, -1 falling, 0 constant (a plateau).
-    table : nodes of F from start to end, for the inverse.
+    Attributes
+    ----------
+    start, end : float
+        radians, 0 ≤ start < 2π, start < end ≤ start + 2π.
+    start_value, end_value : float
+        radians, lifted: the limits of F at both ends from inside.
+    direction : int
+        1 rising, -1 falling, 0 constant (a plateau).
+    table : MonotoneTable
+        Nodes of F from start to end, for the inverse.
     """
 
     start: float
@@ -116,12 +122,23 @@ class Branch:
 def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
-    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A map
-    without any cut is one branch, [0, 2π]. Complete down to the resolution, as ``monotone_cells``.
-    Constant pieces shorter than 1e-5 radians join a neighbour.
+    Returns
+    -------
+    tuple of Branch
 
-    Raises ConvergenceError when the map is too steep to be cut into cells.
+    Raises
+    ------
+    ConvergenceError
+        When the map is too steep to be cut into cells.
 
+    Notes
+    -----
+    Cut at folds, at jumps, at the ends of plateaus, and at kinks where the direction changes. A
+    map without any cut is one branch, [0, 2π]. Complete down to the resolution, as
+    ``monotone_cells``. Constant pieces shorter than 1e-5 radians join a neighbour.
+
+    Examples
+    --------
     >>> [(round(b.start, 6), round(b.end, 6), b.direction) for b in branches(CircleMap.arnold(0.2, 2.0))]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
@@ -174,11 +191,23 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
 def preimages(circle_map: CircleMap, angle: float) -> Array:
     """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
 
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    InvalidInput
+        When F is ``angle`` along a whole plateau, for then they cannot be listed.
+
+    Notes
+    -----
     Solved to rounding on each branch. A fold within 1e-12 radians of the angle is one preimage,
-    never two and never none; at a jump F has the value from the right. Complete as ``branches`` is.
+    never two and never none; at a jump F has the value from the right. Complete as ``branches``
+    is.
 
-    Raises InvalidInput when F is ``angle`` along a whole plateau, for then they cannot be listed.
-
+    Examples
+    --------
     >>> preimages(CircleMap.blaschke([0, 0]), 1.0).round(6).tolist()
     [0.5, 3.641593]
     """

@@ -195,13 +195,24 @@ _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
     """θ → outer(inner(θ)); its degree is the product of the two degrees.
 
+    Returns
+    -------
+    CircleMap
+
+    Raises
+    ------
+    ConvergenceError
+        When the composite has more than 250,000 breaks.
+
+    Notes
+    -----
     Breaks: those of ``inner`` and the preimages under it of those of ``outer``, on each side of
     which the composite keeps to its own side of the outer break. ``max_error`` is E_outer +
-    L·E_inner with L the largest |outer'| at 2,048 angles: measured, and good where ``outer`` has no
-    jump within E_inner. Samples are not kept: ``pieces`` is None.
+    L·E_inner with L the largest |outer'| at 2,048 angles: measured, and good where ``outer``
+    has no jump within E_inner. Samples are not kept: ``pieces`` is None.
 
-    Raises ConvergenceError when the composite has more than 250,000 breaks.
-
+    Examples
+    --------
     >>> doubled = compose(CircleMap.blaschke([0, 0]), CircleMap.rigid(0.25))
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
@@ -215,6 +226,12 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     """Fⁿ, n ≥ 0; F⁰ is the identity. Breaks, derivative and ``max_error`` as in ``compose``, one
     after the other.
 
+    Returns
+    -------
+    CircleMap
+
+    Examples
+    --------
     >>> nth_iterate(CircleMap.blaschke([0, 0]), 5).degree
     32
     """
@@ -234,9 +251,17 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
     """R∘F∘R⁻¹ with R the rotation by ``angle`` (radians): θ → F(θ - angle) + angle, the same map
     seen turned.
 
-    Breaks move along by ``angle``; multipliers, rotation number and ``max_error`` stay. A sampled
-    map stays sampled.
+    Returns
+    -------
+    CircleMap
 
+    Notes
+    -----
+    Breaks move along by ``angle``; multipliers, rotation number and ``max_error`` stay. A
+    sampled map stays sampled.
+
+    Examples
+    --------
     >>> round(float(conjugate(CircleMap.arnold(0.0, 0.5), 1.0)(1.0)), 12)
     1.0
     """
@@ -254,6 +279,12 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
     """F + 2π·turns, another lift of the same circle map; a sampled map stays sampled.
 
+    Returns
+    -------
+    CircleMap
+
+    Examples
+    --------
     >>> round(float(shifted(CircleMap.rigid(0.25), -1)(0.0)), 6)
     -4.712389
     """
@@ -280,15 +311,25 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 def inverse(circle_map: CircleMap) -> CircleMap:
     """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
 
-    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the whole
-    gap; where F is constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and F(F⁻¹(y)) = y
-    for every y that F takes. Breaks: the images of the breaks, both sides of a jump, and the levels
-    of plateaus. The derivative is inf where F' = 0. ``max_error`` is the most that F⁻¹ moves when y
-    moves by that of F, measured at 2,048 angles and the breaks.
+    Returns
+    -------
+    CircleMap
 
-    Raises InvalidInput for other degrees, and when F folds or jumps backwards: use ``branches``
-    then.
+    Raises
+    ------
+    InvalidInput
+        For other degrees, and when F folds or jumps backwards: use ``branches`` then.
 
+    Notes
+    -----
+    Homeomorphisms are inverted to rounding. Where F jumps its inverse is constant, along the
+    whole gap; where F is constant its inverse jumps: F⁻¹(F(θ)) = θ off the plateaus, and
+    F(F⁻¹(y)) = y for every y that F takes. Breaks: the images of the breaks, both sides of a
+    jump, and the levels of plateaus. The derivative is inf where F' = 0. ``max_error`` is the
+    most that F⁻¹ moves when y moves by that of F, measured at 2,048 angles and the breaks.
+
+    Examples
+    --------
     >>> map_there = CircleMap.arnold(0.2, 0.9)
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True

@@ -19,10 +19,18 @@ class UniformNoise:
     """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m =
     sin(mh)/(mh).
 
-    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises
-    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf. Raises InvalidInput unless the
-    halfwidth is above zero.
+    Raises
+    ------
+    InvalidInput
+        Unless the halfwidth is above zero.
 
+    Notes
+    -----
+    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises
+    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf.
+
+    Examples
+    --------
     >>> round(float(UniformNoise(0.5).exceedance(0.25)), 12)
     0.25
     """
@@ -112,12 +120,16 @@ class VonMises:
     """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π], κ = ``kappa`` > 0: κ_m =
     I_m(κ)/I₀(κ).
 
+    Notes
+    -----
     On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of
     ``slope``). Near normal of variance 1/κ where κ is large, near uniform where it is small.
     Integrals of the density are Gauss-Legendre sums of positive terms, good to about 1e-13
-    relative, however far in the tail. Raises InvalidInput unless kappa is finite and above zero (an
-    infinite one is no noise). (Mardia & Jupp 2000, sec. 3.5.4.)
+    relative, however far in the tail. Raises InvalidInput unless kappa is finite and above zero
+    (an infinite one is no noise). (Mardia & Jupp 2000, sec. 3.5.4.)
 
+    Examples
+    --------
     >>> round(float(VonMises(2.0).coefficients(1)), 12)
     0.697774657964
     """

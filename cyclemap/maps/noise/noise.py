@@ -20,6 +20,8 @@ class Noise(Protocol):
     """What the rest of the room asks of a noise ξ: symmetric about 0, with a density on the real
     line.
 
+    Notes
+    -----
     A further law is one more class with these methods.
     """
 
@@ -69,9 +71,13 @@ class WrappedNormal:
     """Normal noise of standard deviation ``sigma`` radians, wrapped round the circle: κ_m =
     exp(-m²σ²/2).
 
+    Notes
+    -----
     Raises InvalidInput unless sigma is above zero (a noiseless map needs no noise object).
     (Mardia & Jupp, Directional Statistics, 2000, sec. 3.5.7.)
 
+    Examples
+    --------
     >>> round(float(WrappedNormal(0.5).coefficients(2)), 12)
     0.606530659713
     """
@@ -178,10 +184,19 @@ def folded(low: Any, high: Any) -> tuple[Array, Array]:
 class WrappedCauchy:
     """Cauchy noise wrapped round the circle, mean resultant length ``r`` in (0, 1): κ_m = r^|m|.
 
-    Its scale on the line is s = -ln r radians. (Mardia & Jupp 2000, sec. 3.5.7.) Möbius maps send
-    wrapped Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them the exact check of
-    a transfer operator. Raises InvalidInput unless 0 < r < 1.
+    Raises
+    ------
+    InvalidInput
+        Unless 0 < r < 1.
 
+    Notes
+    -----
+    Its scale on the line is s = -ln r radians. (Mardia & Jupp 2000, sec. 3.5.7.) Möbius maps
+    send wrapped Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them the exact
+    check of a transfer operator.
+
+    Examples
+    --------
     >>> float(WrappedCauchy(0.5).coefficients(-3))
     0.125
     """

@@ -168,9 +168,8 @@ def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
         # An eigenvalue without a bound leaves every state without: inf times 0 would be nan.
         return np.full(count, np.inf)
     size = np.abs(chain.weight)
-    # An eigenvalue of which nothing is proved has an infinite bound, and infinity times nought none.
-    with np.errstate(invalid="ignore"):
-        moved = np.abs(np.linalg.inv(chain.weight)) @ coupling
-        moved += left_over + vector_errors * (1.0 - chain.values)
-        bounds = np.diag(moved @ size) + np.abs(chain.leaving).sum(axis=1) * (vector_errors @ size)
-    return np.where(np.isnan(bounds), np.inf, bounds)
+    moved = np.abs(np.linalg.inv(chain.weight)) @ coupling
+    moved += left_over + vector_errors * (1.0 - chain.values)
+    return np.asarray(
+        np.diag(moved @ size) + np.abs(chain.leaving).sum(axis=1) * (vector_errors @ size)
+    )

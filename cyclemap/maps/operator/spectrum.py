@@ -34,13 +34,21 @@ class Spectrum:
     """Leading eigenvalues of a transfer operator, in falling order of modulus; the first is 1,
     exactly.
 
-    values : (k,), complex. error_bounds : (k,), bounds on |error| to first order in the residuals
-        of both vectors; inf where that is more than a sixteenth of the distance to the next
-        eigenvalue found, so that the first order tells nothing, or where the basis cannot tell.
-        That none was overlooked is not proved.
-    condition : (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a
-        change of the operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
-    right, left : (n, k), the vectors' coefficients, wᵀv = 1.
+    Attributes
+    ----------
+    values : Complex
+        (k,), complex.
+    error_bounds : ndarray
+        (k,), bounds on |error| to first order in the residuals of both vectors; inf where that
+        is more than a sixteenth of the distance to the next eigenvalue found, so that the first
+        order tells nothing, or where the basis cannot tell. That none was overlooked is not
+        proved.
+    condition : ndarray
+        (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a
+        change of the operator the eigenvalue moves; large near a defective one (Wilkinson
+        1965).
+    right, left : Complex
+        (n, k), the vectors' coefficients, wᵀv = 1.
     """
 
     values: Complex

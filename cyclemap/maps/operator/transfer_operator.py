@@ -125,11 +125,19 @@ def transfer_operator(
 class TransferOperator:
     """Made by ``transfer_operator``; everything is computed when first asked for, and kept.
 
-    map, noise : what it is the operator of. law : its stationary law on a basis.
+    Attributes
+    ----------
+    map, noise : CircleMap
+        What it is the operator of.
+    law : FourierLaw or CellLaw
+        Its stationary law on a basis.
 
-    Every number knows its accuracy. The bounds come from what the computed law leaves over in L p =
-    p (see ``StationaryLaw.error`` for what in them is proved and what measured); to first order
-    they include the map's own ``max_error``, except in the spectrum and the diffusion constant.
+    Notes
+    -----
+    Every number knows its accuracy. The bounds come from what the computed law leaves over in L
+    p = p (see ``StationaryLaw.error`` for what in them is proved and what measured); to first
+    order they include the map's own ``max_error``, except in the spectrum and the diffusion
+    constant.
     """
 
     map: CircleMap

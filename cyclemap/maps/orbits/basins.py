@@ -36,15 +36,22 @@ _BATCH, _BATCHES = 512, 2_000  # arcs pulled back together, and how often
 class Basin:
     """The set of θ whose orbit tends to one stable orbit.
 
-    orbit : the stable orbit.
-    immediate : (period, 2), radians: row i is the open arc (start, end) around ``orbit.points[i]``,
-        the connected part of the basin that holds it; start < end ≤ start + 2π.
-    arcs : (m, 2), radians: all arcs found, disjoint, sorted by start in [0, 2π); an end may exceed
+    Attributes
+    ----------
+    orbit : Orbit
+        The stable orbit.
+    immediate : ndarray
+        (period, 2), radians: row i is the open arc (start, end) around ``orbit.points[i]``, the
+        connected part of the basin that holds it; start < end ≤ start + 2π.
+    arcs : ndarray
+        (m, 2), radians: all arcs found, disjoint, sorted by start in [0, 2π); an end may exceed
         2π.
-    measure : the share of the circle that the arcs cover; its error bound is ``undecided`` and
+    measure : Estimate
+        The share of the circle that the arcs cover; its error bound is ``undecided`` and
         rounding.
-    undecided : the share of the circle that no basin holds (the same number in every basin of a
-        map): it may belong to arcs not yet found, to orbits of longer periods, or to none.
+    undecided : float
+        The share of the circle that no basin holds (the same number in every basin of a map):
+        it may belong to arcs not yet found, to orbits of longer periods, or to none.
     """
 
     orbit: Orbit
@@ -64,23 +71,36 @@ def basins(
     """The basins of all stable orbits of periods 1 to ``max_period``, sorted by period, then by
     angle.
 
+    Returns
+    -------
+    tuple of Basin
+
+    Raises
+    ------
+    InvalidInput
+        For a bad request or where every point of an arc is periodic.
+    ConvergenceError
+        When the iterates up to ``max_period`` are too steep to scan.
+
+    Notes
+    -----
     Immediate basins: with G the iterate (its square where the multiplier is not positive) that
-    fixes a point p, the arc around p grows from both ends for as long as G(x) lies between x and
-    the arc's far end; it stops at periodic points, at preimages of its other end and at jumps,
-    solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms, whose basins these are;
-    else G is looked at at its extrema, its breaks and 1,024 points between p and the next points
-    that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc, the longest
-    first (nothing is found that does not belong, down to the ends' rounding), until the share
-    ``left_over`` is undecided or nothing new comes, none shorter than a thousandth of it, about
-    ``max_arcs`` at most. Where orbits wander long before they settle much may stay undecided.
+    fixes a point p, the arc around p grows from both ends for as long as G(x) lies between x
+    and the arc's far end; it stops at periodic points, at preimages of its other end and at
+    jumps, solved to about 1e-13 radians/(slope - 1). Exact for homeomorphisms, whose basins
+    these are; else G is looked at at its extrema, its breaks and 1,024 points between p and the
+    next points that G fixes. Whole basins: preimages of the immediate ones under F, arc by arc,
+    the longest first (nothing is found that does not belong, down to the ends' rounding), until
+    the share ``left_over`` is undecided or nothing new comes, none shorter than a thousandth of
+    it, about ``max_arcs`` at most. Where orbits wander long before they settle much may stay
+    undecided.
 
     Saddle-nodes and neutral orbits have no basin here; what tends to them stays undecided. An
-    attracting jump is no orbit: what it gathers belongs to the stable orbits around it. (Devaney,
-    An Introduction to Chaotic Dynamical Systems, 1.11.)
+    attracting jump is no orbit: what it gathers belongs to the stable orbits around it.
+    (Devaney, An Introduction to Chaotic Dynamical Systems, 1.11.)
 
-    Raises InvalidInput for a bad request or where every point of an arc is periodic,
-    ConvergenceError when the iterates up to ``max_period`` are too steep to scan.
-
+    Examples
+    --------
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.arcs.round(6).tolist(), round(only.measure, 9)
     ([[2.368808, 8.651993]], 1.0)

@@ -28,9 +28,14 @@ _MATE = 1e-4
 class JumpCrossing:
     """A jump of F across the diagonal: no fixed point, though orbits may gather or part there.
 
-    theta : the break, radians; winding : the w of the crossed line θ + 2πw.
-    attracting : True when both sides move towards the break (a downward jump): it acts as an
-        attractor.
+    Attributes
+    ----------
+    theta : float
+        The break, radians;
+    winding : int
+        The w of the crossed line θ + 2πw.
+    attracting : bool
+        True when both sides move towards the break (a downward jump): it acts as an attractor.
     """
 
     theta: float

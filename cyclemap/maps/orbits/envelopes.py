@@ -25,6 +25,12 @@ def is_nondecreasing(circle_map: CircleMap) -> bool:
     """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the
     lift.
 
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
     >>> is_nondecreasing(CircleMap.arnold(0.2, 0.9)), is_nondecreasing(CircleMap.arnold(0.2, 1.1))
     (True, False)
     """
@@ -55,11 +61,19 @@ def largest_descent(circle_map: CircleMap) -> float:
 def upper_envelope(circle_map: CircleMap) -> CircleMap:
     """F⁺(x) = sup of F over (-∞, x]: nondecreasing, degree 1, at or above F.
 
-    Folds and downward jumps become plateaus, whose ends are the breaks of the result. (Chenciner,
-    Gambaudo & Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics and Entropy in
-    Dimension One, ch. 3.) Levels and ends are found to a few rounding units of the angle, so its
-    ``max_error`` is that of F plus 6e-15·max|F'|.
+    Returns
+    -------
+    CircleMap
 
+    Notes
+    -----
+    Folds and downward jumps become plateaus, whose ends are the breaks of the result.
+    (Chenciner, Gambaudo & Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics
+    and Entropy in Dimension One, ch. 3.) Levels and ends are found to a few rounding units of
+    the angle, so its ``max_error`` is that of F plus 6e-15·max|F'|.
+
+    Examples
+    --------
     >>> raised = upper_envelope(CircleMap.arnold(0.0, 3.0))
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
     True
@@ -71,6 +85,12 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
 def lower_envelope(circle_map: CircleMap) -> CircleMap:
     """F⁻(x) = inf of F over [x, ∞): nondecreasing, degree 1, at or below F; see ``upper_envelope``.
 
+    Returns
+    -------
+    CircleMap
+
+    Examples
+    --------
     >>> lowered = lower_envelope(CircleMap.arnold(0.0, 3.0))
     >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
     True

@@ -41,22 +41,35 @@ class PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period; each array has shape
     (count,).
 
-    theta : radians, sorted. winding : w of each point. multiplier, left_multiplier : (Fⁿ)' from the
-        right and from the left; they differ only where the orbit meets a kink. multiplier_error : a
-        bound on the error of both, from that of F' (by differences where none was given) and that
-        of the points.
-    prime_period : the least d with F^d(θ) = θ on the circle, a divisor of n.
-    kind : "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
-    error_bound : radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it
-        has opposite signs at the two ends, by more than rounding (so a crossing lies between them);
-        at a saddle-node it is farther from zero than 1e-12 radians on both sides. Takes the lift to
-        be good to four units of rounding of 2π + |F|; the error of a sampled map is not in it. inf
-        where no such bracket was found (at jumps).
-    image : index of the point that F maps each point to; -1 where that point is not in the list.
-    residual : the largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
+    Attributes
+    ----------
+    theta : ndarray
+        radians, sorted.
+    winding : Whole
+        w of each point.
+    multiplier, left_multiplier : ndarray
+        (Fⁿ)' from the right and from the left; they differ only where the orbit meets a kink.
+    multiplier_error : ndarray
+        a bound on the error of both, from that of F' (by differences where none was given) and
+        that of the points.
+    prime_period : Whole
+        The least d with F^d(θ) = θ on the circle, a divisor of n.
+    kind : npt.ndarray
+        "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
+    error_bound : ndarray
+        radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has
+        opposite signs at the two ends, by more than rounding (so a crossing lies between them);
+        at a saddle-node it is farther from zero than 1e-12 radians on both sides. Takes the
+        lift to be good to four units of rounding of 2π + |F|; the error of a sampled map is not
+        in it. inf where no such bracket was found (at jumps).
+    image : Whole
+        Index of the point that F maps each point to; -1 where that point is not in the list.
+    residual : float
+        The largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
         allows: about 1 or less when every point is as good as double precision lets it be. 0
         without points.
-    period : n.
+    period : int
+        n.
     """
 
     theta: Array
@@ -87,29 +100,47 @@ def periodic_points(
 ) -> PeriodicPoints:
     """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
 
+    Parameters
+    ----------
+    proved : bool, optional
+        By interval arithmetic (the extra ``proofs``) instead: number, prime periods, images,
+        and all bounds are theorems, with nothing left to a resolution, about the formula of the
+        lift with the floats in it; of a sampled map about every smooth map within ``max_error``
+        of its values and ``slope_error`` of its slopes. For smooth lifts written with
+        arithmetic, powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan
+        and arctan2, and for maps composed of such. Slopes come from the lift itself, not from
+        ``derivative``. Takes about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused,
+        and with them saddle-nodes.
+    slope_error : float, optional
+        For ``proved`` and sampled maps only.
+
+    Returns
+    -------
+    PeriodicPoints
+
+    Raises
+    ------
+    InvalidInput
+        When a whole arc is periodic.
+    ConvergenceError
+        When Fⁿ needs more than 2,000,000 cells; with ``proved`` InvalidInput for lifts that do
+        not take intervals.
+    ConvergenceError
+        For what cannot be decided.
+
+    Notes
+    -----
     One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each
     cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign
-    change is bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps). Complete but
-    for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth of a
-    milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding)
-    count as one: a "saddle-node" where the curve keeps its side, a crossing where it changes it; a
-    curve that ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit
-    are judged alike.
+    change is bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps). Complete
+    but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth
+    of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
+    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it
+    changes it; a curve that ends within 1e-12 of 2πw at a jump gives a "border-collision". All
+    points of an orbit are judged alike.
 
-    proved : by interval arithmetic (the extra ``proofs``) instead: number, prime periods, images,
-        and all bounds are theorems, with nothing left to a resolution, about the formula of the
-        lift with the floats in it; of a sampled map about every smooth map within ``max_error`` of
-        its values and ``slope_error`` of its slopes. For smooth lifts written with arithmetic,
-        powers and numpy's sin, cos, tan, exp, log, sqrt, sinh, cosh, tanh, arctan and arctan2, and
-        for maps composed of such. Slopes come from the lift itself, not from ``derivative``. Takes
-        about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused, and with them
-        saddle-nodes.
-    slope_error : for ``proved`` and sampled maps only.
-
-    Raises InvalidInput when a whole arc is periodic, ConvergenceError when Fⁿ needs more than
-    2,000,000 cells; with ``proved`` InvalidInput for lifts that do not take intervals,
-    ConvergenceError for what cannot be decided.
-
+    Examples
+    --------
     >>> doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
     >>> found = periodic_points(doubling, 12)
     >>> found.count, int((found.prime_period == 12).sum())
@@ -364,20 +395,31 @@ _SAME = 1e-6  # radians: an orbit followed by iteration is closed when it comes 
 class Orbit:
     """A periodic orbit of a circle map.
 
-    points : shape (period,), radians in [0, 2π), in the order in which they are visited, the
+    Attributes
+    ----------
+    points : ndarray
+        Shape (period,), radians in [0, 2π), in the order in which they are visited, the
         smallest first.
-    period : prime period, cycles.
-    winding : w with Fⁿ(points[0]) = points[0] + 2πw: whole turns in one period.
-    multiplier : (Fⁿ)' along the orbit; on a kink the one from the right. Its ``error_bound`` is of
-        F' and the points.
-    left_multiplier : the same from the left; equal to ``multiplier`` away from kinks.
-    stable : whether points on both sides are attracted.
-    kind : "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a
+    period : int
+        Prime period, cycles.
+    winding : int
+        w with Fⁿ(points[0]) = points[0] + 2πw: whole turns in one period.
+    multiplier : Estimate
+        (Fⁿ)' along the orbit; on a kink the one from the right. Its ``error_bound`` is of F'
+        and the points.
+    left_multiplier : Estimate
+        The same from the left; equal to ``multiplier`` away from kinks.
+    stable : bool
+        Whether points on both sides are attracted.
+    kind : str
+        "stable", "unstable", "saddle-node" (Fⁿ - id touches 2πw without crossing it, also at a
         kink: two orbits merged), "neutral" (crosses with | |multiplier| - 1 | ≤ 1e-7, where the
-        derivative does not decide) or "border-collision" (Fⁿ - id meets 2πw at the edge of a jump).
-    error_bound : radians, the largest over the points: each lies within it of the true one, see
-        ``PeriodicPoints`` (about rounding/|multiplier - 1|; √(tangency/curvature) at a saddle-node;
-        inf at a border collision).
+        derivative does not decide) or "border-collision" (Fⁿ - id meets 2πw at the edge of a
+        jump).
+    error_bound : float
+        radians, the largest over the points: each lies within it of the true one, see
+        ``PeriodicPoints`` (about rounding/|multiplier - 1|; √(tangency/curvature) at a
+        saddle-node; inf at a border collision).
     """
 
     points: Array
@@ -407,13 +449,25 @@ def fixed_points(
 ) -> list[Orbit]:
     """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
 
-    Found and judged, with ``proved`` proved, as in ``periodic_points`` with period 1. A fixed point
-    on a kink carries both one-sided multipliers. Jumps across the diagonal are no fixed points: see
-    ``crossings_by_jump``.
+    Returns
+    -------
+    list[Orbit]
 
-    Raises InvalidInput when a whole arc is fixed (the identity), ConvergenceError when the map is
-    too steep.
+    Raises
+    ------
+    InvalidInput
+        When a whole arc is fixed (the identity).
+    ConvergenceError
+        When the map is too steep.
 
+    Notes
+    -----
+    Found and judged, with ``proved`` proved, as in ``periodic_points`` with period 1. A fixed
+    point on a kink carries both one-sided multipliers. Jumps across the diagonal are no fixed
+    points: see ``crossings_by_jump``.
+
+    Examples
+    --------
     >>> [(round(float(p.points[0]), 6), p.kind) for p in fixed_points(CircleMap.arnold(0.0, 0.5))]
     [(0.0, 'stable'), (3.141593, 'unstable')]
     """
@@ -430,13 +484,25 @@ def periodic_orbits(
 ) -> list[Orbit]:
     """All orbits of prime period n, Fⁿ(θ) = θ + 2πw, each once, sorted by their smallest angle.
 
-    winding : keep only orbits with this w at their smallest point (for degree 1: rotation number
+    Parameters
+    ----------
+    winding : int, optional
+        Keep only orbits with this w at their smallest point (for degree 1: rotation number
         w/n); None keeps all.
-    Orbits whose prime period is a proper divisor of n are left out; cyclic shifts are one orbit.
-    Grouped from ``periodic_points``, with its resolution, errors, accuracy and proofs. Every point
-    is solved on its own, so all keep full accuracy, about 1e-15/|multiplier - 1|, however expanding
-    the map.
 
+    Returns
+    -------
+    list[Orbit]
+
+    Notes
+    -----
+    Orbits whose prime period is a proper divisor of n are left out; cyclic shifts are one
+    orbit. Grouped from ``periodic_points``, with its resolution, errors, accuracy and proofs.
+    Every point is solved on its own, so all keep full accuracy, about 1e-15/|multiplier - 1|,
+    however expanding the map.
+
+    Examples
+    --------
     >>> [o.winding for o in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
     """
@@ -471,8 +537,14 @@ def periodic_orbits(
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
     """Where a jump of F carries the turn F - id across a multiple of 2π, sorted by angle.
 
-    A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point would. A
-    jump one side of which meets 2πw within 1e-12 radians is a fixed point of kind
+    Returns
+    -------
+    list[JumpCrossing]
+
+    Notes
+    -----
+    A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point
+    would. A jump one side of which meets 2πw within 1e-12 radians is a fixed point of kind
     "border-collision" instead.
     """
     if circle_map.breaks.size == 0:

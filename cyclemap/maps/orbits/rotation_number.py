@@ -32,17 +32,34 @@ def birkhoff_average(
     """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k =
     1..N.
 
+    Parameters
+    ----------
+    function : Lift, optional
+        Vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a
+        cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
+    start : float, optional
+        radians;
+    iterates : int, optional
+        N, at least 16;
+    transient : int, optional
+        Cycles run before the averaging begins.
+
+    Returns
+    -------
+    Estimate
+
+    Notes
+    -----
     On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls
-    faster than any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke, Nonlinearity
-    30, 2017.) On a chaotic orbit it is about that of a plain mean, 1/√N.
+    faster than any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke,
+    Nonlinearity 30, 2017.) On a chaotic orbit it is about that of a plain mean, 1/√N.
 
-    function : vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians
-        a cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
-    start : radians; iterates : N, at least 16; transient : cycles run before the averaging begins.
+    The error bound is estimated, not proved: the larger distance from the means over the first
+    and the last half of the orbit, which converge like the whole at half its length, plus
+    rounding.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first and
-    the last half of the orbit, which converge like the whole at half its length, plus rounding.
-
+    Examples
+    --------
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
     (True, True)
@@ -152,12 +169,18 @@ class LockingProof:
 class RotationNumber:
     """A rotation number in turns a cycle.
 
-    value : the best estimate, inside [lower, upper].
-    lower, upper : the truth lies between them (both included; rounded outward).
-    locked : p/q when a periodic orbit proves the rotation number to be exactly that, else None.
-    proof : the witness of ``locked``, else None.
-    estimate : the weighted Birkhoff average with its estimated (not proved) error, None when
-        locked.
+    Attributes
+    ----------
+    value : float
+        The best estimate, inside [lower, upper].
+    lower, upper : float
+        The truth lies between them (both included; rounded outward).
+    locked : Fraction or None
+        p/q when a periodic orbit proves the rotation number to be exactly that, else None.
+    proof : LockingProof or None
+        The witness of ``locked``, else None.
+    estimate : Estimate or None
+        The weighted Birkhoff average with its estimated (not proved) error, None when locked.
     """
 
     value: float
@@ -189,30 +212,46 @@ def rotation_number(
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
-    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ
-    implies ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates``
-    iterates of F - e, the upper one of F + e. e adds up the map's ``max_error``, what a lift taken
-    as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F lies below the one or above the
-    other, so the bounds hold however F amplifies errors, for every nondecreasing lift within
-    ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16) of 2π +
-    max|F|: a lift that is computed worse must say so by ``max_error``. Folds narrower than a tenth
-    of a milliradian may pass unseen. About 1/iterates² wide where ρ is irrational, F smooth and
-    max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
-
-    Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is
-    proved and ``locked``, with the two angles as ``proof``; at the very edge of a tongue the sides
-    cannot be told apart. Otherwise ``estimate`` is ``birkhoff_average`` of the turn, and ``value``
-    is the same where it lies inside the bounds.
-
-    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
-    ``rotation_interval``), ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set only
-    when the interval is one proved fraction.
-
-    tolerance : turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
+    Parameters
+    ----------
+    tolerance : float, optional
+        turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
         iterates are made.
 
-    Raises InvalidInput for another degree, ConvergenceError when the bounds contradict each other.
+    Returns
+    -------
+    RotationNumber
 
+    Raises
+    ------
+    InvalidInput
+        For another degree.
+    ConvergenceError
+        When the bounds contradict each other.
+
+    Notes
+    -----
+    Nondecreasing lifts (jumps allowed): every iterate bounds ρ, since Fⁿ(θ) ≥ θ + 2πp at one θ
+    implies ρ ≥ p/n, and ≤ likewise (Poincaré 1885). The lower bound is the best of ``iterates``
+    iterates of F - e, the upper one of F + e. e adds up the map's ``max_error``, what a lift
+    taken as nondecreasing falls (≤ 1e-12), and rounding; no orbit of F lies below the one or
+    above the other, so the bounds hold however F amplifies errors, for every nondecreasing lift
+    within ``max_error`` of F. Proved, given that a computed image is good to 4 units (8.9e-16)
+    of 2π + max|F|: a lift that is computed worse must say so by ``max_error``. Folds narrower
+    than a tenth of a milliradian may pass unseen. About 1/iterates² wide where ρ is irrational,
+    F smooth and max_error 0; 1/(q·iterates) where ρ is p/q without being locked.
+
+    Where F^q - e and F^q + e leave values on both sides of 2πp (q ≤ ``max_period``), ρ = p/q is
+    proved and ``locked``, with the two angles as ``proof``; at the very edge of a tongue the
+    sides cannot be told apart. Otherwise ``estimate`` is ``birkhoff_average`` of the turn, and
+    ``value`` is the same where it lies inside the bounds.
+
+    Lifts that fold have an interval of rotation numbers: [lower, upper] encloses all of it (see
+    ``rotation_interval``), ``estimate`` is that of the orbit from θ = 0, and ``locked`` is set
+    only when the interval is one proved fraction.
+
+    Examples
+    --------
     >>> found = rotation_number(CircleMap.arnold(0.1, 0.9))
     >>> found.locked, found.proof is not None
     (Fraction(0, 1), True)
@@ -248,11 +287,19 @@ def rotation_interval(
     """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone
     envelopes.
 
-    For continuous lifts every number between is the rotation number of some orbit (Chenciner,
-    Gambaudo & Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of them. A
-    nondecreasing lift gives one point. The enclosures of both ends, and what they cover, are as in
-    ``rotation_number``.
+    Returns
+    -------
+    RotationInterval
 
+    Notes
+    -----
+    For continuous lifts every number between is the rotation number of some orbit (Chenciner,
+    Gambaudo & Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of
+    them. A nondecreasing lift gives one point. The enclosures of both ends, and what they
+    cover, are as in ``rotation_number``.
+
+    Examples
+    --------
     >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))

@@ -29,16 +29,29 @@ class SlowPassage:
     """A bottleneck: near ``theta`` the n-th iterate moves by ε + a x² + ..., x the distance from
     ``theta``.
 
-    theta : radians in [0, 2π), where |Fⁿ - id - 2πw| is least. period : n. winding : w.
-    gap : ε, radians an n-fold cycle; its sign is the direction of motion. Good to rounding.
-    curvature : a, per radian, of the same sign as ε. Good to about 1e-8 of itself.
-    width : √(ε/a), radians: half the width of the stretch on which the move is less than doubled.
-    passage_cycles : nπ/√(aε), cycles of F: the time from far on one side to far on the other, to
-        leading order.
-    direction : 1 when the orbit moves up through it, -1 down.
-    relative_error : |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that
-        takes 84 % of the passage; of order ε. Measured, not proved: the true number is the integral
-        of dx/v, v the flow that interpolates the map. What rounding leaves unknown of ε is added.
+    Attributes
+    ----------
+    theta : float
+        radians in [0, 2π), where |Fⁿ - id - 2πw| is least.
+    period : int
+        n.
+    winding : int
+        w.
+    gap : float
+        ε, radians an n-fold cycle; its sign is the direction of motion. Good to rounding.
+    curvature : float
+        a, per radian, of the same sign as ε. Good to about 1e-8 of itself.
+    width : float
+        √(ε/a), radians: half the width of the stretch on which the move is less than doubled.
+    passage_cycles : float
+        nπ/√(aε), cycles of F: the time from far on one side to far on the other, to leading
+        order.
+    direction : int
+        1 when the orbit moves up through it, -1 down.
+    relative_error : float
+        |true/parabola - 1| for the number of cycles across ±4 widths, the stretch that takes 84
+        % of the passage; of order ε. Measured, not proved: the true number is the integral of
+        dx/v, v the flow that interpolates the map. What rounding leaves unknown of ε is added.
         inf where that stretch holds a zero of v, a break, or more than a turn, and where a path
         across it does not get through.
     """
@@ -60,20 +73,38 @@ def slow_passages(
     """All bottlenecks of Fⁿ, n = ``period``, by angle: what saddle-nodes leave behind when their
     orbits are gone.
 
+    Parameters
+    ----------
+    winding : int, optional
+        Keep only this w; None takes, at each extremum, the nearest line on the side that it
+        does not cross. A passage near an orbit of period n shows at each of its n points; those
+        of a divisor of n are left out, and so are kinks and jumps, where the parabola does not
+        hold.
+
+    Returns
+    -------
+    list[SlowPassage]
+
+    Raises
+    ------
+    InvalidInput
+        For a bad request.
+    ConvergenceError
+        When Fⁿ is too steep to scan.
+
+    Notes
+    -----
     A bottleneck is a smooth local extremum of the move Fⁿ - id - 2πw on its own side of zero (a
-    least upward or a least downward move), by more than 1e-12 radians (nearer it is a saddle-node,
-    see ``periodic_points``), whose passage π/√(aε) takes at least 10 cycles of F in all, and whose
-    |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle.
-    winding : keep only this w; None takes, at each extremum, the nearest line on the side that it
-        does not cross. A passage near an orbit of period n shows at each of its n points; those of
-        a divisor of n are left out, and so are kinks and jumps, where the parabola does not hold.
+    least upward or a least downward move), by more than 1e-12 radians (nearer it is a
+    saddle-node, see ``periodic_points``), whose passage π/√(aε) takes at least 10 cycles of F
+    in all, and whose |ε| is at most half the mean of |Fⁿ - id - 2πw| over the circle.
 
-    x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear Dynamics
-    and Chaos, 4.3). The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3 + g²g''/12 +
-    ..., so that dt = dx/v.
+    x' = x + ε + a x² takes π/√(aε) steps (Pomeau & Manneville 1980; Strogatz, Nonlinear
+    Dynamics and Chaos, 4.3). The flow that interpolates x' = x + g(x) is v = g - gg'/2 + gg'²/3
+    + g²g''/12 + ..., so that dt = dx/v.
 
-    Raises InvalidInput for a bad request, ConvergenceError when Fⁿ is too steep to scan.
-
+    Examples
+    --------
     >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
     >>> round(ghost.theta, 6), ghost.direction, round(ghost.passage_cycles, 3)
     (1.570796, 1, 22.723)

@@ -51,23 +51,36 @@ def log10_passage_time(
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
-    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond,
-    for ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from
-    it over the chance of leaving in one, and T(start) is that times the chance of reaching that
-    node first. The chance of leaving is sought from transitions multiplied by h(y)/h(x), h(x)
-    nearly the chance of leaving from x before the next visit (Doob's transform): along the likely
-    ways out they are of order one. Sparse sweeps over the few dozen moves that count solve it; a
-    first h comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations).
-    Where the path may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated
-    without subtraction instead.
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    InvalidInput
+        As ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than
+        60,000 nodes are needed.
+    ConvergenceError
+        When the bound of ln T exceeds 1e-6, or two parts of the arc are each left less than
+        once in 1e300 cycles.
+
+    Notes
+    -----
+    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound.
+    Beyond, for ``WrappedNormal`` only: T at the node visited most is the mean length of an
+    excursion from it over the chance of leaving in one, and T(start) is that times the chance
+    of reaching that node first. The chance of leaving is sought from transitions multiplied by
+    h(y)/h(x), h(x) nearly the chance of leaving from x before the next visit (Doob's
+    transform): along the likely ways out they are of order one. Sparse sweeps over the few
+    dozen moves that count solve it; a first h comes from twice as wide a noise, where σ² ln h
+    is nearly the same (large deviations). Where the path may stay elsewhere for thousands of
+    cycles, up to 6000 nodes are eliminated without subtraction instead.
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and
     2e-14 of ln T for rounding; measured, and without the map's ``max_error``.
 
-    Raises InvalidInput as ``mean_passage_time``, and beyond 1e300 cycles for other noise or where
-    more than 60,000 nodes are needed; ConvergenceError when the bound of ln T exceeds 1e-6, or two
-    parts of the arc are each left less than once in 1e300 cycles.
-
+    Examples
+    --------
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583

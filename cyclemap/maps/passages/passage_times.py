@@ -46,23 +46,37 @@ def mean_passage_time(
 ) -> Estimate:
     """Mean number of cycles until the path θ' = F(θ) + ξ from ``start`` is first outside ``arc``.
 
-    start : radians, inside the arc. arc : (start, end), counter-clockwise, radians, length in (0,
-        2π).
-    lifted : False counts positions mod 2π, so that a step of a whole turn comes back; True follows
+    Parameters
+    ----------
+    start : float
+        radians, inside the arc.
+    arc : Arc
+        (start, end), counter-clockwise, radians, length in (0, 2π).
+    lifted : bool, optional
+        False counts positions mod 2π, so that a step of a whole turn comes back; True follows
         the path on the real line, where the arc may be a whole turn.
 
-    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
-    between the map's breaks and samples (Nyström), is eliminated without subtraction from the
-    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles
-    keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under ``UniformNoise``
-    see ``cell_passage``.
+    Returns
+    -------
+    Estimate
+
+    Notes
+    -----
+    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with
+    panels between the map's breaks and samples (Nyström), is eliminated without subtraction
+    from the exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even
+    1e100 cycles keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under
+    ``UniformNoise`` see ``cell_passage``.
 
     ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
-    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r and Φ
-    are measured on nodes. The map's ``max_error`` is included to first order. Where several deep
-    wells drown the residual in rounding, the bound is ten times the difference from a solution on
-    other nodes. ConvergenceError when it exceeds 1e-6 of the time, ``max_error`` apart.
+    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r
+    and Φ are measured on nodes. The map's ``max_error`` is included to first order. Where
+    several deep wells drown the residual in rounding, the bound is ten times the difference
+    from a solution on other nodes. ConvergenceError when it exceeds 1e-6 of the time,
+    ``max_error`` apart.
 
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> time = mean_passage_time(stuck, WrappedNormal(0.1 * np.pi), 0.77278, (0.0, np.pi / 2))
@@ -90,11 +104,19 @@ def hitting_probability(
     """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in
     ``arc_b``.
 
-    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start
-    inside one of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y)
-    dy, solved and bounded as in ``mean_passage_time``: small chances keep their digits too.
-    ConvergenceError also when neither arc is reached within 1e300 cycles.
+    Returns
+    -------
+    Estimate
 
+    Notes
+    -----
+    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start
+    inside one of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x))
+    u(y) dy, solved and bounded as in ``mean_passage_time``: small chances keep their digits
+    too. ConvergenceError also when neither arc is reached within 1e300 cycles.
+
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
     >>> round(even, 9), even.holds(0.5)
@@ -155,10 +177,19 @@ def survival_probabilities(
     """P(the path from ``start`` has not left ``arc`` in n cycles) for n = 0, ..., ``cycles``: shape
     (cycles + 1,).
 
-    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for
-    ``mean_passage_time``, which is the sum of S_n over all n. Rows of transitions are scaled to the
-    exactly known chances of staying; the relative error grows with n, by about 1e-15 a cycle.
+    Returns
+    -------
+    ndarray
 
+    Notes
+    -----
+    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for
+    ``mean_passage_time``, which is the sum of S_n over all n. Rows of transitions are scaled to
+    the exactly known chances of staying; the relative error grows with n, by about 1e-15 a
+    cycle.
+
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> chances = survival_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77, (0.0, 1.5), 2)
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])

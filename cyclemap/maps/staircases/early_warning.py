@@ -27,9 +27,16 @@ _LEVEL = 0.95
 class RestMultiplier:
     """The multiplier of the direction about which a path rests.
 
-    value : median-unbiased. lower, upper : 95 % interval, in [-1, 1]: at 1 the
-        direction is being lost, or has been. cycles : how many it comes from. theta : their mean direction, radians in
-        [0, 2π).
+    Attributes
+    ----------
+    value : float
+        median-unbiased.
+    lower, upper : float
+        95 % interval, in [-1, 1]: at 1 the direction is being lost, or has been.
+    cycles : int
+        How many it comes from.
+    theta : float
+        Their mean direction, radians in [0, 2π).
     """
 
     value: float

@@ -42,16 +42,24 @@ _LINGERING = 1.5  # a ghost's mean density is at least this many times the unifo
 class SlowZone:
     """A stretch of the circle where a path lingers.
 
-    centre : radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest
+    Attributes
+    ----------
+    centre : float
+        radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest
         point.
-    arc : (start, end), radians, start < end: the zone, see ``predict_staircase``.
-    kind : "stable", "jump" or "ghost".
-    residence_cycles : mean number of cycles in the arc from the centre ("stable", "jump") or from
-        the upstream end ("ghost") until the path first leaves it.
-    winding : whole turns that a cycle makes there; the zone is still in the frame that turns along.
-    visits_a_cycle, visit_cycles, visit_spread : the visits of the stationary path, maximal runs of
-        cycles in the arc that reach ``core``: how many begin per cycle, their mean length and its
-        standard deviation, cycles; None where not computed.
+    arc : tuple[float, float]
+        (start, end), radians, start < end: the zone, see ``predict_staircase``.
+    kind : str
+        "stable", "jump" or "ghost".
+    residence_cycles : Estimate
+        Mean number of cycles in the arc from the centre ("stable", "jump") or from the upstream
+        end ("ghost") until the path first leaves it.
+    winding : int
+        Whole turns that a cycle makes there; the zone is still in the frame that turns along.
+    visits_a_cycle, visit_cycles, visit_spread : float or None
+        The visits of the stationary path, maximal runs of cycles in the arc that reach
+        ``core``: how many begin per cycle, their mean length and its standard deviation,
+        cycles; None where not computed.
     """
 
     centre: float
@@ -86,9 +94,16 @@ class SlowZone:
 class StaircaseSummary:
     """What theory says of a staircase; see ``predict_staircase`` for the definitions.
 
-    mean_turn : radians a cycle. mean_residence_cycles : cycles, or None without slow zones; inf
-        above 1e300.
-    step : radians, or None without slow zones. zones : the slow zones, sorted by centre.
+    Attributes
+    ----------
+    mean_turn : float
+        radians a cycle.
+    mean_residence_cycles : float or None
+        Cycles, or None without slow zones; inf above 1e300.
+    step : float or None
+        radians, or None without slow zones.
+    zones : tuple of SlowZone
+        The slow zones, sorted by centre.
     """
 
     mean_turn: float
@@ -112,24 +127,30 @@ def predict_staircase(
 ) -> StaircaseSummary:
     """Mean turn, step height and residence of the staircase that the noisy map will draw.
 
-    mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound.
-    Slow zones : the stable fixed points and attracting jumps, each with the arc between the
-        unstable points (or repelling jumps, or saddle-nodes) next to it on both sides; its
-        residence is the mean passage time from the point out of that arc. With a single unstable
-        point the arc is the whole turn between two copies of it, left on the lifted line only.
-        Where nothing is stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below
-        half its mean over the circle, w the whole number that makes the mean turn least, if the
-        stationary path is there at least half as long again as at an even pace. The residence is
-        the mean passage time from the arc's upstream end.
-    mean_residence_cycles : average of the zones' residences, an ``Estimate`` whose bound is the
-        average bound.
-    step : 2π divided by the number of zones, the mean spacing of neighbouring slow zones.
-    The visits' numbers are exact for the stationary path; how they are found is said at
-    ``_with_visits``. A turn that is constant to 1e-9 rad has no slow zone: all but mean_turn are
-    None.
+    Returns
+    -------
+    StaircaseSummary
+
+    Notes
+    -----
+    mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound. Slow
+    zones : the stable fixed points and attracting jumps, each with the arc between the unstable
+    points (or repelling jumps, or saddle-nodes) next to it on both sides; its residence is the
+    mean passage time from the point out of that arc. With a single unstable point the arc is
+    the whole turn between two copies of it, left on the lifted line only. Where nothing is
+    stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below half its mean over
+    the circle, w the whole number that makes the mean turn least, if the stationary path is
+    there at least half as long again as at an even pace. The residence is the mean passage time
+    from the arc's upstream end. mean_residence_cycles : average of the zones' residences, an
+    ``Estimate`` whose bound is the average bound. step : 2π divided by the number of zones, the
+    mean spacing of neighbouring slow zones. The visits' numbers are exact for the stationary
+    path; how they are found is said at ``_with_visits``. A turn that is constant to 1e-9 rad
+    has no slow zone: all but mean_turn are None.
 
     ``operator`` may pass a ``transfer_operator(circle_map, noise)`` that is already there.
 
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> found = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
     >>> [zone.kind for zone in found.zones], round(found.step, 6)
@@ -276,12 +297,18 @@ def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
 class DriftSummary:
     """The staircase of a slowly drifting map, as if each cycle's map had been there for ever.
 
-    cycles : shape (k,), where the frozen map was analysed; summaries : one ``StaircaseSummary``
-        each.
-    turns : whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not
+    Attributes
+    ----------
+    cycles : ndarray
+        Shape (k,), where the frozen map was analysed;
+    summaries : tuple of StaircaseSummary
+        One ``StaircaseSummary`` each.
+    turns : Estimate
+        Whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not
         the lag.
-    lag_turns : Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the
-        size, not a bound, of what the adiabatic picture leaves out. Trust ``turns`` no better than
+    lag_turns : float
+        Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the size,
+        not a bound, of what the adiabatic picture leaves out. Trust ``turns`` no better than
         that.
     """
 
@@ -305,13 +332,21 @@ def predict_drift(
 ) -> DriftSummary:
     """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
 
-    At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the
-    frozen map; and the expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by adaptive
-    Simpson rules over the run until halving changes the sum by less than a hundredth of a turn,
-    that change being the bound (measured). The law lags behind a drifting map (Gardiner, Stochastic
-    Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter, and the start's own
-    approach adds up to a turn.
+    Returns
+    -------
+    DriftSummary
 
+    Notes
+    -----
+    At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the
+    frozen map; and the expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by
+    adaptive Simpson rules over the run until halving changes the sum by less than a hundredth
+    of a turn, that change being the bound (measured). The law lags behind a drifting map
+    (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter,
+    and the start's own approach adds up to a turn.
+
+    Examples
+    --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)

@@ -40,17 +40,29 @@ class Stretch:
 class DriftingMap:
     """A map that changes with the cycle: cycle n (0, 1, ...) carries θ_n to F_n(θ_n) + ξ_n.
 
-    F_n is given at some cycles and blended linearly between them, F_n = (1 - s) F_a + s F_b, s =
-    (n - a)/(b - a): a lift again, since the degrees agree. Before the first of these cycles F_n is the
-    first map, after the last the last.
+    Attributes
+    ----------
+    cycles : ndarray
+        Shape (k,), increasing.
+    maps : tuple of CircleMap
+        The k maps, all of degree 1.
+    max_error : float
+        radians, how far the blend is from the family it stands for, as measured; 0 for a blend
+        as such.
 
-    cycles : shape (k,), increasing. maps : the k maps, all of degree 1.
-    max_error : radians, how far the blend is from the family it stands for, as measured; 0 for a
-        blend as such.
+    Raises
+    ------
+    InvalidInput
+        For cycles that do not increase, another number of maps, or a degree other than 1.
 
-    Raises InvalidInput for cycles that do not increase, another number of maps, or a degree other
-    than 1.
+    Notes
+    -----
+    F_n is given at some cycles and blended linearly between them, F_n = (1 - s) F_a + s F_b, s
+    = (n - a)/(b - a): a lift again, since the degrees agree. Before the first of these cycles
+    F_n is the first map, after the last the last.
 
+    Examples
+    --------
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (100, CircleMap.rigid(0.3))])
     >>> round(float(worn.at(50).turn(0.0)) / (2 * np.pi), 12)
     0.2
@@ -217,14 +229,25 @@ class LocalNoise:
     """Kicks ξ_n = σ(θ_n) z_n of sampled paths; z_n standard normal, with z_{n+1} = ρ z_n + √(1 -
     ρ²) ε_n.
 
-    log_sigma : (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in
-        radians.
-    correlation : ρ in [0, 1), of the kicks of successive cycles.
+    Attributes
+    ----------
+    log_sigma : tuple of float
+        (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in radians.
+    correlation : float
+        ρ in [0, 1), of the kicks of successive cycles.
 
-    It has no transfer operator: with a memory the angle alone is no state. `white` is what stands
-    for it there. Raises InvalidInput for an even number of coefficients, or a correlation outside
-    [0, 1).
+    Raises
+    ------
+    InvalidInput
+        For an even number of coefficients, or a correlation outside [0, 1).
 
+    Notes
+    -----
+    It has no transfer operator: with a memory the angle alone is no state. `white` is what
+    stands for it there.
+
+    Examples
+    --------
     >>> LocalNoise((math.log(0.02), 0.5, 0.0), 0.7).sigma(math.pi / 2).round(12)
     np.float64(0.02)
     """
@@ -281,7 +304,13 @@ class LocalNoise:
 class Staircase:
     """One path θ_{n+1} = F(θ_n) + ξ_n of the lifted orientation.
 
-    theta : shape (cycles + 1,), radians, not wrapped, the start first; seed : of the noise; start :
+    Attributes
+    ----------
+    theta : ndarray
+        Shape (cycles + 1,), radians, not wrapped, the start first;
+    seed : int
+        Of the noise;
+    start : float
         radians.
     """
 
@@ -304,10 +333,19 @@ def sample_staircase(
 ) -> Staircase:
     """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
 
-    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some million
-    cycles a second for sampled and textbook maps, a few hundred thousand for maps given by numpy
-    callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle starts.
+    Returns
+    -------
+    Staircase
 
+    Notes
+    -----
+    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some
+    million cycles a second for sampled and textbook maps, a few hundred thousand for maps given
+    by numpy callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle
+    starts.
+
+    Examples
+    --------
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
     [0.0, 0.5, 1.0, 1.5, 2.0]
@@ -350,10 +388,19 @@ def sample_staircases(
     """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped,
     read-only.
 
-    starts : shape (paths,), radians. The same seed and starts give the same paths; one start alone
+    Parameters
+    ----------
+    starts : Any
+        Shape (paths,), radians. The same seed and starts give the same paths; one start alone
         gives the path of ``sample_staircase`` to rounding, and a hundred paths are followed ten
         times as fast together.
 
+    Returns
+    -------
+    ndarray
+
+    Examples
+    --------
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)
     """

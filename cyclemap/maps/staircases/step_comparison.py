@@ -51,17 +51,25 @@ class StepComparison:
     """Measured steps against a ``StaircaseSummary``; see ``compare_steps``. None where no
     comparison is possible.
 
-    mean_length, length_error : Kaplan-Meier mean of the dwells' lengths, cycles, and its standard
-        error.
-    predicted_length : the prediction's mean residence, cycles; ratio : mean_length over it.
-    net_steps, expected_steps, net_error : climb of the path in units of the predicted step, the
-        prediction's for as many cycles, and the standard error of their difference: from one dwell
-        to the next, height less predicted turn is a reward of mean 0, so the difference has their
-        variance times the number of periods (Ross 1996, sec. 3.6).
-    pace_p_value : two-sided, Student's law for that difference over its error; None below 8
-        periods. Over 12 to 18 periods it is measured to reject a true prediction in 3.5 % of runs
-        at the 5 % level, in 8 % at 10 %.
-    visits : one ``VisitComparison`` a zone; () unless the steps were found in the prediction's own
+    Attributes
+    ----------
+    mean_length, length_error : float or None
+        Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
+    predicted_length : float or None
+        The prediction's mean residence, cycles;
+    ratio : float or None
+        mean_length over it.
+    net_steps, expected_steps, net_error : float or None
+        Climb of the path in units of the predicted step, the prediction's for as many cycles,
+        and the standard error of their difference: from one dwell to the next, height less
+        predicted turn is a reward of mean 0, so the difference has their variance times the
+        number of periods (Ross 1996, sec. 3.6).
+    pace_p_value : float or None
+        two-sided, Student's law for that difference over its error; None below 8 periods. Over
+        12 to 18 periods it is measured to reject a true prediction in 3.5 % of runs at the 5 %
+        level, in 8 % at 10 %.
+    visits : tuple of VisitComparison
+        One ``VisitComparison`` a zone; () unless the steps were found in the prediction's own
         zones.
     """
 
@@ -80,14 +88,25 @@ class StepComparison:
 def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     """Compare the steps found in a path with those predicted for a map and its noise.
 
-    Dwells found without zones have lengths that depend on the window: their ratio to the predicted
-    residence is a rough one, without p-value. Heights, pace and number of steps do not depend on
-    it. Steps found with ``zones=prediction.zones`` also compare the visits, whose prediction is
-    exact for the stationary path, with p-values that are uniform if it holds (as far as the path
-    forgets between visits).
+    Returns
+    -------
+    StepComparison
 
-    Raises InvalidInput unless given ``Steps`` and a ``StaircaseSummary``.
+    Raises
+    ------
+    InvalidInput
+        Unless given ``Steps`` and a ``StaircaseSummary``.
 
+    Notes
+    -----
+    Dwells found without zones have lengths that depend on the window: their ratio to the
+    predicted residence is a rough one, without p-value. Heights, pace and number of steps do
+    not depend on it. Steps found with ``zones=prediction.zones`` also compare the visits, whose
+    prediction is exact for the stationary path, with p-values that are uniform if it holds (as
+    far as the path forgets between visits).
+
+    Examples
+    --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> from cyclemap.maps.noise.noise import WrappedNormal
     >>> from cyclemap.maps.staircases.slow_zones import predict_staircase

@@ -33,16 +33,22 @@ class Steps:
     """Dwells of a path in order, and the steps between them; m dwells, v visits, cycles counted
     from 0.
 
-    start, end : shape (m,), first and last cycle of each dwell.
-    levels, scatter : shape (m,), mean and standard deviation of the angle during its visits,
-        radians, lifted.
-    visit_start, visit_end : shape (v,), the uninterrupted stays that make up the dwells: a dwell
-        has more than one where the path left and came back before it dwelt elsewhere.
-    visit_dwell, visit_zone : shape (v,), which dwell a visit belongs to, and which of ``zones`` it
-        is in (-1: none).
-    cycles, climb : last cycle of the path, and its last angle less its first, radians (less the
-        zones' turns 2πwn).
-    zones : those looked for, else ().
+    Attributes
+    ----------
+    start, end : Whole
+        Shape (m,), first and last cycle of each dwell.
+    levels, scatter : ndarray
+        Shape (m,), mean and standard deviation of the angle during its visits, radians, lifted.
+    visit_start, visit_end : Whole
+        Shape (v,), the uninterrupted stays that make up the dwells: a dwell has more than one
+        where the path left and came back before it dwelt elsewhere.
+    visit_dwell, visit_zone : Whole
+        Shape (v,), which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
+    cycles, climb : int
+        Last cycle of the path, and its last angle less its first, radians (less the zones'
+        turns 2πwn).
+    zones : tuple of SlowZone
+        Those looked for, else ().
     """
 
     start: Whole
@@ -94,27 +100,40 @@ class Steps:
 def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
-    theta : shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts
+    Parameters
+    ----------
+    theta : Any
+        Shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts
         angles mod 2π where no cycle turns by half a turn).
 
-    zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside one
-        copy of a zone's arc that reaches the zone's core, so jitter at the arc's edge makes none
-        (milestones: Buchete & Hummer 2008). Successive visits to one copy are one dwell. All zones
-        must have the same winding w; levels are those of θ_n - 2πwn. zones None: for a window h, a
-        cycle dwells if it lies in some number of successive cycles whose angles span at most 2h:
-        twice what the path takes for a height 2h at its mean pace over height (3 at least). Runs of
-        such cycles, trimmed to three robust deviations from their median, are dwells, and
-        neighbours whose means differ by at most 2h are one (the dispersion rule of Salvucci &
-        Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven halvings, h is the window
-        whose dwells hold the largest share of the cycles less their share of the height travelled;
-        no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a
-        thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less
-        than its scatter is one dwell. Shifting, mirroring or reversing the path shifts, mirrors or
-        reverses its dwells.
+    Returns
+    -------
+    Steps
 
-    Raises InvalidInput for fewer than 2 angles, angles that are not finite, or zones of several
-    windings.
+    Raises
+    ------
+    InvalidInput
+        For fewer than 2 angles, angles that are not finite, or zones of several windings.
 
+    Notes
+    -----
+    zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside
+    one copy of a zone's arc that reaches the zone's core, so jitter at the arc's edge makes
+    none (milestones: Buchete & Hummer 2008). Successive visits to one copy are one dwell. All
+    zones must have the same winding w; levels are those of θ_n - 2πwn. zones None: for a window
+    h, a cycle dwells if it lies in some number of successive cycles whose angles span at most
+    2h: twice what the path takes for a height 2h at its mean pace over height (3 at least).
+    Runs of such cycles, trimmed to three robust deviations from their median, are dwells, and
+    neighbours whose means differ by at most 2h are one (the dispersion rule of Salvucci &
+    Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven halvings, h is the window
+    whose dwells hold the largest share of the cycles less their share of the height travelled;
+    no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a
+    thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less
+    than its scatter is one dwell. Shifting, mirroring or reversing the path shifts, mirrors or
+    reverses its dwells.
+
+    Examples
+    --------
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> found = find_steps(stairs)
     >>> found.lengths.tolist(), found.heights.tolist(), found.censored.tolist()

@@ -71,10 +71,27 @@ def sample_turns(
     """Return the turns of one cycle of every action on every material from `samples` equally spaced
     orientations.
 
-    loop : prepared by the strategy (its ring's place). Actions that differ in a gripper's turn
+    Parameters
+    ----------
+    loop : CollectionLoop
+        Prepared by the strategy (its ring's place). Actions that differ in a gripper's turn
         alone are run once.
-    About 0.3 ms a cycle and core. Raises what a cycle raises that leads out of the mechanics.
 
+    Returns
+    -------
+    SampledTurns
+
+    Raises
+    ------
+    what
+        A cycle raises that leads out of the mechanics.
+
+    Notes
+    -----
+    About 0.3 ms a cycle and core.
+
+    Examples
+    --------
     >>> from cyclemap.mechanics import load_material
     >>> loop = CollectionLoop.mit()
     >>> found = sample_turns(loop, [CycleAction(), CycleAction(turn=1.0)], [load_material("plywood")], 4)
@@ -108,9 +125,17 @@ def strategy_maps(
     """Return the cycle map of each of a strategy's actions, its gripper's turn included, within
     `tolerance` (rad).
 
+    Returns
+    -------
+    tuple of CircleMap
+
+    Notes
+    -----
     The error holds wherever a map does not jump (see `CollectionLoop.circle_map`); wear is left
     out.
 
+    Examples
+    --------
     >>> quarters = ResetStrategy((CycleAction(), CycleAction(turn=math.pi / 2.0)))
     >>> first, second = strategy_maps(CollectionLoop.mit(), quarters, tolerance=1e-2)
     >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
@@ -133,7 +158,13 @@ def strategy_maps(
 
 
 def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
-    """Return the turns (maps, samples), rad, of cycle maps at equal steps of the orientation."""
+    """Return the turns (maps, samples), rad, of cycle maps at equal steps of the orientation.
+
+    Returns
+    -------
+    ndarray
+        The turns (maps, samples), rad, of cycle maps at equal steps of the orientation.
+    """
     theta = TWO_PI * np.arange(samples) / samples
     return np.array([np.asarray(one(theta)) - theta for one in maps])
 

@@ -33,13 +33,21 @@ TRIED_INSIDE = 4
 class MaterialRange:
     """Materials about a nominal one.
 
-    nominal : the first. others : with it, those that a reset is searched on. told : in words, where
-        they came from.
-    tried : those that what is found is tried on besides; None: four between the others, weighted
-        means of three drawn
-    ones, the same each time. sampled : whether those tried are samples, each as likely as another,
-        of what nobody knows better: what is told of the worst then holds for 95 % of all that they
-        stand for, else for all materials.
+    Attributes
+    ----------
+    nominal : Material
+        The first.
+    others : tuple of Material
+        With it, those that a reset is searched on.
+    told : str
+        In words, where they came from.
+    tried : tuple of Material or None
+        Those that what is found is tried on besides; None: four between the others, weighted
+        means of three drawn ones, the same each time.
+    sampled : bool
+        Whether those tried are samples, each as likely as another, of what nobody knows better:
+        what is told of the worst then holds for 95 % of all that they stand for, else for all
+        materials.
     """
 
     nominal: Material
@@ -118,19 +126,34 @@ def material_range(
     """Return the nominal material with samples of its posterior, where it has one, else with the
     corners of a range.
 
-    It is searched on 12 samples, evenly spaced through the posterior, and tried on 59 others (or as
-    many as there are), of one that wears at times evenly spaced through its wear. Corners are made
-    where `axes` or `offsets` is given, too; of a surface that wears the worn one is among them. Its
-    direction needs no corners: turning it turns the law of the orientations, and no more.
+    Parameters
+    ----------
+    axes : float, optional
+        Share by which one half axis may be longer or shorter against the other, in [0, 1),
+        None: 0.1. The ratio runs from nominal / (1 + axes) to nominal (1 + axes); their
+        geometric mean, on which no quasi-static motion depends, is kept.
+    offsets : float, optional
+        Share by which m0 and n0 vary, each by itself, None: 0.5; one that is zero stays zero.
 
-    axes : share by which one half axis may be longer or shorter against the other, in [0, 1), None:
-        0.1. The ratio runs from nominal / (1 + axes) to nominal (1 + axes); their geometric mean,
-        on which no quasi-static motion depends, is
-    kept. offsets : share by which m0 and n0 vary, each by itself, None: 0.5; one that is zero stays
-        zero.
+    Returns
+    -------
+    MaterialRange
 
-    Raises InvalidInput for shares outside these, or where a corner is no friction ellipse.
+    Raises
+    ------
+    InvalidInput
+        For shares outside these, or where a corner is no friction ellipse.
 
+    Notes
+    -----
+    It is searched on 12 samples, evenly spaced through the posterior, and tried on 59 others
+    (or as many as there are), of one that wears at times evenly spaced through its wear.
+    Corners are made where `axes` or `offsets` is given, too; of a surface that wears the worn
+    one is among them. Its direction needs no corners: turning it turns the law of the
+    orientations, and no more.
+
+    Examples
+    --------
     >>> from cyclemap.mechanics import load_material
     >>> about = material_range(load_material("plywood"))
     >>> len(about.searched), about.searched[1].name
@@ -205,9 +228,17 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     """Return the loop on another material, which brings what the loop has from its own: `FoundWith`
     and pressure.
 
-    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled and
-    turned as it is from the one material to the other, wherever the ring is.
+    Returns
+    -------
+    CollectionLoop
 
+    Notes
+    -----
+    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled
+    and turned as it is from the one material to the other, wherever the ring is.
+
+    Examples
+    --------
     >>> from cyclemap.mechanics import FoundWith, load_material
     >>> slate = replace(load_material("plywood"), name="slate", found_with=FoundWith(pusher_friction=0.2))
     >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction

@@ -96,10 +96,19 @@ def _waves(modes: int, samples: int) -> Array:
 class OrientationLaw:
     """How the orientations of a strategy are distributed.
 
-    total_variation : from uniform, in the long run, over all places of a period or block. after :
-        the largest left of any start after `pushes` pushes. modes : of Fourier. error : how far
-        both may be off for their number, from half as many; nan
-        where that was not looked at. density : (360,) per rad, at whole degrees.
+    Attributes
+    ----------
+    total_variation : float
+        From uniform, in the long run, over all places of a period or block.
+    after : float
+        The largest left of any start after `pushes` pushes.
+    modes : int
+        Of Fourier.
+    error : float
+        How far both may be off for their number, from half as many; nan where that was not
+        looked at.
+    density : ndarray
+        (360,) per rad, at whole degrees.
     """
 
     total_variation: float
@@ -116,13 +125,27 @@ def orientation_law(
     """Return the law of a strategy whose actions turn by `turn` (actions, n) rad at n equal steps
     of theta.
 
-    sigma : noise of a cycle, rad, above zero. modes : of Fourier, below n/2; None: doubled until
-        both distances change by less than 5e-4, up to 192 or a quarter of n; what is left is the
-        law's `error`.
+    Parameters
+    ----------
+    sigma : float
+        Noise of a cycle, rad, above zero.
+    modes : int, optional
+        Of Fourier, below n/2; None: doubled until both distances change by less than 5e-4, up
+        to 192 or a quarter of n; what is left is the law's `error`.
 
-    Raises InvalidInput for a shuffled order with too many different sets of actions on the way
-    through a block.
+    Returns
+    -------
+    OrientationLaw
+        The law of a strategy whose actions turn by `turn` (actions, n) rad at n equal steps of
+        theta.
 
+    Raises
+    ------
+    InvalidInput
+        For a shuffled order with too many different sets of actions on the way through a block.
+
+    Examples
+    --------
     >>> from cyclemap.protocol.strategy import CycleAction
     >>> even = orientation_law(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5)
     >>> round(even.total_variation, 9), even.after < 0.01

@@ -74,14 +74,30 @@ _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
 class ResetRow:
     """A strategy with what it leaves and costs.
 
-    roles : why it is told. nominal : law on the nominal material. worst, worst_after : total
-        variations at the worst of the materials, each, as `MaterialRange.worst` takes
-        it; worst_material : of the latter. drag, room, contact : m.
-    seconds : of a cycle. histogram : (2,), mean and standard deviation over 200 runs of the
-        histogram distance of the pushes to be collected, nominal; worst_histogram :
-        the same where that is worst. misses : demands missed; a histogram that lies no further from uniform at
-        worst than that of independent pushes misses none about uniformity.
-    lacking : abilities.
+    Attributes
+    ----------
+    roles : tuple of str
+        Why it is told.
+    nominal : OrientationLaw
+        Law on the nominal material.
+    worst, worst_after : float
+        Total variations at the worst of the materials, each, as `MaterialRange.worst` takes it;
+    worst_material : Material
+        Of the latter.
+    drag, room, contact : float
+        m.
+    seconds : float
+        Of a cycle.
+    histogram : tuple[float, float]
+        (2,), mean and standard deviation over 200 runs of the histogram distance of the pushes
+        to be collected, nominal;
+    worst_histogram : tuple[float, float]
+        The same where that is worst.
+    misses : tuple of str
+        Demands missed; a histogram that lies no further from uniform at worst than that of
+        independent pushes misses none about uniformity.
+    lacking : tuple of str
+        Abilities.
     """
 
     roles: tuple[str, ...]
@@ -104,16 +120,26 @@ class ResetRow:
 class ResetDesign:
     """The answer of `design_reset`.
 
-    rows : the chosen one first, as it is last where it is not chosen, seven at most. met : whether
-        the chosen one meets
-    every demand. binding : where not, what the demands it misses could be at least. about : the
-        range.
-    independent : mean histogram distance of independent uniform pushes. orders : histogram distance
-        of the chosen actions by order, and "steered" by the monitor.
-    ratio_errors, ratio_tv : (n,), and (2, n) or (1, n): total variation in the long run of the
-        chosen row and of the simplest where the ratio of the axes is off by so much.
-    before, after : (runs, 36), histograms of the pushes as shares, of the loop as it is and of the
-        chosen one.
+    Attributes
+    ----------
+    rows : tuple of ResetRow
+        The chosen one first, as it is last where it is not chosen, seven at most.
+    met : bool
+        Whether the chosen one meets every demand.
+    binding : tuple of Limit
+        Where not, what the demands it misses could be at least.
+    about : MaterialRange
+        The range.
+    independent : float
+        Mean histogram distance of independent uniform pushes.
+    orders : dict[str, float]
+        Histogram distance of the chosen actions by order, and "steered" by the monitor.
+    ratio_errors, ratio_tv : ndarray
+        (n,), and (2, n) or (1, n): total variation in the long run of the chosen row and of the
+        simplest where the ratio of the axes is off by so much.
+    before, after : ndarray
+        (runs, 36), histograms of the pushes as shares, of the loop as it is and of the chosen
+        one.
     """
 
     loop: CollectionLoop

@@ -28,8 +28,12 @@ _NOISE_STREAM = 1 << 20
 class StrategyRun:
     """Collections of n cycles each, run by the full mechanics.
 
-    theta : (runs, n + 1), rad, not wrapped, the start first. action : (runs, n), number of the
-        strategy's action.
+    Attributes
+    ----------
+    theta : ndarray
+        (runs, n + 1), rad, not wrapped, the start first.
+    action : ndarray
+        (runs, n), number of the strategy's action.
     """
 
     theta: Array
@@ -49,12 +53,25 @@ def run_strategy(
 ) -> StrategyRun:
     """Run `runs` collections of `cycles` cycles each by the full mechanics, some 0.3 ms a cycle.
 
-    start : rad, of all runs or one each. sigma : noise of a cycle, rad. The first run does what
-        `strategy.run(cycles, seed)` says, so that a robot can be given the very same. A surface
-        that wears does so.
+    Parameters
+    ----------
+    start : float or ndarray, optional
+        rad, of all runs or one each.
+    sigma : float, optional
+        Noise of a cycle, rad. The first run does what `strategy.run(cycles, seed)` says, so
+        that a robot can be given the very same. A surface that wears does so.
 
-    Raises InvalidInput for a bad value, and what a cycle raises that leads out of the mechanics.
+    Returns
+    -------
+    StrategyRun
 
+    Raises
+    ------
+    InvalidInput
+        For a bad value, and what a cycle raises that leads out of the mechanics.
+
+    Examples
+    --------
     >>> loop = CollectionLoop.mit(accuracy=1e-6)
     >>> run = run_strategy(loop, ResetStrategy.pushes(loop.push, (0,)), 2)
     >>> bool(abs(run.theta[0, 1] - loop.cycle(0.0).theta_next) < 1e-9)
@@ -105,8 +122,18 @@ def sampled_orientations(
     """Return theta0 (runs, cycles) of collections whose actions turn by `turn` (actions, n) rad at
     n equal steps.
 
-    Between the steps turns are interpolated linearly. start : rad; None: drawn evenly, one a run.
-    On the lift.
+    Parameters
+    ----------
+    start : float, optional
+        rad; None: drawn evenly, one a run. On the lift.
+
+    Returns
+    -------
+    ndarray
+
+    Notes
+    -----
+    Between the steps turns are interpolated linearly.
     """
     chosen = drawn_actions(strategy, cycles, runs, seed)
     return _followed(
@@ -118,6 +145,14 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
     """Return theta0 (runs, cycles) where each cycle is the action that leads to where least was
     recorded so far.
 
+    Returns
+    -------
+    ndarray
+        Theta0 (runs, cycles) where each cycle is the action that leads to where least was
+        recorded so far.
+
+    Notes
+    -----
     That is `next_action` with exact maps; the noise of the cycle is not known beforehand.
     """
     crowding = Crowding(runs)
@@ -157,7 +192,13 @@ def _followed(
 
 
 def histogram_shares(theta: Array) -> Array:
-    """Return the shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0."""
+    """Return the shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0.
+
+    Returns
+    -------
+    ndarray
+        The shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0.
+    """
     cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
     counts = np.bincount(
         (cells + BINS * np.arange(len(cells))[:, None]).ravel(), minlength=BINS * len(cells)
@@ -169,6 +210,14 @@ def histogram_distances(shares: Array) -> Array:
     """Return the total variation (runs,) between histograms with shares (runs, bins) and the
     uniform one.
 
+    Returns
+    -------
+    ndarray
+        The total variation (runs,) between histograms with shares (runs, bins) and the uniform
+        one.
+
+    Examples
+    --------
     >>> even, locked = np.arange(36) * math.radians(10.0) + 0.1, np.zeros(36)
     >>> histogram_distances(histogram_shares(np.array([even, locked]))).round(4).tolist()
     [0.0, 0.9722]
@@ -180,6 +229,12 @@ def independent_distance(pushes: int) -> float:
     """Return the mean histogram distance of that many independent uniform orientations: de Moivre's
     mean deviation.
 
+    Returns
+    -------
+    float
+
+    Examples
+    --------
     >>> round(independent_distance(500), 4)
     0.1053
     """

@@ -45,13 +45,24 @@ class ResetEffect:
 class Audit:
     """What a data set is worth.
 
-    name : of the data. theta : its orientations, rad, in order. reports : of the monitor after
-        each, its chance of a false alarm being `alarm_rate`. ordered
-        : whether their order is known. covered : arcs (from, to), rad, with no gap of 20 degrees.
-        reset : None where the
-        data do not tell poses before and after pushes.
-    others : pushes of other sets in the data, left out. posed : whether poses after pushes are
-        there, at least.
+    Attributes
+    ----------
+    name : str
+        Of the data.
+    theta : tuple of float
+        Its orientations, rad, in order.
+    reports : tuple of BiasReport
+        Of the monitor after each, its chance of a false alarm being `alarm_rate`.
+    ordered : bool
+        Whether their order is known.
+    covered : tuple[tuple[float, float], ...]
+        Arcs (from, to), rad, with no gap of 20 degrees.
+    reset : ResetEffect or None
+        None where the data do not tell poses before and after pushes.
+    others : int
+        Pushes of other sets in the data, left out.
+    posed : bool
+        Whether poses after pushes are there, at least.
     """
 
     name: str
@@ -116,12 +127,22 @@ def audit(
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 
-    data : a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
-        sets pushed alike the one of most pushes is taken. loop : that made them, where it is known:
-        the sense of angles is tested by it, else by whether pushes alike move the object alike.
-        Raises OtherConvention where it is another, InvalidInput for fewer than 10 pushes,
-        DataFileError for a bad file.
+    Parameters
+    ----------
+    data : str or Path or PushTable
+        a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
+        sets pushed alike the one of most pushes is taken.
+    loop : CollectionLoop, optional
+        That made them, where it is known: the sense of angles is tested by it, else by whether
+        pushes alike move the object alike. Raises OtherConvention where it is another,
+        InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
 
+    Returns
+    -------
+    Audit
+
+    Examples
+    --------
     >>> import tempfile
     >>> with tempfile.TemporaryDirectory() as place:
     ...     _ = Path(place, "still.csv").write_text("theta0_deg\\n" + "63.2\\n" * 40)

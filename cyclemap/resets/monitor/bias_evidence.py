@@ -142,9 +142,15 @@ class RestEvidence:
 class Rest:
     """Where θ0 rests, rad in [0, 2π), one direction for each push of the period.
 
-    began : push at which it began, counted from the first one fed, to
-        within the window of the rule. directions : where
-    it is by now. towards : where its last steps lead.
+    Attributes
+    ----------
+    began : int
+        Push at which it began, counted from the first one fed, to within the window of the
+        rule.
+    directions : tuple of float
+        Where it is by now.
+    towards : tuple of float
+        Where its last steps lead.
     """
 
     began: int

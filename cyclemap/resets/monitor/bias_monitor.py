@@ -29,11 +29,19 @@ AlarmKind = Literal["rest", "visits"]
 class Alarm:
     """That the data lock in.
 
-    push : at which push it was raised. kind : "rest" where θ0 comes back, push after push, to where
-        it just was; "visits" where it gathers about directions over many pushes. directions : rad
-        in [0, 2π), towards which: where the steps of the rest lead, or the direction most visited;
-        several where θ0 goes round them in turn. began : the push at which the rest began, None for
-        "visits". Pushes are counted from 0, the first one fed.
+    Attributes
+    ----------
+    push : int
+        At which push it was raised.
+    kind : AlarmKind
+        "rest" where θ0 comes back, push after push, to where it just was; "visits" where it
+        gathers about directions over many pushes.
+    directions : tuple of float
+        rad in [0, 2π), towards which: where the steps of the rest lead, or the direction most
+        visited; several where θ0 goes round them in turn.
+    began : int or None
+        The push at which the rest began, None for "visits". Pushes are counted from 0, the
+        first one fed.
     """
 
     push: int
@@ -46,8 +54,13 @@ class Alarm:
 class Advice:
     """What to do next.
 
-    change_reset : True where the next pushes should not be left to the reset in use. direction :
-        rad in [0, 2π), the direction of the circle that is least covered: bring the object to it.
+    Attributes
+    ----------
+    change_reset : bool
+        True where the next pushes should not be left to the reset in use.
+    direction : float
+        rad in [0, 2π), the direction of the circle that is least covered: bring the object to
+        it.
     """
 
     change_reset: bool
@@ -58,17 +71,25 @@ class Advice:
 class BiasReport:
     """The state of a collection after a push.
 
-    push : number of the last push fed, from 0; -1 before any. alarm : the first one since the reset
-        was last changed, None where there was none.
-    rest_evidence, visit_evidence : log10 of the evidence for each kind; an alarm is raised where
-        one of them reaches ``threshold`` = log10(2 / alarm rate).
-    rest : where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
-    useful_pushes : while it rests and an alarm was raised: how many more pushes there still tell a
-        tenth of what a push in the most telling direction would. None otherwise: no end is in
-        sight.
-    recent_worth : effective pushes gained a push over the last 50: 1 where they spread evenly, 0
-        where they tell nothing new; above 1 while directions open up that were not known.
-    coverage, advice : see there.
+    Attributes
+    ----------
+    push : int
+        Number of the last push fed, from 0; -1 before any.
+    alarm : Alarm or None
+        The first one since the reset was last changed, None where there was none.
+    rest_evidence, visit_evidence : float
+        log10 of the evidence for each kind; an alarm is raised where one of them reaches
+        ``threshold`` = log10(2 / alarm rate).
+    rest : Rest or None
+        Where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
+    useful_pushes : int or None
+        While it rests and an alarm was raised: how many more pushes there still tell a tenth of
+        what a push in the most telling direction would. None otherwise: no end is in sight.
+    recent_worth : float
+        Effective pushes gained a push over the last 50: 1 where they spread evenly, 0 where
+        they tell nothing new; above 1 while directions open up that were not known.
+    coverage, advice : CoverageState
+        See there.
     """
 
     push: int
@@ -86,28 +107,36 @@ class BiasReport:
 class BiasMonitor:
     """Tells, while a collection runs, whether its orientations lock in, and what would help.
 
-    ``alarm_rate`` : the chance, in (0, 1), that it ever raises an alarm on a collection without
-    bias, however long. It holds by a theorem, Ville's inequality, half of it for each kind of
-    evidence:
+    Parameters
+    ----------
+    alarm_rate : float
+        The chance, in (0, 1), that it ever raises an alarm on a collection without bias,
+        however long. It holds by a theorem, Ville's inequality, half of it for each kind of
+        evidence:
 
-    - against "visits" for every reset whose turns are exchangeable, so do not depend on where the
-      object stood, whatever their law: independent uniform θ0, isotropic friction with any turn and
-      any noise, final directions drawn at random. Half of this share looks at blocks of 48 pushes
-      (``VisitEvidence``), half at arcs of the circle that the first 48 pushes keep to
-      (``ArcEvidence``): half a circle is told after 26 pushes in the median;
-    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°),
-      comes back within ``half_width`` with chance ½ at most: independent uniform θ0, turns that
-      scatter by 3.3° or more, and steady walks faster than 1.2° a push (``RestRule``): at 3 ± 1.1°
-      a push, or 120 ± 5°, it is far below ½.
+    Notes
+    -----
+    - against "visits" for every reset whose turns are exchangeable, so do not depend on where
+      the object stood, whatever their law: independent uniform θ0, isotropic friction with
+      any turn and any noise, final directions drawn at random. Half of this share looks at
+      blocks of 48 pushes (``VisitEvidence``), half at arcs of the circle that the first 48
+      pushes keep to (``ArcEvidence``): half a circle is told after 26 pushes in the median;
+    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some
+      3°), comes back within ``half_width`` with chance ½ at most: independent uniform θ0,
+      turns that scatter by 3.3° or more, and steady walks faster than 1.2° a push
+      (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
 
-    What is slower, or comes round to the very same two, three or four directions, does raise the
-    alarm: its law may be even in the long run, but its next hundred pushes repeat the last ones.
+    What is slower, or comes round to the very same two, three or four directions, does raise
+    the alarm: its law may be even in the long run, but its next hundred pushes repeat the last
+    ones.
 
-    The monitor changes as it is fed, for a collection has one course; each report is a value that
-    stays. A push costs some tenths of a millisecond, however many came before, but for a dozen of
-    the first 48, which take some hundredths of a second where they may keep to an arc; the
-    orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
+    The monitor changes as it is fed, for a collection has one course; each report is a value
+    that stays. A push costs some tenths of a millisecond, however many came before, but for a
+    dozen of the first 48, which take some hundredths of a second where they may keep to an arc;
+    the orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
 
+    Examples
+    --------
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
     ...     report = monitor.update(math.radians(85.0))
@@ -217,6 +246,12 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
     """The reports on the orientations ``theta`` (rad), one a push; of a new ``BiasMonitor`` unless
     one is given.
 
+    Returns
+    -------
+    tuple of BiasReport
+
+    Examples
+    --------
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)
     14

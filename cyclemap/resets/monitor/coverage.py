@@ -29,12 +29,21 @@ _COARSE = 8  # every how many cells the information is looked at: 4 degrees
 class CoverageState:
     """What a collection covers.
 
-    covered : share of the circle within ``reach`` of a recorded direction. largest_gap : rad, the
-        widest arc without one; gap_centre : its middle, rad in [0, 2π). least_covered : rad in [0,
-        2π), the direction to record next.
-    effective_pushes : the collection is worth so many pushes spread evenly. gain : what the last
-        direction would tell if it were recorded once more, as a share of what the most telling
-        direction would, in (0, 1].
+    Attributes
+    ----------
+    covered : float
+        Share of the circle within ``reach`` of a recorded direction.
+    largest_gap : float
+        rad, the widest arc without one;
+    gap_centre : float
+        Its middle, rad in [0, 2π).
+    least_covered : float
+        rad in [0, 2π), the direction to record next.
+    effective_pushes : float
+        The collection is worth so many pushes spread evenly.
+    gain : float
+        What the last direction would tell if it were recorded once more, as a share of what the
+        most telling direction would, in (0, 1].
     """
 
     covered: float
@@ -82,15 +91,18 @@ def _cell(theta: Any) -> NDArray[np.int64]:
 class Coverage:
     """The directions recorded, and what they fix of a periodic law of θ0.
 
-    The information is that of a Fourier series with six harmonics under noise of equal size: M = Σ
-    x xᵀ, x the columns 1, √2 cos kθ, √2 sin kθ. An even spread is D-optimal for it (Hoel 1965) and
-    makes M the number of pushes times the identity, so det(1 + M)^(1/p) - 1 pushes spread evenly
-    would tell as much as those recorded; a push at θ tells log(1 + xᵀ(1 + M)⁻¹x) nats times ½. The
-    least covered direction is where Σ φ(θ - θ_i) is least, φ the density of `Crowding`. Recording
-    there every time is kernel herding (Chen, Welling & Smola 2010) towards the uniform law.
+    Notes
+    -----
+    The information is that of a Fourier series with six harmonics under noise of equal size: M
+    = Σ x xᵀ, x the columns 1, √2 cos kθ, √2 sin kθ. An even spread is D-optimal for it (Hoel
+    1965) and makes M the number of pushes times the identity, so det(1 + M)^(1/p) - 1 pushes
+    spread evenly would tell as much as those recorded; a push at θ tells log(1 + xᵀ(1 + M)⁻¹x)
+    nats times ½. The least covered direction is where Σ φ(θ - θ_i) is least, φ the density of
+    `Crowding`. Recording there every time is kernel herding (Chen, Welling & Smola 2010)
+    towards the uniform law.
 
-    Directions are kept in cells of half a degree; a push costs a few thousand operations, however
-    many came before.
+    Directions are kept in cells of half a degree; a push costs a few thousand operations,
+    however many came before.
     """
 
     def __init__(self) -> None:
@@ -169,9 +181,14 @@ def _columns(theta: Any) -> Array:
 class NextAction:
     """An action chosen for what the push after it will tell.
 
-    number : of the action in the strategy, from 0. lands : rad in [0, 2 pi), where its map takes
-        the orientation.
-    crowding : of the recorded directions there, as a share of the mean over the circle: 0 where
+    Attributes
+    ----------
+    number : int
+        Of the action in the strategy, from 0.
+    lands : float
+        rad in [0, 2 pi), where its map takes the orientation.
+    crowding : float
+        Of the recorded directions there, as a share of the mean over the circle: 0 where
         nothing is near, 1 on evenly covered ground.
     """
 
@@ -184,15 +201,29 @@ def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> 
     """Return which of a strategy's actions takes orientation `theta` (rad) to where least is
     recorded.
 
-    maps : of its actions, as `strategy_maps` makes them. coverage : of the collection so far,
-        `theta` fed to it. The noise of a cycle is left out: it blurs all landings alike. Before
-        anything is recorded the first action is chosen.
+    Parameters
+    ----------
+    maps : sequence of CircleMap
+        Of its actions, as `strategy_maps` makes them.
+    coverage : Coverage
+        Of the collection so far, `theta` fed to it. The noise of a cycle is left out: it blurs
+        all landings alike. Before anything is recorded the first action is chosen.
 
-    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law (Chen,
-    Welling & Smola 2010), among the places that the actions reach; how even that becomes is not
-    bounded. The action then depends on the orientation: record it with each push, for data that are
-    even in orientation need not be even in action.
+    Returns
+    -------
+    NextAction
+        Which of a strategy's actions takes orientation `theta` (rad) to where least is
+        recorded.
 
+    Notes
+    -----
+    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law
+    (Chen, Welling & Smola 2010), among the places that the actions reach; how even that becomes
+    is not bounded. The action then depends on the orientation: record it with each push, for
+    data that are even in orientation need not be even in action.
+
+    Examples
+    --------
     >>> quarter, half = CircleMap.rigid(0.25), CircleMap.rigid(0.5)
     >>> covered = Coverage()
     >>> for recorded in (1.0, 1.0 + math.pi / 2.0):
