@@ -17,6 +17,8 @@ HEAD = rf"{NAME}(?: \([^()]*\))?(?:,? (?:and |or )?{NAME}(?: \([^()]*\))?){{0,5}
 ENTRY = re.compile(rf"({HEAD}) : (.*)")
 INNER_ENTRY = re.compile(rf"(?<=[.;]) (?={HEAD} : )")
 CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
+# Sections of NumPy's whose entries stand above what they are.
+LISTS = ("Parameters", "Returns", "Attributes", "Raises")
 SPECIAL = re.compile(r"([\\*|_`])")
 
 
@@ -50,11 +52,42 @@ def block_to_rest(block: list[str]) -> list[str]:
     if block[0].lstrip().startswith(">>>"):
         return [".. code-block:: pycon", "", *(f"   {line}" for line in block), ""]
     if len(block) > 1 and set(block[1].strip()) == {"-"}:
-        following = block_to_rest(block[2:]) if block[2:] else []
+        make = described if block[0] in LISTS and is_described(block[2:]) else block_to_rest
+        following = make(block[2:]) if block[2:] else []
         return [f".. rubric:: {plain(block[0])}", "", *following]
     if all(line.startswith("    ") for line in block):
         return [".. code-block:: text", "", *(f"   {line}" for line in block), ""]
     return [line for piece in pieces(block) for line in piece_to_rest(piece)] + [""]
+
+
+def is_described(block: list[str]) -> bool:
+    """Whether every name that is told with a colon has its text below it, not behind."""
+    following = [*block[1:], ""]
+    return all(
+        after.startswith(" ")
+        for line, after in zip(block, following, strict=True)
+        if " : " in line and not line.startswith(" ")
+    )
+
+
+def described(block: list[str]) -> list[str]:
+    """The entries of a section of NumPy's, what each is indented below its name, as a list.
+
+    >>> described(["theta : ndarray", "    Angles,", "    rad.", "InvalidInput", "    For none."])
+    ['* **theta** : *ndarray*. Angles, rad.', '* **InvalidInput**. For none.', '']
+    """
+    entries: list[list[str]] = []
+    for line in block:
+        if not line.startswith(" ") or not entries:
+            entries.append([line])
+        else:
+            entries[-1].append(line.strip())
+    lines = []
+    for head, *text in entries:
+        name, _, kind = head.partition(" : ")
+        of_kind = f" : *{plain(kind)}*" if kind else ""
+        lines.append(f"* **{plain(name)}**{of_kind}. {marked(' '.join(text))}".rstrip())
+    return [*lines, ""]
 
 
 def pieces(block: list[str]) -> list[str]:
