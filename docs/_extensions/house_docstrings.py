@@ -61,10 +61,10 @@ def block_to_rest(block: list[str]) -> list[str]:
 
 
 def is_described(block: list[str]) -> bool:
-    """Whether every name that is told with a colon has its text below it, not behind."""
+    """Whether every name that is told with a colon has a type behind it, and its text below."""
     following = [*block[1:], ""]
     return all(
-        after.startswith(" ")
+        after.startswith(" ") and not re.search(r"[.;]", line)
         for line, after in zip(block, following, strict=True)
         if " : " in line and not line.startswith(" ")
     )
