@@ -64,7 +64,7 @@ def is_described(block: list[str]) -> bool:
     """Whether every name that is told with a colon has a type behind it, and its text below."""
     following = [*block[1:], ""]
     return all(
-        after.startswith(" ") and not re.search(r"[.;]", line)
+        after.startswith(" ") and not re.search(r"\.( |$)|;", line)
         for line, after in zip(block, following, strict=True)
         if " : " in line and not line.startswith(" ")
     )
