@@ -107,7 +107,8 @@ def _crossings(
         with np.errstate(divide="ignore", invalid="ignore"):
             travel = ((np.asarray(piece.start) - starts) @ normal + radius) / closing
             place = starts + travel[:, None] * toward
-        return [(travel, (place - piece.start) @ np.asarray(piece.direction), closing < 0.0)]
+            along = (place - piece.start) @ np.asarray(piece.direction)
+        return [(travel, along, closing < 0.0)]
     if isinstance(piece, CornerPiece):
         lever = starts - np.asarray(piece.corner)
         along = np.sum(lever * toward, axis=1)

@@ -86,6 +86,10 @@ def test_cubics_grow_with_the_fourth_root_of_the_tolerance_and_samples_slower_th
     coarse, fine = sampled(smooth, 1e-5), sampled(smooth, 1e-9)
     assert 5.0 <= len(fine.pieces.knots) / len(coarse.pieces.knots) <= 20.0
     assert fine.samples / coarse.samples < 10_000 ** (1 / 6)
+    # Hermite's cubic is off by h^4/384 times the largest fourth derivative: no more than twice as
+    # many as that asks.
+    asked = 2.0 * np.pi * (0.3 * 3.0**4 / (384.0 * 1e-9)) ** 0.25
+    assert len(fine.pieces.knots) < 2.0 * asked
 
 
 def test_noise_that_the_tolerance_cannot_beat_is_confessed():

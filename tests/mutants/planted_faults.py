@@ -57,7 +57,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/engine/cycle.c": (
-        f"{ENGINE} tests/mechanics/test_drag.py",
+        f"{ENGINE} tests/mechanics/test_drag.py tests/mechanics",
         [
             (
                 "result[Y] = s * vector[X] + c * vector[Y];",
@@ -85,7 +85,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/friction.py": (
-        "tests/mechanics/test_friction.py",
+        "tests/mechanics/test_friction.py tests/mechanics",
         [
             ("self.n0 / self.mu_b) >= 1.0", "self.n0 / self.mu_b) >= 2.0"),
             (
@@ -113,7 +113,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/contact_curve.py": (
-        CONTACTS,
+        f"{CONTACTS} tests/mechanics",
         [
             ("self.x + radius * math.cos(self.normal)", "self.x - radius * math.cos(self.normal)"),
             ("speed + radius * a * b / speed**2", "speed + radius * a * b / speed"),
@@ -123,7 +123,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/outline.py": (
-        f"tests/mechanics/test_footprint.py {CONTACTS}",
+        f"tests/mechanics/test_footprint.py {CONTACTS} tests/mechanics",
         [
             (".sum(axis=0) / (6.0 * area) + points[0]", ".sum(axis=0) / (3.0 * area) + points[0]"),
             ("if area < 0.0:", "if area < -1.0:"),
@@ -132,7 +132,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "mechanics/quasi_static.py": (
-        f"{ENGINE} tests/mechanics/test_push_physics.py",
+        f"{ENGINE} tests/mechanics/test_push_physics.py tests/mechanics",
         [
             ("contact.normal + math.pi + push.angle", "contact.normal + math.pi - push.angle"),
             ("push.distance / self.unit - max(travel, 0.0)", "push.distance / self.unit"),

@@ -10,6 +10,7 @@ from cyclemap.evidence.orientations.circular_distance import CircularLaw
 from cyclemap.evidence.orientations.collection_null import (
     CollectionModel,
     collection_p_values,
+    collection_statistics,
     simulated_ensemble,
 )
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, transfer_operator
@@ -27,6 +28,15 @@ def sine_fit(path) -> CollectionModel:
     return CollectionModel(
         CircleMap.arnold(shift / (2 * np.pi), strength), WrappedNormal(float(scatter))
     )
+
+
+def test_a_climb_of_no_turns_lies_as_far_off_as_one_of_twice_as_many() -> None:
+    model = CollectionModel(CircleMap.rigid(0.05), WrappedNormal(0.01))
+    ensemble = simulated_ensemble(model, 0.0, 100, 20, seed=3)
+    ends = np.array([[0.0], [10.0 * np.pi], [20.0 * np.pi]])
+    paths = ends * np.linspace(0.0, 1.0, 101)
+    turns = collection_statistics()["turns"](paths, ensemble)
+    np.testing.assert_allclose(turns, [5.0, 0.0, 5.0], rtol=0, atol=0.02)
 
 
 @pytest.mark.slow
