@@ -36,7 +36,7 @@ def test_a_climb_of_no_turns_lies_as_far_off_as_one_of_twice_as_many() -> None:
     ends = np.array([[0.0], [10.0 * np.pi], [20.0 * np.pi]])
     paths = ends * np.linspace(0.0, 1.0, 101)
     turns = collection_statistics()["turns"](paths, ensemble)
-    np.testing.assert_allclose(turns, [5.0, 0.0, 5.0], rtol=0, atol=0.02)
+    np.testing.assert_allclose(turns, [5.0, 0.0, 5.0], rtol=0, atol=0.1)
 
 
 @pytest.mark.slow
