@@ -61,13 +61,15 @@ def block_to_rest(block: list[str]) -> list[str]:
 
 
 def is_described(block: list[str]) -> bool:
-    """Whether every name that is told with a colon has a type behind it, and its text below."""
+    """Whether every entry is a name with its type, or a type alone, and its text stands below."""
     following = [*block[1:], ""]
-    return all(
-        after.startswith(" ") and not re.search(r"\.( |$)|;", line)
-        for line, after in zip(block, following, strict=True)
-        if " : " in line and not line.startswith(" ")
-    )
+    for line, after in zip(block, following, strict=True):
+        if line.startswith(" "):
+            continue
+        is_sentence = re.search(r"\.( |$)|;", line) is not None
+        if is_sentence or (" : " in line and not after.startswith(" ")):
+            return False
+    return True
 
 
 def described(block: list[str]) -> list[str]:
