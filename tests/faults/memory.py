@@ -4,6 +4,7 @@
 
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -63,6 +64,8 @@ def peaks(command: str, folder: Path, files: int, chance: random.Random) -> tupl
         contents = [healthy] + [mutated(healthy, chance) for _ in range(files)]
         for content in contents:
             with tempfile.TemporaryDirectory() as place:
+                # Protocols name files that stand beside them.
+                shutil.copytree(folder, place, dirs_exist_ok=True)
                 (Path(place) / kind).write_bytes(content)
                 peak, code = peak_bytes([*words.split(), kind], Path(place))
             highest = max(highest, peak)

@@ -206,7 +206,9 @@ def compare(
         are compared.
     push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
     runs : simulated collections of the null; the smallest p-value is 1/(runs + 1),
-        1/100 for directions, steps and residences. seed : of all of them.
+        1/100 for directions, steps and residences.
+    seed : int, optional
+        Of all of them.
     tolerance : of the loop's cycle map, rad. progress : called with the fraction done, in [0, 1].
 
     A loop predicts what was done: object, side, place, direction and length of every push are the

@@ -122,13 +122,13 @@ LAYOUTS = (
 _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
+# Pushes of rods that were set by marks, at most: each has two unknowns of its own.
+_MOST_SET = 200
 # A session whose robot was this far from where it was sent (m), and so many times further than in
 # others, is odd.
 _ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
 # So is one in which a plate turns by this share less or more than in another, and by so many
 # standard errors; so many pushes, at least and at most, tell.
-# Pushes of rods that were set by marks, at most: each has two unknowns of its own.
-_MOST_SET = 200
 _TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS, _MOST_TURNS = 0.15, 4.0, 20, 200
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3

@@ -115,15 +115,14 @@ def push_end_block(
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
     shifts = TIP_OFFSET if first_set is None else rods_set(first_set, len(pushes))
-    # Which of the shifts moves a push's rod along x; along y the next one.
-    own_shift = np.zeros(len(pushes), dtype=int)
-    if first_set is not None:
-        own_shift = 2 * np.arange(len(pushes))
+    # Which of the shifts moves a push's rod, along x and y.
+    owner = np.arange(len(pushes)) if first_set is not None else np.zeros(len(pushes), dtype=int)
+    own_shifts = 2 * owner[:, None] + (0, 1)
 
     def misfit(chosen: Labels, values: Values) -> StrokeRows:
         surface = SurfaceParameters.from_values(values)
         shift = np.array([values[shifted.name] for shifted in shifts])
-        columns = np.stack([own_shift[chosen], own_shift[chosen] + 1], axis=-1)
+        columns = own_shifts[chosen]
         model = surface_model(surface, slider, field=floor_field(values))
         strokes = [pushes[index] for index in chosen.tolist()]
         ends, by, stayed = predicted_push_ends(model, strokes, shift[columns], names, target)
@@ -402,10 +401,15 @@ def cycle_pair_block(
     ----------
     loop : CollectionLoop
         Who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
-        unknowns'. theta, turn (n,) : rad, orientation before a push and how far the cycle
-        turned the object. groups (n,) : labels. share (n,) or None : how worn the surface was,
-        0 fresh to 1 at the end of the data; the turn is then blended linearly between the two,
-        its ends having an ellipse and a floor each, the worn one's `worn_...`.
+        unknowns'.
+    theta, turn : array_like
+        (n,) rad, orientation before a push and how far the cycle turned the object.
+    groups : Labels
+        (n,) labels.
+    share : array_like, optional
+        (n,) or None: how worn the surface was, 0 fresh to 1 at the end of the data; the turn is then
+        blended linearly between the two, its ends having an ellipse and a floor each, the worn
+        one's `worn_...`.
     nodes : int, optional
         Angles at which cycles are computed; between them a trigonometric polynomial, so the map
         must be smooth.

@@ -74,10 +74,12 @@ class DataBlock:
         Names of the k unknowns.
     function : Function
         Values by name -> residuals (n,), predicted less measured in the data's own units, and
-        derivatives (n, k). Where the model has no answer it raises InvalidInput,
-        ConvergenceError or UnsupportedContact, and the search turns back. groups (n,) : whole
-        numbers; rows of one label share their errors and are left out together. kinds (n,) :
-        which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
+        derivatives (n, k). Where the model has no answer it raises InvalidInput, ConvergenceError
+        or UnsupportedContact, and the search turns back.
+    groups : Labels
+        (n,) whole numbers; rows of one label share their errors and are left out together.
+    kinds : Kinds
+        (n,) which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
         does for all.
     own_parameters : tuple of Parameter
         Unknowns that belong to these data alone.

@@ -128,7 +128,7 @@ def _mean_pose(t: Array, x: Array, y: Array, theta: Array, rest: Array) -> Array
 
 
 # -- rests
-# -------------------------------------------------------------------------------------------------------------
+# ----------------------------------------------------------------------------------------------
 
 
 def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Array, float]:
@@ -206,7 +206,7 @@ def _joined(rests: Array, t: Array, x: Array, y: Array, theta: Array) -> Array:
 
 
 # -- cycles
-# ------------------------------------------------------------------------------------------------------------
+# ----------------------------------------------------------------------------------------------
 
 
 def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:

@@ -192,8 +192,9 @@ def design_reset(
     Parameters
     ----------
     sigma : noise of a cycle, rad. materials : a `MaterialRange`, or materials that are as likely as
-        the loop's own, such as draws from an identification; None: `material_range`. given : a
-        strategy to rank with them.
+        the loop's own, such as draws from an identification; None: `material_range`.
+    given : ResetStrategy, optional
+        a strategy to rank with them.
     progress : called with the fraction done.
 
     Raises what a cycle raises that leads out of the mechanics, and InvalidInput for values that

@@ -57,11 +57,14 @@ class ResetDemands:
         more, at most, after `within` pushes from the worst start.
     drag_ratio : most mean drag, in mean drags of the loop as it is.
     seconds : most mean time of a cycle, s. reach : most distance (m)
-        of rod or object from the target. contact : least way (m) of the rod in contact, in every
-        push. None: any; of contact
-        two thirds of the push, or one where none holds two.
+        of rod or object from the target.
+    contact : float or None
+        Least way (m) of the rod in contact, in every push. None: any; of contact two thirds of the
+        push, or one where none holds two.
     abilities : what the robot can do besides: "gripper", "ring" (another place of it). keep_push :
-        every push stays the loop's own. pushes : how many will be collected.
+        every push stays the loop's own.
+    pushes : int
+        How many will be collected.
 
     Raises InvalidInput for a value out of its range.
     """
