@@ -1,0 +1,79 @@
+"""Docstrings of a room's exports are in NumPy's sections, and leave out no parameter."""
+
+import importlib
+import inspect
+import re
+
+import pytest
+
+# In numpydoc's order.
+SECTIONS = (
+    "Parameters",
+    "Attributes",
+    "Returns",
+    "Raises",
+    "Warns",
+    "See Also",
+    "Notes",
+    "References",
+    "Examples",
+)
+ROOMS = ("mechanics", "collection")
+
+
+def exports(room: str) -> list[object]:
+    """The classes and functions of a room; constants and unions of types have no docstring."""
+    module = importlib.import_module(f"cyclemap.{room}")
+    things = [getattr(module, name) for name in module.__all__]
+    return [thing for thing in things if inspect.isclass(thing) or inspect.isroutine(thing)]
+
+
+EXPORTS = [thing for room in ROOMS for thing in exports(room)]
+each_export = pytest.mark.parametrize(
+    "thing", EXPORTS, ids=[f"{thing.__module__}.{thing.__qualname__}" for thing in EXPORTS]
+)
+
+
+def sections_of(thing: object) -> dict[str, str]:
+    """The text of every section of a docstring, in order."""
+    pieces = re.split(r"^(\w[\w ]*)\n-{3,}\n", inspect.getdoc(thing) or "", flags=re.MULTILINE)
+    return dict(zip(pieces[1::2], pieces[2::2], strict=True))
+
+
+def entries_of(text: str) -> set[str]:
+    """The names that a section lists, each or several in a line that is not indented."""
+    heads = [line for line in text.splitlines() if re.match(r"\S", line)]
+    return {name.strip() for head in heads for name in head.partition(" : ")[0].split(",")}
+
+
+@each_export
+def test_sections_are_numpys_and_in_their_order(thing: object) -> None:
+    """A section of another name would be no section to an editor."""
+    names = list(sections_of(thing))
+    assert names == [name for name in SECTIONS if name in names]
+
+
+@each_export
+def test_every_parameter_has_an_entry(thing: object) -> None:
+    """What a result is made of stands among its attributes."""
+    sections = sections_of(thing)
+    entries = entries_of(sections.get("Parameters", "")) | entries_of(
+        sections.get("Attributes", "")
+    )
+    parameters = inspect.signature(thing).parameters.values()
+    stars = {inspect.Parameter.VAR_POSITIONAL: "*", inspect.Parameter.VAR_KEYWORD: "**"}
+    wanted = {stars.get(parameter.kind, "") + parameter.name for parameter in parameters}
+    assert wanted <= entries
+
+
+@each_export
+def test_entries_name_what_is_there(thing: object) -> None:
+    """A parameter that was renamed must not live on in the docstring."""
+    entries = entries_of(sections_of(thing).get("Parameters", ""))
+    parameters = inspect.signature(thing).parameters
+    assert {entry.lstrip("*") for entry in entries} <= set(parameters)
+
+
+@each_export
+def test_every_export_shows_an_example(thing: object) -> None:
+    assert ">>> " in sections_of(thing).get("Examples", "")
