@@ -336,10 +336,9 @@ def load_footprint(path: str | Path) -> PointFootprint:
     Examples
     --------
     >>> import tempfile
-    >>> with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
-    ...     count = file.write("x_mm,y_mm,weight\\n0,0,1\\n20,0,3\\n")
-    ...     file.flush()
-    ...     footprint = load_footprint(file.name)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "points.csv").write_text("x_mm,y_mm,weight\\n0,0,1\\n20,0,3\\n")
+    ...     footprint = load_footprint(f"{place}/points.csv")
     >>> footprint.centre
     (0.015, 0.0)
     """

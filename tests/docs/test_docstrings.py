@@ -18,7 +18,7 @@ SECTIONS = (
     "References",
     "Examples",
 )
-ROOMS = ("mechanics", "collection")
+ROOMS = ("mechanics", "collection", "protocol")
 
 
 def exports(room: str) -> list[object]:
