@@ -18,7 +18,7 @@ SECTIONS = (
     "References",
     "Examples",
 )
-ROOMS = ("mechanics", "collection", "protocol")
+ROOMS = ("mechanics", "collection", "protocol", "resets")
 
 
 def exports(room: str) -> list[object]:
