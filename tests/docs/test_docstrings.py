@@ -18,7 +18,7 @@ SECTIONS = (
     "References",
     "Examples",
 )
-ROOMS = ("mechanics", "collection", "protocol", "resets", "sweeps")
+ROOMS = ("mechanics", "collection", "protocol", "resets", "sweeps", "evidence")
 
 
 def exports(room: str) -> list[object]:
