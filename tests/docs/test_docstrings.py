@@ -18,7 +18,7 @@ SECTIONS = (
     "References",
     "Examples",
 )
-ROOMS = ("mechanics", "collection", "protocol", "resets", "sweeps", "evidence")
+ROOMS = ("mechanics", "collection", "protocol", "resets", "sweeps", "evidence", "maps")
 
 
 def exports(room: str) -> list[object]:
@@ -47,10 +47,15 @@ def entries_of(text: str) -> set[str]:
 
 
 def parameters_of(thing: object) -> set[str]:
-    """The names that a call takes; an error takes what every exception does."""
-    if inspect.isclass(thing) and issubclass(thing, Exception):
+    """The public names that a call takes; an error has every exception's, a protocol is not called."""
+    if inspect.isclass(thing) and (issubclass(thing, Exception) or is_protocol(thing)):
         return set()
-    return set(inspect.signature(thing).parameters)
+    return {name for name in inspect.signature(thing).parameters if not name.startswith("_")}
+
+
+def is_protocol(thing: type) -> bool:
+    """Whether a class says what others must have, and is never made."""
+    return bool(getattr(thing, "_is_protocol", False))
 
 
 @each_export
