@@ -73,11 +73,11 @@ class DynamicLoop:
         patch's pressure (`on_points`).
     speed : float, default 0.02
         Speed of the rod, m/s, as `DynamicModel` takes and checks it.
-    stiffness : float, default 1000000.0
+    stiffness : float, default 1e6
         Of the contact and the ring, N/m, as `DynamicModel`'s.
-    regularisation : float, default 0.0001
+    regularisation : float, default 1e-4
         Speed below which friction fades, as a share of the rod's, as `DynamicModel`'s.
-    tolerance : float, default 1e-07
+    tolerance : float, default 1e-7
         Relative error of a step, as `DynamicModel`'s.
 
     Raises

@@ -451,7 +451,7 @@ def check_prediction(
         What was predicted.
     loop : CollectionLoop
         One of the protocol whose fingerprint predicted, on the surface that was predicted.
-    tolerance : float, default 1e-05
+    tolerance : float, default 1e-5
         Error of the full map, rad.
     progress : callable or None, optional
         Called with the fraction done.

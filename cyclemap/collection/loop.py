@@ -314,7 +314,7 @@ class CollectionLoop:
     footprint : Footprint or None, optional
         How the weight is spread; None: evenly over the outline, leaning where the centre of
         mass is not the centroid.
-    accuracy : float, default 1e-08
+    accuracy : float, default 1e-8
         Error aimed at for a push or a drag, rad, as `QuasiStaticModel`'s.
 
     Notes

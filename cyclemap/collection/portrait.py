@@ -229,7 +229,7 @@ def portrait(
         Orientation that the noisy run starts from, rad.
     seed : int, default 0
         Of the noisy run.
-    tolerance : float, default 1e-06
+    tolerance : float, default 1e-6
         Error of the cycle map, rad.
     progress : callable, optional
         Called with the fraction done, in [0, 1].
@@ -426,7 +426,7 @@ def staircase_forecast(
         Orientation that the noisy run starts from, rad.
     seed : int, default 0
         Of the noisy run.
-    tolerance : float, default 1e-06
+    tolerance : float, default 1e-6
         Error of the cycle map, rad.
     progress : callable or None, optional
         Called with the fraction done, in [0, 1].

@@ -151,7 +151,7 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
 
     Parameters
     ----------
-    push : Push
+    push : callable
         Gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame
         before it, rad. It has to be the push of `loop`, on whatever surface it has.
     loop : CollectionLoop

@@ -91,18 +91,18 @@ class DynamicModel:
         come within 0.4 degrees of the exact contact's).
     speed : float, default 0.02
         Speed of the rod, m/s.
-    stiffness : float, default 1000000.0
+    stiffness : float, default 1e6
         Of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6 leaves
         under 0.001 degrees on the MIT square, 0.002 on the worst of the MIT shapes).
     damping : float, default 1.0
         Of the contact, in shares of the critical damping of the slider's mass on the contact's
         spring.
-    regularisation : float, default 0.0001
+    regularisation : float, default 1e-4
         Speed below which friction fades, as a share of the rod's, at most 0.1: at slip u as u /
         sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall
         in proportion (1e-4 leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the
         round plate `ellip1`, whose contact creeps as it rolls).
-    tolerance : float, default 1e-07
+    tolerance : float, default 1e-7
         Relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about
         fifty times that, in rad (1e-7: 0.0003 degrees).
 

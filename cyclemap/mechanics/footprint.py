@@ -39,7 +39,7 @@ class PatchFootprint:
 
     Parameters
     ----------
-    outline : Outline
+    outline : Polygon or Ellipse
         What touches the ground.
     inner_share : float, default 0.0
         Share of the load on the outline scaled by INNER about its centroid, from 0 to 1.
@@ -249,7 +249,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
 
     Parameters
     ----------
-    outline : Outline
+    outline : Polygon or Ellipse
         What touches the ground.
     count : int
         Cells along each side of the bounding box, 2 to 99: each point weighs in every step of
@@ -362,7 +362,7 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     ----------
     text : str
         `exact`, `grid:N`, `corners` (of a polygon), or a path that ends in .csv.
-    outline : Outline
+    outline : Polygon or Ellipse
         The outline that it is the footprint of; a file's points need none.
 
     Returns

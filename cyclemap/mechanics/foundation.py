@@ -160,7 +160,7 @@ class PressedFootprint:
 
     Parameters
     ----------
-    outline : Outline
+    outline : Polygon or Ellipse
         What may touch the ground.
     plate : SurfaceShape, optional
         Shape of the plate, in mean pressures.

@@ -54,7 +54,7 @@ class QuasiStaticModel:
     footprint : Footprint or None, optional
         How the weight is spread; None: evenly over the outline, leaning where the centre of
         mass is not the centroid.
-    accuracy : float, default 1e-08
+    accuracy : float, default 1e-8
         Error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11
         and 1e-2. It is aimed at, not proven: of 30,000 cycles of MIT's loop (five materials,
         three places and slants of the push) at each of 1e-5 to 1e-9, 99 of 100 came within

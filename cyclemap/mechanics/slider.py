@@ -59,7 +59,7 @@ class Slider:
 
     Parameters
     ----------
-    outline : Outline
+    outline : Polygon or Ellipse
         In m; sides are numbered counter-clockwise from vertex 0.
     mass : float, default 1.0
         kg; in quasi-static motion it scales the contact forces and nothing else.

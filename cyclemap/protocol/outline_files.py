@@ -93,7 +93,7 @@ def read_outline(
         The file; its ending tells what it is.
     unit : {"mm", "cm", "m", "inch"}, optional
         None: the file's own, or guessed by the size, which `words` say.
-    tolerance : float, default 0.0001
+    tolerance : float, default 1e-4
         By which the outline may be simplified, m.
     underside : bool, default False
         Of a mesh, take the foot print in place of the silhouette from above.

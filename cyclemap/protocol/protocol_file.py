@@ -51,7 +51,7 @@ def write_protocol(
         one; None: no strategy.
     noise : float or None, optional
         Of one cycle, standard deviation in rad.
-    predicted : Prediction or None, optional
+    predicted : mapping or None, optional
         Scores by name (numbers, texts, booleans, lists of them; None is left out), a table that
         readers pass over.
 

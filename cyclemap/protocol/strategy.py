@@ -32,7 +32,7 @@ class CycleAction:
 
     Parameters
     ----------
-    way_points : Points or None, optional
+    way_points : tuple of tuple[float, float] or None, optional
         (x, y), m, from the target: where the drag goes before its last leg to the target; ():
         straight.
     push : SidePush or None, optional

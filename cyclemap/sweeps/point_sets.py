@@ -261,7 +261,7 @@ class Sample:
 
     Parameters
     ----------
-    ranges : tuple of SweptKey
+    ranges : tuple of SweepRange or SweepAxis
         Ranges, and keys with listed values.
     count : int
         How many points, from 1.

@@ -224,7 +224,7 @@ class PointOutcome:
 
     Attributes
     ----------
-    values : Values
+    values : mapping
         Numbers, and lists of numbers, by the quantity's name, SI units and rad.
     refusal : str
         Why anything is missing; empty where nothing is.
@@ -247,9 +247,9 @@ class PortraitNumbers:
     ----------
     groups : tuple of str, optional
         Of `GROUPS`; "map" is always among them.
-    tolerance : float, default 1e-05
+    tolerance : float, default 1e-5
         Error of the cycle map, rad.
-    rotation_tolerance : float, default 0.0001
+    rotation_tolerance : float, default 1e-4
         Error of the rotation number, turns a cycle; 0 is the portrait's own effort, more ends
         the iteration earlier.
 

@@ -165,7 +165,7 @@ def run_sweep(
         Run on it instead, be it of threads, processes or a cluster
         (`distributed.Client.get_executor()`); `workers` then says how many chunks it works on
         at once.
-    progress : Progress or None, optional
+    progress : callable or None, optional
         Called with the status at the beginning and after every chunk.
 
     Returns

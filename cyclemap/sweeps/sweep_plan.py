@@ -37,7 +37,7 @@ class SweepPlan:
 
     Parameters
     ----------
-    points : PointSet
+    points : Grid or Sample
         A `Grid` or a `Sample`.
     material : str or Path or Material or None, optional
         A name, a TOML file or a `Material`; None only where the points name one.

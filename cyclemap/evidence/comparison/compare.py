@@ -241,7 +241,7 @@ def compare(
         directions, steps and residences.
     seed : int, default 0
         Of all of them.
-    tolerance : float, default 1e-05
+    tolerance : float, default 1e-5
         Error of the loop's cycle map, rad.
     progress : callable, optional
         Called with the fraction done, in [0, 1].

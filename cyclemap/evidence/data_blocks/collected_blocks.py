@@ -752,7 +752,7 @@ def collected_blocks(
         tell; None leaves the ends of such pushes out.
     population : bool, default False
         Whether the floor is known from other sessions, so that a single one is one of several.
-    target : Place or None, optional
+    target : tuple[float, float] or None, optional
         (x, y), m, in the frame of the data, where resets end: how the floor's shape varies with
         the place about it is then an unknown of pushes and drags.
     progress : callable, optional

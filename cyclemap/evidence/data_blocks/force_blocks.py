@@ -98,7 +98,7 @@ def friction_scan_block(
 
     Parameters
     ----------
-    scans : DataFrame or mapping of str to array_like
+    scans : pandas.DataFrame or mapping of str to array_like
         Columns, or arrays by these names: `direction` (rad, of the motion in the world),
         `force_along` and `force_across` (N, of the rod on the object, the second to the left of
         the motion).
@@ -190,7 +190,7 @@ def friction_ellipse_from_scans(
 
     Parameters
     ----------
-    scans : DataFrame or mapping of str to array_like
+    scans : pandas.DataFrame or mapping of str to array_like
         As in `friction_scan_block`.
     weight : float
         Of the object, N.

@@ -106,7 +106,7 @@ def push_end_block(
         The pushes.
     slider : Slider
         The object.
-    target : Place or None, optional
+    target : tuple[float, float] or None, optional
         (x, y), m, where resets end: how the floor's shape varies with the place about it is
         then an unknown, too.
     first_set : int or None, optional
@@ -185,7 +185,7 @@ def drag_turn_block(
         The drags.
     slider : Slider
         The object.
-    target : Place or None, optional
+    target : tuple[float, float] or None, optional
         As of `push_end_block`.
 
     Returns

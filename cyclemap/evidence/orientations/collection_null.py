@@ -203,7 +203,7 @@ def collection_p_values(
         for the climb.
     model : CollectionModel
         The null: the map and its noise.
-    statistics : mapping of str to CollectionStatistic or None, optional
+    statistics : mapping of str to callable or None, optional
         By name; None takes ``collection_statistics()``.
     runs : int, default 199
         How many collections are simulated.

@@ -160,9 +160,9 @@ class MeasuredPush:
         The object's pose before, world frame.
     end : Pose
         The object's pose after; end.theta is on the lift nearest to start.theta.
-    tip_start : Place
+    tip_start : tuple[float, float]
         The rod's centre before, (x, y), m, world frame.
-    tip_end : Place
+    tip_end : tuple[float, float]
         The rod's centre after, m, world frame.
     contact : int, default 0
         Label of the place touched, alike for pushes there.

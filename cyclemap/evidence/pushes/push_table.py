@@ -226,9 +226,9 @@ class PushTable:
 
     Attributes
     ----------
-    table : DataFrame
+    table : pandas.DataFrame
         A row a push; its columns are listed below.
-    scans : DataFrame
+    scans : pandas.DataFrame
         A row a friction scan; its columns are listed below.
     unreadable : tuple of UnreadableFile
         The files left out, in order of their paths.

@@ -147,7 +147,7 @@ class ReplayedPushes:
 
     Attributes
     ----------
-    table : DataFrame
+    table : pandas.DataFrame
         A row a push. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`,
         `angle`, `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted
         minus measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic

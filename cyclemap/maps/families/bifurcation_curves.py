@@ -307,8 +307,8 @@ def follow_bifurcation(
 
     References
     ----------
-    Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
-    Kuznetsov, Y. A. (2004), Elements of applied bifurcation theory, chapter 10.
+    - Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
+    - Kuznetsov, Y. A. (2004), Elements of applied bifurcation theory, chapter 10.
 
     Examples
     --------

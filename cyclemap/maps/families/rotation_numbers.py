@@ -47,7 +47,7 @@ class RotationNumbers:
         The middle of [lower, upper].
     lower, upper : ndarray
         The truth lies between them (rounded outward).
-    period, winding : Whole
+    period, winding : ndarray of int
         q and p where ρ = p/q is proved, else 0 and 0.
     tolerance : float
         What was asked for: half the width of the enclosures that meet it.
@@ -324,7 +324,7 @@ class RotationPlane:
         itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
     lower, upper : ndarray
         The truth lies between them; where the lift folds, all of its rotation interval does.
-    period, winding : Whole
+    period, winding : ndarray of int
         q and p where ρ = p/q is proved for every orbit, else 0 and 0.
     folded : ndarray of bool
         Where the lift falls.

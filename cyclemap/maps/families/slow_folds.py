@@ -89,9 +89,9 @@ def slow_folds(
 
     References
     ----------
-    Haberman, R. (1979), Slowly varying jump and transition phenomena associated with algebraic
-    bifurcation problems, SIAM Journal on Applied Mathematics 37. Kuehn, C. (2015), Multiple time
-    scale dynamics, chapter 5.
+    - Haberman, R. (1979), Slowly varying jump and transition phenomena associated with algebraic
+      bifurcation problems, SIAM Journal on Applied Mathematics 37.
+    - Kuehn, C. (2015), Multiple time scale dynamics, chapter 5.
 
     Examples
     --------

@@ -389,10 +389,11 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
 
     References
     ----------
-    Arnold, V. I. (1965), Small denominators I, AMS Translations 46. Herman, M. R. (1977), Mesure de
-    Lebesgue et nombre de rotation, Lecture Notes in Mathematics 597. Boyland, P. L. (1986),
-    Bifurcations of circle maps: Arnol'd tongues, bistability and rotation intervals, Communications
-    in Mathematical Physics 106.
+    - Arnold, V. I. (1965), Small denominators I, AMS Translations 46.
+    - Herman, M. R. (1977), Mesure de Lebesgue et nombre de rotation, Lecture Notes in Mathematics
+      597.
+    - Boyland, P. L. (1986), Bifurcations of circle maps: Arnol'd tongues, bistability and rotation
+      intervals, Communications in Mathematical Physics 106.
 
     Examples
     --------

@@ -231,8 +231,9 @@ class WrappedCauchy:
 
     References
     ----------
-    Mardia, K. V. & Jupp, P. E. (2000), Directional statistics, section 3.5.7. McCullagh, P. (1996),
-    Möbius transformation and Cauchy parameter estimation, Annals of Statistics 24.
+    - Mardia, K. V. & Jupp, P. E. (2000), Directional statistics, section 3.5.7.
+    - McCullagh, P. (1996), Möbius transformation and Cauchy parameter estimation, Annals of
+      Statistics 24.
 
     Examples
     --------

@@ -140,9 +140,10 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
 
     References
     ----------
-    Misiurewicz, M. (1979), Horseshoes for mappings of the interval, Bulletin de l'Academie
-    Polonaise des Sciences 27. Misiurewicz, M. & Szlenk, W. (1980), Entropy of piecewise monotone
-    mappings, Studia Mathematica 67.
+    - Misiurewicz, M. (1979), Horseshoes for mappings of the interval, Bulletin de l'Academie
+      Polonaise des Sciences 27.
+    - Misiurewicz, M. & Szlenk, W. (1980), Entropy of piecewise monotone mappings, Studia
+      Mathematica 67.
 
     Examples
     --------

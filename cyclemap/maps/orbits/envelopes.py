@@ -86,9 +86,10 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
 
     References
     ----------
-    Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
-    endomorphismes de degré 1 du cercle, Comptes Rendus 299. Alsedà, L., Llibre, J. & Misiurewicz,
-    M., Combinatorial dynamics and entropy in dimension one, chapter 3.
+    - Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
+      endomorphismes de degré 1 du cercle, Comptes Rendus 299.
+    - Alsedà, L., Llibre, J. & Misiurewicz, M., Combinatorial dynamics and entropy in dimension one,
+      chapter 3.
 
     Examples
     --------

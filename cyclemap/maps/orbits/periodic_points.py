@@ -45,16 +45,16 @@ class PeriodicPoints:
     ----------
     theta : ndarray, shape (count,)
         Radians, sorted.
-    winding : Whole
+    winding : ndarray of int
         w of each point.
     multiplier, left_multiplier : ndarray
         (Fⁿ)' from the right and from the left; they differ only where the orbit meets a kink.
     multiplier_error : ndarray
         A bound on the error of both, from that of F' (by differences where none was given) and
         that of the points.
-    prime_period : Whole
+    prime_period : ndarray of int
         The least d with F^d(θ) = θ on the circle, a divisor of n.
-    kind : npt.ndarray
+    kind : ndarray of str
         "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
     error_bound : ndarray
         Radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has
@@ -62,7 +62,7 @@ class PeriodicPoints:
         at a saddle-node it is farther from zero than 1e-12 radians on both sides. Takes the
         lift to be good to four units of rounding of 2π + |F|; the error of a sampled map is not
         in it. inf where no such bracket was found (at jumps).
-    image : Whole
+    image : ndarray of int
         Index of the point that F maps each point to; -1 where that point is not in the list.
     period : int
         n.

@@ -348,10 +348,10 @@ def rotation_interval(
 
     References
     ----------
-    Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
-    endomorphismes de degré 1 du cercle, Comptes Rendus 299. Misiurewicz, M. (1986), Rotation
-    intervals for a class of maps of the real line into itself, Ergodic Theory and Dynamical Systems
-    6.
+    - Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
+      endomorphismes de degré 1 du cercle, Comptes Rendus 299.
+    - Misiurewicz, M. (1986), Rotation intervals for a class of maps of the real line into itself,
+      Ergodic Theory and Dynamical Systems 6.
 
     Examples
     --------

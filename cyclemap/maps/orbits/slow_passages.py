@@ -116,9 +116,9 @@ def slow_passages(
 
     References
     ----------
-    Pomeau, Y. & Manneville, P. (1980), Intermittent transition to turbulence in dissipative
-    dynamical systems, Communications in Mathematical Physics 74. Strogatz, S. H., Nonlinear
-    dynamics and chaos, section 4.3.
+    - Pomeau, Y. & Manneville, P. (1980), Intermittent transition to turbulence in dissipative
+      dynamical systems, Communications in Mathematical Physics 74.
+    - Strogatz, S. H., Nonlinear dynamics and chaos, section 4.3.
 
     Examples
     --------

@@ -89,9 +89,9 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
 
     References
     ----------
-    Kendall, M. G. (1954), Note on bias in the estimation of autocorrelation, Biometrika 41.
-    Andrews, D. W. K. (1993), Exactly median-unbiased estimation of first order autoregressive/unit
-    root models, Econometrica 61.
+    - Kendall, M. G. (1954), Note on bias in the estimation of autocorrelation, Biometrika 41.
+    - Andrews, D. W. K. (1993), Exactly median-unbiased estimation of first order
+      autoregressive/unit root models, Econometrica 61.
 
     Examples
     --------

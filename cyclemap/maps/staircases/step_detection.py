@@ -147,9 +147,10 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
 
     References
     ----------
-    Buchete, N.-V. & Hummer, G. (2008), Coarse master equations for peptide folding dynamics,
-    Journal of Physical Chemistry B 112. Salvucci, D. D. & Goldberg, J. H. (2000), Identifying
-    fixations and saccades in eye-tracking protocols, ETRA.
+    - Buchete, N.-V. & Hummer, G. (2008), Coarse master equations for peptide folding dynamics,
+      Journal of Physical Chemistry B 112.
+    - Salvucci, D. D. & Goldberg, J. H. (2000), Identifying fixations and saccades in eye-tracking
+      protocols, ETRA.
 
     Examples
     --------

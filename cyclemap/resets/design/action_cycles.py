@@ -138,7 +138,7 @@ def strategy_maps(
         The loop that the strategy is run on.
     strategy : ResetStrategy
         Whose actions.
-    tolerance : float, default 0.0001
+    tolerance : float, default 1e-4
         Error of each map, rad, wherever it does not jump (see `CollectionLoop.circle_map`).
     progress : callable or None, optional
         Called with the fraction done.

@@ -33,7 +33,7 @@ class Alarm:
     ----------
     push : int
         At which push it was raised.
-    kind : AlarmKind
+    kind : {'rest', 'visits'}
         "rest" where θ0 comes back, push after push, to where it just was; "visits" where it
         gathers about directions over many pushes.
     directions : tuple of float

@@ -114,8 +114,9 @@ class Coverage:
 
     References
     ----------
-    Hoel, P. G. (1965), Minimax designs in two dimensional regression, Annals of Mathematical
-    Statistics 36. Chen, Y., Welling, M. & Smola, A. (2010), Super-samples from kernel herding, UAI.
+    - Hoel, P. G. (1965), Minimax designs in two dimensional regression, Annals of Mathematical
+      Statistics 36.
+    - Chen, Y., Welling, M. & Smola, A. (2010), Super-samples from kernel herding, UAI.
 
     Examples
     --------
