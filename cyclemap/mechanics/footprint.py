@@ -258,6 +258,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     Returns
     -------
     PointFootprint
+        The points, which carry the same load each.
 
     Raises
     ------

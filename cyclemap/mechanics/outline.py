@@ -29,7 +29,7 @@ class Polygon:
     array : ndarray, shape (k, 2)
         The vertices, m.
     area : float
-        m^2.
+        Of the inside, m^2.
     centroid : tuple[float, float]
         Centre of the area, (x, y), m.
     extent : float
@@ -144,7 +144,7 @@ class Ellipse:
     Attributes
     ----------
     area : float
-        m^2.
+        Of the inside, m^2.
     extent : float
         The longer semi-axis, m.
     centroid : tuple[float, float]

@@ -77,7 +77,7 @@ class Slider:
     Attributes
     ----------
     weight : float
-        N.
+        Mass times gravity, N.
 
     Raises
     ------
@@ -156,9 +156,9 @@ class Pose:
     Parameters
     ----------
     x : float, default 0.0
-        m.
+        Place of the object's origin along x, m.
     y : float, default 0.0
-        m.
+        Place along y, m.
     theta : float, default 0.0
         Orientation, rad, counter-clockwise, not wrapped.
 

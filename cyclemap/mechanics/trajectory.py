@@ -28,11 +28,11 @@ class Trajectory:
     path : ndarray, shape (n,)
         Rod travel, m.
     pose : ndarray, shape (n, 3)
-        object's x, y (m) and theta (rad).
+        The object's x, y (m) and theta (rad).
     pusher : ndarray, shape (n, 2)
-        rod's centre, m.
+        The rod's centre, m.
     contact_point : ndarray, shape (n, 2)
-        m; of two contacts at once, the first.
+        The place of contact, m; of two contacts at once, the first.
     contact_force : ndarray, shape (n, 2)
         Force of the rod on the object, N; of two contacts, their sum.
     mode : ndarray of str, shape (n,)
@@ -256,17 +256,17 @@ class DynamicTrajectory:
     Attributes
     ----------
     time : ndarray, shape (n,)
-        s.
+        Since the stroke began, s.
     path : ndarray, shape (n,)
         Rod travel, m.
     pose : ndarray, shape (n, 3)
-        object's x, y (m) and theta (rad).
+        The object's x, y (m) and theta (rad).
     velocity : ndarray, shape (n, 3)
         Of the centre of mass, m/s, and spin, rad/s.
     pusher : ndarray, shape (n, 2)
-        rod's centre, m.
+        The rod's centre, m.
     contact_point : ndarray, shape (n, 2)
-        m.
+        The place of contact, m.
     contact_force : ndarray, shape (n, 2)
         Force of the rod on the object, N; zero where they do not touch.
 

@@ -18,17 +18,19 @@ SECTIONS = (
     "References",
     "Examples",
 )
-ROOMS = ("mechanics", "collection", "protocol", "resets", "sweeps", "evidence", "maps")
+ROOMS = ("mechanics", "maps", "collection", "protocol", "evidence", "resets", "sweeps")
+PACKAGES = ("cyclemap", *(f"cyclemap.{room}" for room in ROOMS))
 
 
-def exports(room: str) -> list[object]:
-    """The classes and functions of a room; constants and unions of types have no docstring."""
-    module = importlib.import_module(f"cyclemap.{room}")
+def exports(package: str) -> list[object]:
+    """The classes and functions of a package; constants and unions of types have no docstring."""
+    module = importlib.import_module(package)
     things = [getattr(module, name) for name in module.__all__]
     return [thing for thing in things if inspect.isclass(thing) or inspect.isroutine(thing)]
 
 
-EXPORTS = [thing for room in ROOMS for thing in exports(room)]
+# The top holds names of the rooms again.
+EXPORTS = list(dict.fromkeys(thing for package in PACKAGES for thing in exports(package)))
 each_export = pytest.mark.parametrize(
     "thing", EXPORTS, ids=[f"{thing.__module__}.{thing.__qualname__}" for thing in EXPORTS]
 )
@@ -47,15 +49,21 @@ def entries_of(text: str) -> set[str]:
 
 
 def parameters_of(thing: object) -> set[str]:
-    """The public names that a call takes; an error has every exception's, a protocol is not called."""
-    if inspect.isclass(thing) and (issubclass(thing, Exception) or is_protocol(thing)):
+    """The public names that a call takes; an error takes what all do, a protocol is never called."""
+    is_protocol = getattr(thing, "_is_protocol", False)
+    if is_protocol or (inspect.isclass(thing) and issubclass(thing, Exception)):
         return set()
     return {name for name in inspect.signature(thing).parameters if not name.startswith("_")}
 
 
-def is_protocol(thing: type) -> bool:
-    """Whether a class says what others must have, and is never made."""
-    return bool(getattr(thing, "_is_protocol", False))
+def attributes_of(thing: object) -> set[str]:
+    """What a class has, said in its body or in one that it is made from."""
+    ancestors = inspect.getmro(thing) if inspect.isclass(thing) else ()
+    return {
+        name
+        for ancestor in ancestors
+        for name in (*vars(ancestor), *inspect.get_annotations(ancestor))
+    }
 
 
 @each_export
@@ -77,9 +85,11 @@ def test_every_parameter_has_an_entry(thing: object) -> None:
 
 @each_export
 def test_entries_name_what_is_there(thing: object) -> None:
-    """A parameter that was renamed must not live on in the docstring."""
-    entries = entries_of(sections_of(thing).get("Parameters", ""))
-    assert {entry.lstrip("*") for entry in entries} <= parameters_of(thing)
+    """What was renamed must not live on in the docstring."""
+    sections = sections_of(thing)
+    parameters = {entry.lstrip("*") for entry in entries_of(sections.get("Parameters", ""))}
+    assert parameters <= parameters_of(thing)
+    assert entries_of(sections.get("Attributes", "")) <= attributes_of(thing)
 
 
 @each_export

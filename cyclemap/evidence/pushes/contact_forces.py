@@ -63,7 +63,7 @@ def contact_force_ratio(
     outline : ndarray, shape (k, 2)
         The object's closed outline in its own frame as a polyline, m.
     rod_radius : float, optional
-        m.
+        Radius of the rod, m.
 
     Returns
     -------

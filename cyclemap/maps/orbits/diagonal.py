@@ -31,7 +31,7 @@ class JumpCrossing:
     Attributes
     ----------
     theta : float
-        The break, radians;.
+        The break, radians.
     winding : int
         The w of the crossed line θ + 2πw.
     attracting : bool

@@ -65,7 +65,7 @@ class PeriodicPoints:
     image : ndarray of int
         Index of the point that F maps each point to; -1 where that point is not in the list.
     period : int
-        n.
+        n, of the iterate, cycles.
     residual : float
         The largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
         allows: about 1 or less when every point is as good as double precision lets it be. 0

@@ -34,9 +34,9 @@ class SlowPassage:
     theta : float
         Radians in [0, 2π), where |Fⁿ - id - 2πw| is least.
     winding : int
-        w.
+        w, whole turns of the iterate.
     period : int
-        n.
+        n, of the iterate, cycles.
     gap : float
         ε, radians an n-fold cycle; its sign is the direction of motion. Good to rounding.
     curvature : float

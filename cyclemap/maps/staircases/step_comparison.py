@@ -58,9 +58,9 @@ class StepComparison:
         Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error; None where no
         comparison is possible, as of all below.
     predicted_length : float or None
-        The prediction's mean residence, cycles;.
+        The prediction's mean residence, cycles.
     ratio : float or None
-        mean_length over it.
+        ``mean_length`` over ``predicted_length``.
     net_steps, expected_steps, net_error : float or None
         Climb of the path in units of the predicted step, the prediction's for as many cycles,
         and the standard error of their difference: from one dwell to the next, height less
