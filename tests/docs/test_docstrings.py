@@ -58,12 +58,10 @@ def parameters_of(thing: object) -> set[str]:
 
 def attributes_of(thing: object) -> set[str]:
     """What a class has, said in its body or in one that it is made from."""
-    ancestors = inspect.getmro(thing) if inspect.isclass(thing) else ()
-    return {
-        name
-        for ancestor in ancestors
-        for name in (*vars(ancestor), *inspect.get_annotations(ancestor))
-    }
+    names: set[str] = set()
+    for ancestor in inspect.getmro(thing) if inspect.isclass(thing) else ():
+        names |= {*vars(ancestor), *inspect.get_annotations(ancestor)}
+    return names
 
 
 @each_export
