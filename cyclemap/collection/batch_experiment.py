@@ -73,13 +73,24 @@ class BatchRun:
         return np.where(now <= REST, 0.0, left)
 
     def directions(self, within: float = WITHIN) -> tuple[float, ...]:
-        """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other
-        are one direction.
+        """Return where the batches end.
 
-        Empty where a batch still moves, by more than a tenth of `within` a cycle or with more than
-        a quarter of it `left`: then it ends nowhere. So the slow passage of a bottleneck, where no
-        fixed point is, is no direction: at its narrowest its steps cease to shrink, and before,
-        more is left unless its least step is near `REST`.
+        Parameters
+        ----------
+        within : float, optional
+            Ends within so much of each other are one direction, rad.
+
+        Returns
+        -------
+        tuple of float
+            Rad in [0, 2 pi). Empty where a batch still moves, by more than a tenth of `within`
+            a cycle or with more than a quarter of it `left`: then it ends nowhere.
+
+        Notes
+        -----
+        So the slow passage of a bottleneck, where no fixed point is, is no direction: at its
+        narrowest its steps cease to shrink, and before, more is left unless its least step is near
+        `REST`.
         """
         near = positive_number("within", within)
         if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:

@@ -511,8 +511,20 @@ class Material:
     def sample(self, index: int) -> "Material":
         """Return the material of one sample of the posterior, without a posterior of its own.
 
-        What the posterior does not name is as in this one. Raises InvalidInput where there is no
-        such sample.
+        Parameters
+        ----------
+        index : int
+            Of the sample, from 0.
+
+        Returns
+        -------
+        Material
+            What the posterior does not name is as in this one.
+
+        Raises
+        ------
+        InvalidInput
+            Where there is no such sample.
         """
         if self.posterior is None or not 0 <= index < len(self.posterior):
             raise InvalidInput(f"{self.name} has no posterior sample {index}")

@@ -153,6 +153,20 @@ class ResetStrategy:
     def pushes(cls, push: SidePush, sides: Sequence[int]) -> ResetStrategy:
         """Return the same push on several sides, each alike, drawn before every push.
 
+        Parameters
+        ----------
+        push : SidePush
+            The push.
+        sides : sequence of int
+            Numbers of the sides.
+
+        Returns
+        -------
+        ResetStrategy
+            One action a side.
+
+        Examples
+        --------
         >>> len(ResetStrategy.pushes(SidePush(), (0, 1, 2)).actions)
         3
         """
@@ -198,10 +212,24 @@ class ResetStrategy:
         return tuple(action.on(prepared) for action in self.actions)
 
     def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
-        """Return the number of the action of each of `cycles` cycles, (cycles,); the same for the
-        same seed.
+        """Return the number of the action of each cycle; the same for the same seed.
 
-        InvalidInput for more than ten million cycles.
+        Parameters
+        ----------
+        cycles : int
+            How many cycles, at most ten million.
+        seed : int or SeedSequence, default 0
+            Of the draws.
+
+        Returns
+        -------
+        ndarray of int, shape (cycles,)
+            Numbers from 0.
+
+        Raises
+        ------
+        InvalidInput
+            For more than ten million cycles.
         """
         count = whole_number("cycles", cycles, least=0)
         if count > MOST_CYCLES:

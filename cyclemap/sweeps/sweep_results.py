@@ -130,12 +130,24 @@ class Sweep:
         )
 
     def select(self, **wanted: Wanted) -> Sweep:
-        """The points whose swept keys have a value, lie within a pair (low, high), or are in a
-        list.
+        """Return the points whose swept keys have a value, lie within a pair (low, high), or are in
+        a list.
 
-        One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of
-        two numbers) is a range, ends included; a list is a choice. InvalidInput where a key is not
-        swept or no point has the value.
+        Parameters
+        ----------
+        **wanted : object
+            By key. One value takes its axis away, so that `on_grid` has one dimension less. A
+            pair (a tuple of two numbers) is a range, ends included; a list is a choice.
+
+        Returns
+        -------
+        Sweep
+            The points that are left.
+
+        Raises
+        ------
+        InvalidInput
+            Where a key is not swept or no point has the value.
         """
         found = self
         for key, value in wanted.items():

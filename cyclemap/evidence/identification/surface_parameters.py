@@ -436,13 +436,30 @@ class SurfaceParameters:
     def chain(
         self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names
     ) -> Array:
-        """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) ->
-        (..., k).
+        """Turn derivatives by the mechanics' parameters into derivatives by these.
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, or others of SURFACE, which pass
-        through. `parameters` (k) are wanted. Parameters that no column tells of have derivative
-        zero. Of a circle's phi, which has no meaning, the derivatives cancel with errors below
-        1e-6. Raises InvalidInput for an unknown name.
+        Parameters
+        ----------
+        jacobian : ndarray, shape (..., j)
+            Derivatives by the mechanics' parameters.
+        names : tuple of str
+            Of the j columns: of FRICTION_NAMES, or others of SURFACE, which pass through.
+        parameters : tuple of str, optional
+            k names, those that are wanted; what no column tells of has derivative zero.
+
+        Returns
+        -------
+        ndarray, shape (..., k)
+            Derivatives by these parameters.
+
+        Raises
+        ------
+        InvalidInput
+            For an unknown name.
+
+        Notes
+        -----
+        Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         """
         columns = np.asarray(jacobian, dtype=float)
         if columns.shape[-1:] != (len(names),):

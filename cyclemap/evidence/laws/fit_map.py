@@ -237,19 +237,48 @@ class FittedMap:
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle; outside the measured cycles, that of the nearest.
 
-        Raises InvalidInput where the pairs were fitted without cycle numbers.
+        Parameters
+        ----------
+        cycle : float
+            Number of the cycle.
+
+        Returns
+        -------
+        CircleMap
+            Of degree 1.
+
+        Raises
+        ------
+        InvalidInput
+            Where the pairs were fitted without cycle numbers.
         """
         return map_of_turn(self._worn().at(cycle))
 
     def paths(
         self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0
     ) -> Array:
-        """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad,
-        unwrapped, starts first.
+        """Paths of the worn map with its own scatter at each angle.
 
-        starts : (paths,) rad, the θ0 of the measured cycle ``first`` (None: the first measured).
-            The scatter of one cycle is taken as independent of the next one's; measured scatter
-            often is not.
+        Parameters
+        ----------
+        starts : array_like, shape (paths,)
+            rad, the θ0 of the measured cycle ``first``.
+        cycles : int
+            How many cycles.
+        first : float or None, optional
+            Where in the wear the paths begin; None: the first measured cycle.
+        seed : int, default 0
+            Of the scatter.
+
+        Returns
+        -------
+        ndarray, shape (paths, cycles + 1)
+            Rad, unwrapped, starts first.
+
+        Notes
+        -----
+        The scatter of one cycle is taken as independent of the next one's; measured scatter often
+        is not.
         """
         worn, count = self._worn(), whole_number("cycles", cycles, least=1)
         begin = worn.first if first is None else finite_number("first", first)

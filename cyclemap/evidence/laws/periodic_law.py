@@ -273,13 +273,31 @@ class PeriodicLaw:
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
     def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
-        """How far Student's bands reach to either side of the law at θ: that of the mean, that of
-        one new value.
+        """How far Student's bands reach to either side of the law.
 
-        t·se and t·√(se² + noise²), each to hold with probability ``level`` at one angle at a time.
+        Parameters
+        ----------
+        theta : array_like
+            Angles θ, rad, any shape.
+        level : float, default 0.95
+            Probability of each to hold at one angle at a time, in (0, 1).
+
+        Returns
+        -------
+        mean : ndarray
+            That of the mean, t·se.
+        value : ndarray
+            That of one new value, t·√(se² + noise²).
+
+        Raises
+        ------
+        InvalidInput
+            For a level outside (0, 1).
+
+        Notes
+        -----
         Exact for independent normal scatter of constant size about a law of the fitted order, else
-        close for many values; errors of the order are not in them. Raises InvalidInput for a level
-        outside (0, 1).
+        close for many values; errors of the order are not in them.
         """
         quantile, error = (
             student_quantile(level, self.count - self.coefficients.size),

@@ -67,8 +67,23 @@ class CollectionModel:
         return DriftingMap(self.map.cycles - self.first, self.map.maps, self.map.max_error)
 
     def paths(self, start: float, length: int, count: int, seed: int) -> Array:
-        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad,
-        unwrapped.
+        """Simulate collections from one start.
+
+        Parameters
+        ----------
+        start : float
+            Orientation that every collection begins with, rad.
+        length : int
+            Orientations of a collection.
+        count : int
+            How many collections.
+        seed : int
+            Of the noise.
+
+        Returns
+        -------
+        ndarray, shape (count, length)
+            Rad, unwrapped.
         """
         if not self.samples:
             return sample_staircases(

@@ -185,14 +185,22 @@ class ReplayedPushes:
         return float(self.table["error"].mean()), float(self.table["turn_error"].abs().mean())
 
     def by(self, *columns: str) -> pandas.DataFrame:
-        """Return the errors gathered by columns of the table, a row a group, in order of the
-        columns.
+        """Return the errors gathered by columns of the table.
 
-        `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad,
-        without sign) at the end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured;
-        `relative_error`, `relative_turn_error`: mean error over mean motion; `mean_rms_error` (m);
-        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
-        `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        Parameters
+        ----------
+        *columns : str
+            Names of columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row a group, in order of the columns. `count`; `mean_error`, `median_error` (m)
+            and `mean_turn_error`, `median_turn_error` (rad, without sign) at the end;
+            `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`,
+            `relative_turn_error`: mean error over mean motion; `mean_rms_error` (m);
+            `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
+            `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:

@@ -98,13 +98,28 @@ class Branch:
     table: MonotoneTable
 
     def inverse(self, values: Any) -> Array:
-        """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any
-        shape).
+        """The angles in [start, end] at which F takes each of some values.
 
-        Exact to rounding: F there is ``values`` to about 1e-15, so the angle is good to 1e-15/|F'|.
-        Raises InvalidInput for values outside the branch and on a plateau, ConvergenceError when F
-        is not monotone.
+        Parameters
+        ----------
+        values : array_like
+            Radians, lifted, any shape.
 
+        Returns
+        -------
+        ndarray
+            Radians. Exact to rounding: F there is ``values`` to about 1e-15, so the angle is
+            good to 1e-15/|F'|.
+
+        Raises
+        ------
+        InvalidInput
+            For values outside the branch and on a plateau.
+        ConvergenceError
+            When F is not monotone.
+
+        Examples
+        --------
         >>> rising = branches(CircleMap.arnold(0.0, 2.0))[0]
         >>> bool(abs(CircleMap.arnold(0.0, 2.0)(rising.inverse(3.0)) - 3.0) < 1e-14)
         True

@@ -212,13 +212,28 @@ class TransferOperator:
 
     @one_thread
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
-        """E h(θ) under the stationary law.
+        """The mean E h(θ) of a function under the stationary law.
 
-        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be
-            singular, like a logarithm, where F' = 0; then the nodes crowd towards those points.
-        The bound adds to the law's the difference that twice as many nodes make (measured).
-        Raises InvalidInput where h is not finite.
+        Parameters
+        ----------
+        function : callable
+            h, vectorised, as smooth as F between F's breaks.
+        folds : bool, default False
+            Whether h may also be singular, like a logarithm, where F' = 0; then the nodes crowd
+            towards those points.
 
+        Returns
+        -------
+        Estimate
+            The bound adds to the law's the difference that twice as many nodes make (measured).
+
+        Raises
+        ------
+        InvalidInput
+            Where h is not finite.
+
+        Examples
+        --------
         >>> from cyclemap.maps.noise.noise import WrappedCauchy
         >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15

@@ -105,17 +105,35 @@ class DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen
         to fit.
 
-        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one
-            entry (or row) a cycle. A stretch of cycles is halved until the blend of its ends lies
-            within ``tolerance`` (radians, at 512 angles) of the family at its quarter points, or
-            has no cycle inside: a schedule that jumps costs nothing. ``max_error`` is the largest
-            difference that was accepted; what moves only between the quarter points of a long
-            stretch can escape it.
+        Parameters
+        ----------
+        family : callable
+            Parameter → CircleMap.
+        schedule : callable or array_like
+            n → parameter, or an array with one entry (or row) a cycle.
+        cycles : int
+            How many cycles.
+        tolerance : float, default 1e-6
+            Radians, at 512 angles: a stretch of cycles is halved until the blend of its ends
+            lies within it of the family at its quarter points, or has no cycle inside: a
+            schedule that jumps costs nothing.
 
-        Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what
-        they reach.
+        Returns
+        -------
+        DriftingMap
+            Its ``max_error`` is the largest difference that was accepted; what moves only
+            between the quarter points of a long stretch can escape it.
 
-        >>> worn = DriftingMap.of_family(lambda omega: CircleMap.arnold(omega, 0.9), lambda n: 0.1 + 1e-5 * n, 1000)
+        Raises
+        ------
+        ConvergenceError
+            When 4096 maps do not reach the tolerance: the message carries what they reach.
+
+        Examples
+        --------
+        >>> def family(omega):
+        ...     return CircleMap.arnold(omega, 0.9)
+        >>> worn = DriftingMap.of_family(family, lambda n: 0.1 + 1e-5 * n, 1000)
         >>> worn.cycles.size < 12, worn.max_error < 1e-12
         (True, True)
         """

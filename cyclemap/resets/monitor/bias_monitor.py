@@ -192,11 +192,23 @@ class BiasMonitor:
         return tuple(self._path[self._changed :])
 
     def update(self, theta: float) -> BiasReport:
-        """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the
-        collection stands.
+        """Take the θ0 of the next push and tell where the collection stands.
 
-        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a
-        turn is lost; the monitor is then as it was.
+        Parameters
+        ----------
+        theta : float
+            rad; wrapped, or any number of turns.
+
+        Returns
+        -------
+        BiasReport
+            The state after this push.
+
+        Raises
+        ------
+        InvalidInput
+            Where it is no finite number, or over 1e9 rad, where the fraction of a turn is lost;
+            the monitor is then as it was.
         """
         angle = finite_number("theta", theta)
         if abs(angle) > LARGEST_ORIENTATION:
