@@ -148,6 +148,15 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
 
 
+def test_a_hump_that_the_scan_stepped_over_is_found_and_the_edge_sought_anew():
+    """Beside the top of the wide one, 2e-6 wide: it moves the edge by 1.6e-7, and the bound is of
+    rounding.
+    """
+    place = 1.5 * np.pi + 5e-4
+    left = tongue(bumped(place, 2e-6, 1e-6, K=0.2), 0, (-0.5, 0.6)).left
+    assert abs(left + (0.2 * np.cos(5e-4) + 1e-6) / TWO_PI) < 1e-14 > left.error_bound
+
+
 @pytest.mark.parametrize("place", [0.1, 1.2345, 4.0])
 def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
     """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by
