@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
@@ -184,8 +185,11 @@ def test_what_is_not_seen_of_very_many_waves_is_in_the_edges_bound():
         lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t),
         lambda t: 1.0 - 0.5 * np.sin(2000 * t),
     )
-    left = tongue(family, 0, (-0.3, 0.3)).left
+    found = tongue(family, 0, (-0.3, 0.3))
+    left = found.left
     assert left.holds(-2.5e-4 / TWO_PI)
+    # Edges anywhere within their bounds make no width that its own bound leaves out.
+    assert found.width.upper >= (found.right.upper - left.lower) * (1.0 - 1e-12)
     unseen, _ = unseen_height(family(float(left)), Fraction(0), 1.0)
     assert left.error_bound >= 0.99 * unseen / TWO_PI > 1e-8
 
@@ -269,3 +273,16 @@ def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
         else:
             away = np.abs(orbit[:, None] - member.breaks)
             assert np.min(np.minimum(away, TWO_PI - away)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("ratio", "told"),
+    [
+        ((2, 4), "lowest terms"),
+        ((1, 0), "lowest terms"),
+        ((0, 2), "lowest terms"),
+        ("1/2", "ratio"),
+    ],
+)
+def test_what_is_no_ratio_in_lowest_terms_is_refused(ratio, told):
+    refused(tongue, arnold(0.9), ratio, WIDE, told=told)
