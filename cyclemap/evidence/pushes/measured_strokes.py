@@ -18,7 +18,7 @@ from cyclemap.arrays import shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes
 from cyclemap.mechanics import Pose, SidePush
-from cyclemap.text_files import CsvRow, CsvTable, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, file_stem, require_columns
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
@@ -50,7 +50,9 @@ class RowSelection:
     def refusal(self, facts: Mapping[str, Any]) -> str:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
-        if self.objects and _known(shape) and shape not in self.objects:
+        # Files spell a name as file names can.
+        names = (shape, file_stem(str(shape)))
+        if self.objects and _known(shape) and not set(names) & set(self.objects):
             return (
                 f"of {shape}, not {self.objects[0]}"
                 if len(self.objects) == 1

@@ -30,7 +30,6 @@ from cyclemap.maps.orbits.proofs import proved_points
 NEUTRAL = 1e-7
 _TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neutrality
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
-_POLISH = 3  # Newton steps at most
 _WIDENINGS = 60
 _SLOPES = ("multiplier", "left_multiplier", "multiplier_error")
 _ARRAYS = ("theta", "winding", *_SLOPES, "prime_period", "kind", "error_bound")
@@ -142,12 +141,12 @@ def periodic_points(
     -----
     One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each
     cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign
-    change is bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps). Complete
-    but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth
-    of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
-    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it
-    changes it; a curve that ends within 1e-12 of 2πw at a jump gives a "border-collision". All
-    points of an orbit are judged alike.
+    change is bracketed and solved to rounding (Chandrupatla 1997). Complete but for pairs of
+    extrema of a hump or dent of F narrower, at half its height, than a tenth of a milliradian.
+    Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding) count as one:
+    a "saddle-node" where the curve keeps its side, a crossing where it changes it; a curve that
+    ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit are
+    judged alike.
 
     Examples
     --------
@@ -178,7 +177,7 @@ def periodic_points(
 def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     """The points that double precision finds, judged by their slopes on both sides."""
     scan = diagonal_scan(circle_map, n)
-    roots = _polished_roots(circle_map, scan, n)
+    roots = _all_roots(circle_map, scan, n)
     allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
     residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
@@ -240,9 +239,8 @@ class _Roots:
     rounding: Array
 
 
-def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
-    """All roots, after Newton's steps with whole turns counted apart, as long as they help;
-    sorted."""
+def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
+    """All roots, sorted."""
     cell = np.flatnonzero(scan.turn_start != scan.turn_end)
     level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
     theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
@@ -254,24 +252,6 @@ def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _
     beyond = theta >= TWO_PI
     theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
-    for _ in range(_POLISH):
-        active = np.flatnonzero(
-            (role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0)
-        )
-        moved = theta[active] - residual[active] / (slope[active] - 1.0)
-        inside = (np.abs(moved - theta[active]) < 1e-6) & (moved >= 0.0) & (moved < TWO_PI)
-        active, moved = active[inside], moved[inside]
-        if active.size == 0:
-            break
-        new = displacement(circle_map, moved, period, whole[active])
-        better = np.abs(new[0]) < np.abs(residual[active])
-        active = active[better]
-        theta[active], residual[active], slope[active] = (
-            moved[better],
-            new[0][better],
-            new[1][better],
-        )
-        rounding[active] = new[2][better]
     order = np.argsort(theta, kind="stable")
     return _Roots(
         theta[order], whole[order], role[order], residual[order], slope[order], rounding[order]
