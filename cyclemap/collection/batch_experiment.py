@@ -44,7 +44,8 @@ class BatchRun:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> run = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=10).anisotropic
     >>> run.theta.shape, np.degrees(run.theta[:, -1]).round(1).tolist()
     ((3, 11), [46.7, 80.4, 387.8])
@@ -153,7 +154,8 @@ class BatchExperiment:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> experiment = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=2)
     >>> experiment.cycles, np.degrees(experiment.starts).round().tolist()
     (2, [0.0, 120.0, 240.0])
@@ -209,7 +211,8 @@ def batch_experiment(
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> experiment = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=2)
     >>> np.degrees(np.diff(experiment.isotropic.theta)).round(2).tolist()
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]

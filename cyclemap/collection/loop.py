@@ -64,6 +64,7 @@ class CycleTrajectory(Generic[T]):
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> course = CollectionLoop.mit().cycle(0.0).trajectory
     >>> course.push.pose.shape[1], str(course.drag.mode[0])
     (3, 'ring')
@@ -124,6 +125,7 @@ class Cycles:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> cycles = CollectionLoop.mit().cycles([[0.0, 1.0, 2.0]])
     >>> cycles.push_displacement.shape, cycles.left.tolist()
     ((1, 3, 2), [[True, False, False]])
@@ -231,6 +233,8 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
     >>> cycle = CollectionLoop.mit("plywood").cycle(0.0)
     >>> (1e3 * cycle.push_displacement).round(2).tolist(), round(math.degrees(cycle.theta_next), 3)
     ([42.6, -66.68], 9.965)
@@ -288,6 +292,7 @@ class CycleSensitivity:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> sensitivity = CollectionLoop.mit("plywood").sensitivity(0.0)
     >>> round(sensitivity.by("theta"), 3), round(sensitivity.by("mu_a", "push_turn"), 3)
     (0.766, 1.319)
@@ -338,6 +343,8 @@ class CollectionLoop:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> cycle = loop.cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 3), round(math.degrees(cycle.drag_turn), 3)
@@ -381,6 +388,7 @@ class CollectionLoop:
         """Return the loop on a material, with all that is not None in its `found_with` and its
         plate's pressure.
 
+        >>> from cyclemap import CollectionLoop, load_material
         >>> CollectionLoop.mit("plywood").with_material(load_material("isotropic")).material.name
         'isotropic'
         """
@@ -451,6 +459,8 @@ class CollectionLoop:
     def cycles(self, theta: ArrayLike) -> Cycles:
         """Run one push and reset from each of many orientations (...), rad.
 
+        >>> import numpy as np
+        >>> from cyclemap import CollectionLoop
         >>> turns = CollectionLoop.mit().cycles([0.0, 1.0]).push_turn
         >>> np.degrees(turns).round(3)
         array([73.653, 73.927])
@@ -568,6 +578,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop, run_cycles
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
     array([[73.65, 73.93, 70.46],

@@ -54,6 +54,9 @@ class MeasuredPlan:
     --------
     Of the file that `filled_text` makes of a filled table:
 
+    >>> from pathlib import Path
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import measured_plan
     >>> loop = CollectionLoop.mit("unknown")
     >>> measured = measured_plan(loop, [Path("read.csv")])  # doctest: +SKIP
     >>> measured.is_enough(within=0.1)  # doctest: +SKIP
@@ -120,6 +123,9 @@ def measured_plan(
     --------
     Of two pushes, in half a minute:
 
+    >>> from pathlib import Path
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import measured_plan
     >>> loop = CollectionLoop.mit("unknown")
     >>> measured = measured_plan(loop, [Path("read.csv")])  # doctest: +SKIP
     >>> measured.notes  # doctest: +SKIP

@@ -122,6 +122,8 @@ class DynamicModel:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.mechanics import DynamicModel, EllipseFriction, Pose, SidePush, Slider
     >>> model = DynamicModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 1), push.ended

@@ -57,6 +57,7 @@ class EllipseFriction:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)
     """
@@ -178,6 +179,7 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, worn_friction
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0
     (0.353553, 0.3, 0.05)
@@ -231,7 +233,7 @@ class LimitSurface:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Ellipse, PatchFootprint
+    >>> from cyclemap import Ellipse, EllipseFriction, LimitSurface, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
     >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R
     0.2

@@ -82,6 +82,8 @@ class QuasiStaticModel:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import EllipseFriction, Pose, QuasiStaticModel, SidePush, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 4), push.ended

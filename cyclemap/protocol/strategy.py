@@ -49,6 +49,8 @@ class CycleAction:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import CycleAction
     >>> CycleAction(way_points=((0.05, 0.0),)).on(CollectionLoop.mit()).reset.way_points
     ((0.05, 0.0),)
     """
@@ -112,6 +114,8 @@ class ResetStrategy:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import ResetStrategy
     >>> coin = ResetStrategy.pushes(CollectionLoop.mit().push, (1, 2))
     >>> coin.shares.tolist(), [action.push.side for action in coin.run(5, seed=1)]
     ([0.5, 0.5], [2, 2, 1, 2, 1])
@@ -167,6 +171,8 @@ class ResetStrategy:
 
         Examples
         --------
+        >>> from cyclemap import SidePush
+        >>> from cyclemap.resets import ResetStrategy
         >>> len(ResetStrategy.pushes(SidePush(), (0, 1, 2)).actions)
         3
         """
@@ -337,6 +343,8 @@ def gripper_turns(count: int) -> tuple[CycleAction, ...]:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.resets import gripper_turns
     >>> [round(math.degrees(action.turn)) for action in gripper_turns(4)]
     [0, 90, 180, 270]
     """
@@ -366,6 +374,7 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
 
     Examples
     --------
+    >>> from cyclemap.resets import legs
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """

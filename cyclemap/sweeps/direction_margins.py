@@ -51,6 +51,8 @@ class DirectionChange:
 
     Examples
     --------
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange
     >>> change = DirectionChange(Estimate(-0.00627, 1e-9), "saddle-node", 2.6, 0)
     >>> change.kind, float(change.value)
     ('saddle-node', -0.00627)
@@ -84,6 +86,8 @@ class DirectionMargin:
 
     Examples
     --------
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange, DirectionMargin
     >>> change = DirectionChange(Estimate(-0.006, 1e-9), "saddle-node", 2.6, 0)
     >>> margin = DirectionMargin("hitch_x_mm", -0.0106, 1, None, change, -0.02, 0.0, 0.02)
     >>> margin.nearest is change, round(margin.share, 2)
@@ -154,6 +158,8 @@ def direction_margins(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.sweeps import direction_margins
     >>> ring, rod = direction_margins(CollectionLoop.mit(), ("hitch_x_mm", "pusher_mu"))
     >>> ring.nearest.kind, ring.nearest.directions, round(1000 * ring.nearest.value, 4), rod.nearest
     ('saddle-node', 0, -6.2714, None)
@@ -350,6 +356,10 @@ def change_curve(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange, change_curve
     >>> kink = DirectionChange(Estimate(-0.006, 1e-9), "kink", math.nan, 0)
     >>> change_curve(CollectionLoop.mit(), "hitch_x_mm", kink, "pusher_mu", (-12, -3), (0.1, 0.2))
     Traceback (most recent call last):

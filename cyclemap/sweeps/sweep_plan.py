@@ -65,6 +65,7 @@ class SweepPlan:
 
     Examples
     --------
+    >>> from cyclemap import SweepPlan
     >>> plan = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-12, -10, -8)})
     >>> len(plan), dict(plan.point(1).settings)
     (6, {'mu_a': 0.2, 'hitch_x_mm': -10.0})

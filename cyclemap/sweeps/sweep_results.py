@@ -54,7 +54,8 @@ class Sweep:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -238,7 +239,8 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -304,7 +306,7 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, write_csv
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -372,7 +374,7 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, to_dataset
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -444,7 +446,7 @@ def write_netcdf(sweep: Sweep, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, write_netcdf
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -92,6 +92,7 @@ class Verdict:
 
     Examples
     --------
+    >>> from cyclemap.evidence import Verdict
     >>> Verdict("Does the map agree?", True, "It does: 1.2 degrees apart.").agrees
     True
     """
@@ -126,7 +127,8 @@ class Comparison:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> from cyclemap import CircleMap, WrappedNormal, compare, sample_staircase
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
     >>> path = sample_staircase(sine, noise, 100).theta
     >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=19)
@@ -278,7 +280,8 @@ def compare(
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> from cyclemap import CircleMap, WrappedNormal, compare, sample_staircase
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
     >>> path = sample_staircase(sine, noise, 100).theta
     >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=19)

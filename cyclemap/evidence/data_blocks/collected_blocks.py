@@ -779,7 +779,10 @@ def collected_blocks(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.collection import CollectionLoop
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import collected_blocks
     >>> loop = CollectionLoop.mit("plywood")
     >>> theta = [0.0]
     >>> for cycle in range(30):

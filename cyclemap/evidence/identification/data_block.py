@@ -105,6 +105,8 @@ class DataBlock:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock
     >>> def function(values):
     ...     return values["slope"] - np.ones(2), np.ones((2, 1))
     >>> line = DataBlock("line", ("slope",), function, groups=[0, 1], kinds="m")

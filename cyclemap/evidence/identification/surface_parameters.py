@@ -77,6 +77,7 @@ class Parameter:
 
     Examples
     --------
+    >>> from cyclemap.evidence import Parameter
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, start=1.0, scale=0.5)
     >>> heat.nominal
     1.0
@@ -135,6 +136,7 @@ class ParameterSpace:
 
     Examples
     --------
+    >>> from cyclemap.evidence import Parameter, ParameterSpace
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
     array([3.])
@@ -349,6 +351,8 @@ class SurfaceParameters:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
+    >>> from cyclemap.evidence import SurfaceParameters
     >>> surface = SurfaceParameters.from_friction(EllipseFriction(0.3, 0.2, phi=0.5))
     >>> round(surface.to_friction().mu_a, 12), round(surface.to_friction().phi, 12)
     (0.3, 0.5)

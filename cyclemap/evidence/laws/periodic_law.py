@@ -191,6 +191,8 @@ class PeriodicLaw:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
     >>> law.harmonics, round(float(law.slope(np.pi / 2.0)), 9), law.count
@@ -350,6 +352,8 @@ def fit_periodic_law(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
     >>> law.coefficients.round(9).tolist()[:2], round(float(law(np.pi)), 9)

@@ -50,7 +50,7 @@ def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> b
     Examples
     --------
     >>> from cyclemap import CollectionLoop
-    >>> from cyclemap.evidence import plan_pushes
+    >>> from cyclemap.evidence import plan_pushes, table_to_fill
     >>> loop = CollectionLoop.mit("unknown")
     >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
     >>> header, *rows = table_to_fill(plan, by="pose").decode().splitlines()

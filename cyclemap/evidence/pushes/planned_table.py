@@ -134,6 +134,8 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.evidence import filled_text
     >>> header = "push,object,side,fraction,angle_deg,push_mm,set_x_mm,set_y_mm,set_theta_deg"
     >>> header += ",x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg"
     >>> header += ",rod_x_mm,rod_y_mm,way_x,way_y,mark_a_x_mm,mark_a_y_mm,mark_b_x_mm,mark_b_y_mm"

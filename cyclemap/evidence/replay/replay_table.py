@@ -129,6 +129,7 @@ def dataset_sliders() -> dict[str, Slider]:
 
     Examples
     --------
+    >>> from cyclemap.evidence import dataset_sliders
     >>> len(dataset_sliders()), dataset_sliders()["butter"].outline.is_convex
     (11, False)
     """
@@ -163,8 +164,7 @@ class ReplayedPushes:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap import CollectionLoop
-    >>> from cyclemap.evidence import simulate_collection
+    >>> from cyclemap import CollectionLoop, replay_pushes, simulate_collection
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     made = simulate_collection(loop, f"{place}/made", 2)
@@ -300,8 +300,7 @@ def replay_pushes(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap import CollectionLoop
-    >>> from cyclemap.evidence import simulate_collection
+    >>> from cyclemap import CollectionLoop, replay_pushes, simulate_collection
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     made = simulate_collection(loop, f"{place}/made", 2)

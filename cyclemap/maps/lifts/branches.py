@@ -85,6 +85,7 @@ class Branch:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, branches
     >>> rising, falling = branches(CircleMap.arnold(0.0, 2.0))
     >>> rising.direction, falling.direction, round(rising.end - rising.start, 6)
     (1, -1, 4.18879)
@@ -120,6 +121,7 @@ class Branch:
 
         Examples
         --------
+        >>> from cyclemap.maps import CircleMap, branches
         >>> rising = branches(CircleMap.arnold(0.0, 2.0))[0]
         >>> bool(abs(CircleMap.arnold(0.0, 2.0)(rising.inverse(3.0)) - 3.0) < 1e-14)
         True
@@ -166,6 +168,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, branches
     >>> cut = branches(CircleMap.arnold(0.2, 2.0))
     >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
@@ -244,6 +247,7 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, preimages
     >>> preimages(CircleMap.blaschke([0, 0]), 1.0).round(6).tolist()
     [0.5, 3.641593]
     """

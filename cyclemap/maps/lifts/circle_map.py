@@ -95,6 +95,7 @@ class CircleMap:
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap import CircleMap
     >>> tilted = CircleMap(lambda x: x + 0.5 + 0.3 * np.cos(x), lambda x: 1 - 0.3 * np.sin(x))
     >>> round(float(tilted.turn(0.0)), 12)
     0.8
@@ -272,6 +273,7 @@ class CircleMap:
     def rigid(cls, turns: float) -> CircleMap:
         """The rotation θ → θ + 2π·turns.
 
+        >>> from cyclemap import CircleMap
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
@@ -302,6 +304,7 @@ class CircleMap:
 
         Examples
         --------
+        >>> from cyclemap import CircleMap
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
@@ -331,6 +334,7 @@ class CircleMap:
 
         Examples
         --------
+        >>> from cyclemap import CircleMap
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
@@ -373,6 +377,7 @@ class CircleMap:
 
         Examples
         --------
+        >>> from cyclemap import CircleMap
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
         """
@@ -425,6 +430,7 @@ class CircleMap:
         Examples
         --------
         >>> import numpy as np
+        >>> from cyclemap import CircleMap
         >>> rising = (0, np.pi, lambda x: 2 * x, None)
         >>> falling = (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)
         >>> tent = CircleMap.from_branches([rising, falling], degree=0)
@@ -475,6 +481,7 @@ class CircleMap:
         Examples
         --------
         >>> import numpy as np
+        >>> from cyclemap import CircleMap
         >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
         >>> sampled = CircleMap.from_samples(x, x + 0.3 * np.sin(x), 1 + 0.3 * np.cos(x))
         >>> bool(abs(sampled(1.0) - (1 + 0.3 * np.sin(1.0))) < 1e-9)

@@ -108,7 +108,8 @@ def transfer_operator(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
@@ -155,7 +156,7 @@ class TransferOperator:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> law = transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3))
     >>> round(law.tv_from_uniform, 3), law.peaks().round(2).tolist(), law.is_certain
     (0.735, [0.81], True)
@@ -234,7 +235,8 @@ class TransferOperator:
 
         Examples
         --------
-        >>> from cyclemap.maps.noise.noise import WrappedCauchy
+        >>> import numpy as np
+        >>> from cyclemap import CircleMap, WrappedCauchy, transfer_operator
         >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
@@ -267,7 +269,7 @@ class TransferOperator:
         For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other
         noise is refused.
 
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
@@ -347,7 +349,8 @@ class TransferOperator:
         alike: see ``SlowChain``. Bounds: of the shares those of the density; of the chances of
         leaving see ``leaving_errors``.
 
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> import numpy as np
+        >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
         >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
         >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]

@@ -63,6 +63,8 @@ class DriftingMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, DriftingMap
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (100, CircleMap.rigid(0.3))])
     >>> round(float(worn.at(50).turn(0.0)) / (2 * np.pi), 12)
     0.2
@@ -131,6 +133,7 @@ class DriftingMap:
 
         Examples
         --------
+        >>> from cyclemap import CircleMap, DriftingMap
         >>> def family(omega):
         ...     return CircleMap.arnold(omega, 0.9)
         >>> worn = DriftingMap.of_family(family, lambda n: 0.1 + 1e-5 * n, 1000)
@@ -267,6 +270,8 @@ class LocalNoise:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.maps import LocalNoise
     >>> noise = LocalNoise((math.log(0.02), 0.5, 0.0), 0.7)
     >>> round(float(noise.sigma(math.pi / 2)), 12)
     0.02
@@ -335,6 +340,7 @@ class Staircase:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, sample_staircase
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4, start=1.0)
     >>> path.cycles, path.start, path.theta.shape
     (4, 1.0, (5,))
@@ -385,6 +391,8 @@ def sample_staircase(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, sample_staircase
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
     [0.0, 0.5, 1.0, 1.5, 2.0]
@@ -448,6 +456,8 @@ def sample_staircases(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, sample_staircases
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)
     """

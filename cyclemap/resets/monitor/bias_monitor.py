@@ -45,6 +45,7 @@ class Alarm:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> alarm = watch([0.3] * 20)[-1].alarm
     >>> alarm.kind, alarm.push, [round(direction, 3) for direction in alarm.directions]
     ('rest', 14, [0.3])
@@ -70,6 +71,7 @@ class Advice:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> advice = watch([0.3] * 20)[-1].advice
     >>> advice.change_reset, round(advice.direction, 1)
     (True, 3.4)
@@ -109,6 +111,7 @@ class BiasReport:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> report = watch([0.3] * 20)[-1]
     >>> report.push, report.rest_evidence > report.threshold, report.coverage.covered < 0.2
     (19, True, True)
@@ -164,6 +167,8 @@ class BiasMonitor:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import BiasMonitor
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
     ...     report = monitor.update(math.radians(85.0))
@@ -298,6 +303,7 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)
     14
