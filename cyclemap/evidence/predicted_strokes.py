@@ -91,6 +91,20 @@ def predicted_ends(
     return ends, slopes, stayed
 
 
+def predicted_motions(courses: Sequence[Course], most_failing: float) -> Array:
+    """Return how strokes turn the object, rad, and move it, m, in its own frame before: (n, 3); nan
+    where they have no answer, else as `predicted_ends`.
+    """
+    ends, _, stayed = predicted_ends(courses, most_failing)
+    motions = np.full(ends.shape, np.nan)
+    for index in np.flatnonzero(~stayed).tolist():
+        course = courses[index]
+        x, y, theta = course.pose
+        begun = Pose(course.unit * x, course.unit * y, theta)
+        motions[index] = ends[index, 2] - theta, *begun.to_object(*ends[index, :2].tolist())
+    return motions
+
+
 def predicted_push_ends(
     model: QuasiStaticModel,
     pushes: Sequence[MeasuredPush],
