@@ -35,7 +35,7 @@ plan_pushes, PushPlan : which pushes to make, and what they will tell
 
 Comparing
 ---------
-compare, Comparison, Verdict : a prediction beside data, question by question
+compare, Comparison : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated
     collections
@@ -58,7 +58,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
+    from cyclemap.evidence.comparison.compare import Comparison, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -147,7 +147,7 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["Comparison", "Verdict", "compare"]
+__all__ = ["Comparison", "compare"]
 __all__ += [
     "WrenchTwists",
     "collected_blocks",
