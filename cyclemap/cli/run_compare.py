@@ -27,6 +27,7 @@ from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
+from cyclemap.views.verdicts import told_sets, verdicts
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
 SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
@@ -71,11 +72,11 @@ def run_compare(
     if picture is None:
         return
     console = PeopleConsole()
-    verdicts = (verdict.words for verdict in found.verdicts)
+    answers = (verdict.words for verdict in verdicts(found))
     note = plate_note(loop.material, loop.slider)
-    told = (data_sentence(found), *found.data.reading, *verdicts, *trust_sentences(found))
+    told = (data_sentence(found), *found.data.reading, *answers, *trust_sentences(found))
     console.tell(headline(name, found), *told, *([f"note: {note}"] if note else []))
-    for whose, quantities in found.told_pushes:
+    for whose, quantities in told_sets(found):
         title = f"{quantities[0].count} pushes{whose}"
         console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
     if found.orientations is not None:
@@ -148,7 +149,7 @@ def compare_report(material: str, found: Comparison) -> Json:
         "staircase": None if found.staircase is None else _staircase(found.staircase),
         "verdicts": [
             {"question": one.question, "agrees": one.agrees, "words": one.words}
-            for one in found.verdicts
+            for one in verdicts(found)
         ],
         "uncertified": list(found.uncertified),
     }

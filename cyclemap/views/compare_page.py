@@ -10,7 +10,7 @@ from matplotlib.gridspec import GridSpec
 from cyclemap.arrays import TWO_PI
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
-from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
+from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.views import style
 from cyclemap.views.portrait_page import (
@@ -22,6 +22,7 @@ from cyclemap.views.portrait_page import (
 )
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import PREDICTED, QUIET
+from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts
 
 # Points between a panel and its title, so that the legend has a line of its own.
 TITLE_PAD = 22.0
@@ -177,7 +178,7 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
 
 def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     """Many sets: every push measured over predicted, beside the line where both are equal."""
-    ((_, quantities),) = found.told_pushes
+    ((_, quantities),) = told_sets(found)
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
         symbol, label, scale = _LABELS[quantity.name]
         for one in found.pushes:
@@ -199,7 +200,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
 
 def headline(name: str, found: Comparison) -> str:
     """How many of the questions that could be answered agree."""
-    answered = [one for one in found.verdicts if one.agrees is not None]
+    answered = [one for one in verdicts(found) if one.agrees is not None]
     kept = sum(one.agrees is True for one in answered)
     if not answered:
         return f"{name} beside the data"
@@ -234,9 +235,10 @@ def trust_sentences(found: Comparison) -> list[str]:
 
 def summary_sentence(found: Comparison) -> str:
     """The questions by their answer, in a line or two."""
+    answers = verdicts(found)
     groups = {"Agree": True, "Do not agree": False, "Open": None}
     listed = {
-        word: [one.question for one in found.verdicts if one.agrees is answer]
+        word: [one.question for one in answers if one.agrees is answer]
         for word, answer in groups.items()
     }
     return " ".join(

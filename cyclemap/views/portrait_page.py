@@ -114,9 +114,8 @@ def _write_words(
         foot.append(sentences.agreement_sentence(measured.agreement))
     # Beside the key of the drawings, whose lines begin where these must end.
     lines = "\n".join(fill(line, _FOOT_LETTERS) for line in foot)
-    small = {"fontsize": 8, "color": QUIET, "va": "bottom", "linespacing": 1.35}
-    figure.text(0.015, 0.01, lines, **small)
-    figure.text(0.985, 0.01, cycle_key(curves.scene), ha="right", **small)
+    for x, words, side in ((0.015, lines, "left"), (0.985, cycle_key(curves.scene), "right")):
+        figure.text(x, 0.01, words, ha=side, va="bottom", fontsize=8, color=QUIET, linespacing=1.35)
 
 
 PER_DEGREE = np.pi / 180
