@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -32,6 +31,7 @@ from cyclemap.views.style import (
     MEASURED_EDGE,
     PREDICTED,
     QUIET,
+    Look,
     degree_axis,
     legend_above,
     new_figure,
@@ -176,7 +176,7 @@ def draw(result: FloorShapes) -> Figure:
     return figure
 
 
-_LOOKS: tuple[dict[str, Any], ...] = (
+_LOOKS: tuple[Look, ...] = (
     {"color": QUIET, "linestyle": ":", "linewidth": 1.6},
     {"color": INK, "linestyle": "--", "linewidth": 1.5},
     {"color": PREDICTED, "linestyle": "-", "linewidth": 2.2},
@@ -194,7 +194,7 @@ def _draw_turns(axes: Axes, result: FloorShapes) -> None:
             **line,
         )
     if result.measured is not None:
-        look: dict[str, Any] = {
+        look: Look = {
             "color": MEASURED,
             "markeredgecolor": MEASURED_EDGE,
             "markersize": 4.5,
@@ -204,7 +204,7 @@ def _draw_turns(axes: Axes, result: FloorShapes) -> None:
         axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "o", label="measured", **look)
     degree_axis(axes)
     axes.set_ylabel("turn of a cycle (°)")
-    legend_above(axes, columns=2)
+    legend_above(axes)
 
 
 def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:

@@ -5,7 +5,6 @@ push.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,6 +29,7 @@ from cyclemap.views.style import (
     MEASURED_EDGE,
     PREDICTED,
     QUIET,
+    Look,
     new_figure,
     picture_style,
 )
@@ -208,7 +208,7 @@ def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
     axes.set_title(f"Recorded, {recorded.name}")
     _bounds(axes, recorded.friction)
     unclear = ~(recorded.sliding | recorded.sticking)
-    kinds: tuple[tuple[str, Chosen, dict[str, Any]], ...] = (
+    kinds: tuple[tuple[str, Chosen, Look], ...] = (
         (
             "sliding",
             recorded.sliding,

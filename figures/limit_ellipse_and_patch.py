@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,6 +25,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    Look,
     arrow,
     legend_above,
     new_figure,
@@ -160,7 +160,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     axes.plot(*_turned(np.array([law.m0, law.n0]), law.phi), "o", color=PREDICTED, markersize=4)
     axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
     if result.scans is not None and result.fitted is not None:
-        look: dict[str, Any] = {
+        look: Look = {
             "color": MEASURED,
             "markeredgecolor": MEASURED_EDGE,
             "markersize": 4.0,
@@ -174,7 +174,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
             label="fitted",
         )
     _traction_axes(axes, 0.34, "Plywood", np.zeros(2))
-    legend_above(axes, columns=2)
+    legend_above(axes)
 
 
 def _draw_patch(axes: Axes, patch: PatchForces) -> None:

@@ -60,4 +60,4 @@ def as_simulated(axes: Axes) -> None:
             artist.set_color(QUIET)
         elif isinstance(artist, Patch):
             artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
-    legend_above(axes, 2)
+    legend_above(axes)

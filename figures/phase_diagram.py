@@ -5,7 +5,6 @@ elsewhere.
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,7 +20,7 @@ from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprin
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
-from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
+from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, Look, new_figure, picture_style
 
 from .catalogue import MeasuredFolder
 from .loop_family import (
@@ -254,7 +253,7 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
         label="first order",
         zorder=3,
     )
-    look: dict[str, Any] = {
+    look: Look = {
         "markerfacecolor": UNSTABLE,
         "markeredgecolor": INK,
         "markersize": 11,
@@ -296,7 +295,7 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
     axes.fill(
         *np.concatenate([outer, corners, inner[::-1]]).T, facecolor="white", linewidth=0, zorder=2
     )
-    look: dict[str, Any] = {"color": PREDICTED, "markersize": 4, "linewidth": 2.0, "zorder": 4}
+    look: Look = {"color": PREDICTED, "markersize": 4, "linewidth": 2.0, "zorder": 4}
     axes.plot(*inner.T, "o-", label="saddle-nodes", **look)
     axes.plot(*outer.T, "o-", **look)
 

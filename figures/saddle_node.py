@@ -5,7 +5,6 @@ and meet.
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +23,7 @@ from cyclemap.views.style import (
     PREDICTED,
     QUIET,
     UNSTABLE,
+    Look,
     degree_axis,
     new_figure,
     picture_style,
@@ -212,7 +212,7 @@ def draw(result: SaddleNode) -> Figure:
     return figure
 
 
-def _sides(branch: OrbitBranch) -> list[tuple[str, NDArray[np.intp], dict[str, Any]]]:
+def _sides(branch: OrbitBranch) -> list[tuple[str, NDArray[np.intp], Look]]:
     """The stable and the unstable part, by radius, each from the fold on, and its look."""
     fold = int(np.argmin(branch.parameter))
     sides = []
@@ -253,7 +253,7 @@ def _draw_pair(axes: Axes, result: SaddleNode) -> None:
 
 
 def _mark(axes: Axes, fold: RingFold, height: float) -> None:
-    look: dict[str, Any] = {
+    look: Look = {
         "markerfacecolor": UNSTABLE,
         "markeredgecolor": INK,
         "markersize": 7,

@@ -21,6 +21,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    Look,
     arrow,
     new_figure,
     picture_style,
@@ -139,7 +140,7 @@ def _dimension(
 
 
 def _name(axes: Axes, place: tuple[float, float], words: str, **look: Any) -> None:
-    given: dict[str, Any] = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6, **look}
+    given: Look = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6, **look}
     axes.text(*place, words, **given)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,6 +22,7 @@ from cyclemap.views.style import (
     MEASURED_EDGE,
     PREDICTED,
     QUIET,
+    Look,
     degree_axis,
     legend_above,
     new_figure,
@@ -138,7 +138,7 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
             bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
             _dots(cycle, pairs.theta, pairs.turn, "measured cycles")
             medians = np.degrees([bins.centre, bins.median])
-            squares: dict[str, Any] = {
+            squares: Look = {
                 "color": MEASURED_EDGE,
                 "markerfacecolor": "white",
                 "markersize": 4.5,
@@ -153,11 +153,11 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
                 axes.plot(np.degrees(_CURVE), curve, label=simulated.name, zorder=5, **look)
         for axes in (push, cycle):
             degree_axis(axes, "θ0, orientation before the push (°)")
-            legend_above(axes, columns=2)
+            legend_above(axes)
     return figure
 
 
-_LOOKS: tuple[dict[str, Any], ...] = (
+_LOOKS: tuple[Look, ...] = (
     {"color": PREDICTED, "linewidth": 2.2, "linestyle": "-"},
     {"color": INK, "linewidth": 1.5, "linestyle": (0, (5, 2))},
     {"color": QUIET, "linewidth": 1.5, "linestyle": (0, (1, 1.2))},

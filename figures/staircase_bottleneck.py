@@ -3,7 +3,6 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -42,6 +41,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    Look,
     degree_axis,
     new_figure,
     picture_style,
@@ -225,7 +225,7 @@ def _parabola(one: Bottleneck) -> tuple[Array, Array]:
 def _draw_turn(axes: Axes, one: Bottleneck) -> None:
     axes.axhline(0.0, color=QUIET, linewidth=0.9)
     if one.bins is not None:
-        look: dict[str, Any] = {
+        look: Look = {
             "markersize": 3,
             "markeredgecolor": MEASURED_EDGE,
             "markeredgewidth": 0.5,
@@ -275,7 +275,7 @@ def _draw_directions(axes: Axes, one: Bottleneck) -> None:
 def _draw_path(axes: Axes, one: Bottleneck) -> None:
     shown = one.path if one.bins is not None else one.path[: DRAWN + 1]
     turns = (shown - shown[0]) / (2 * np.pi)
-    look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 2.0}
+    look: Look = {"color": MEASURED_EDGE, "linewidth": 2.0}
     if one.bins is None:
         look = {"color": PREDICTED, "linewidth": 1.2}
     axes.plot(turns, label=_seen(one), **look)

@@ -129,7 +129,7 @@ def _draw_material(axes: Axes, one: MaterialDirections) -> None:
             va="center",
             size=7.5,
         )
-    legend_above(axes, columns=2)
+    legend_above(axes)
 
 
 def _published(one: MaterialDirections) -> list[float]:

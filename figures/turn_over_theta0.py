@@ -109,7 +109,7 @@ def _draw_material(axes: Axes, one: MaterialTurns) -> None:
     )
     if one.measured is None:
         as_simulated(axes)
-    legend_above(axes, columns=2)
+    legend_above(axes)
 
 
 def caption(result: tuple[MaterialTurns, ...]) -> str:

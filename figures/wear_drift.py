@@ -4,7 +4,6 @@ cycles.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,6 +23,7 @@ from cyclemap.views.style import (
     MEASURED_EDGE,
     PREDICTED,
     QUIET,
+    Look,
     degree_axis,
     legend_above,
     new_figure,
@@ -168,7 +168,7 @@ def draw(result: WearDrift) -> Figure:
             label="computed",
         )
         if result.measured_least is not None:
-            look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
+            look: Look = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
             least.plot(
                 result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look
             )
@@ -213,7 +213,7 @@ def _draw_pace(axes: Axes, result: WearDrift) -> None:
             capsize=2,
             label="fitted map, 95 %",
         )
-        look: dict[str, Any] = {
+        look: Look = {
             "color": MEASURED,
             "markeredgecolor": MEASURED_EDGE,
             "linestyle": "none",

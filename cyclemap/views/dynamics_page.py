@@ -3,7 +3,6 @@ differ over θ0.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +17,7 @@ from cyclemap.views.style import (
     INK,
     PREDICTED,
     QUIET,
+    Look,
     legend_above,
     new_figure,
     picture_style,
@@ -52,7 +52,7 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
             theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on
         )
         moved = np.degrees(comparison.dynamic.theta_next) - theta
-        look: dict[str, Any] = {
+        look: Look = {
             "markerfacecolor": "white" if isotropic_law else PREDICTED,
             "markersize": 4.5,
         }
@@ -60,7 +60,7 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
     turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
     turns.xaxis.set_major_locator(MultipleLocator(60.0))
     turns.set_title("Turn of push and drag", pad=36.0)
-    legend_above(turns, columns=2)
+    legend_above(turns)
     draw_turn_differences(differences, material, isotropic)
     draw_place_differences(places, material, isotropic)
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed

@@ -107,7 +107,7 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
     unwrapped_axis(axes, "θ0, unwrapped")
     axes.set_title(title, pad=8.0 + 13.0 * math.ceil(len(run.theta) / 3))
-    legend_above(axes, columns=3)
+    legend_above(axes)
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:

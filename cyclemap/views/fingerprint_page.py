@@ -149,7 +149,7 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
     axes.set_title("Turn of one cycle")
-    style.legend_above(axes, columns=4)
+    style.legend_above(axes)
 
 
 def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,6 @@ staircase and turns.
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,7 +28,15 @@ from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style
 from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram, draw_staircase
 from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    Look,
+)
 
 # Shares of the page's height: what lies below the panels, and titles and labels of a row.
 FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
@@ -112,7 +119,7 @@ def draw_law(axes: Axes, law: MotionLaw) -> None:
         _keep_to(axes, scale * law.value, bands)
     style.degree_axis(axes)
     axes.set_ylabel(LABELS[law.quantity])
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
@@ -137,13 +144,13 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     _keep_to(axes, turns, edges)
     style.degree_axis(axes)
     axes.set_ylabel("turn of one cycle (°)")
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    look: dict[str, Any] = {
+    look: Look = {
         "facecolor": MEASURED,
         "edgecolor": MEASURED_EDGE,
         "linewidth": 0.6,
@@ -173,7 +180,7 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
         ylabel="pushes",
         ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)),
     )
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def draw_directions(axes: Axes, forecast: WornForecast) -> None:
@@ -184,7 +191,7 @@ def draw_directions(axes: Axes, forecast: WornForecast) -> None:
     axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
     style.degree_axis(axes)
     axes.set_ylabel("probability per degree")
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
@@ -200,7 +207,7 @@ def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
         zorder=1,
     )
     draw_staircase(axes, forecast.run, forecast.measured)
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
@@ -214,7 +221,7 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     low, middle, high = (
         np.minimum(pushes, 2.0 * top) for pushes in (pace.lower, pace.predicted, pace.upper)
     )
-    look: dict[str, Any] = {"fmt": "_", "color": PREDICTED, "elinewidth": 1.6, "markersize": 8}
+    look: Look = {"fmt": "_", "color": PREDICTED, "elinewidth": 1.6, "markersize": 8}
     axes.errorbar(
         pace.start,
         middle,
@@ -239,11 +246,11 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
-    style.legend_above(axes, columns=2)
+    style.legend_above(axes)
 
 
 def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
-    look: dict[str, Any] = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
+    look: Look = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
     axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
 
 

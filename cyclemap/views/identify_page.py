@@ -5,7 +5,6 @@ beside predictions.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,7 +27,7 @@ from cyclemap.evidence.identified_material import (
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET, Look
 
 TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
@@ -42,7 +41,7 @@ WORSE = 1.01
 # isotropic.
 ROUND = 1.001
 Panel = tuple[str, Callable[[Axes], None]]
-_DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
+_DOTS: Look = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
 
 @style.picture_style()
@@ -125,7 +124,7 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
     axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
-    style.legend_above(axes, columns=4)
+    style.legend_above(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:

@@ -20,7 +20,7 @@ from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
 from cyclemap.views import style
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, Look
 
 MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
@@ -131,7 +131,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
         axes.axis("off")
         axes.text(0.5, 0.5, "no cycle can be run", ha="center", transform=axes.transAxes)
         return
-    outlines: tuple[tuple[Array, dict[str, Any]], ...] = (
+    outlines: tuple[tuple[Array, Look], ...] = (
         (
             scene.push.before,
             {"fc": PREDICTED_FILL, "ec": PREDICTED, "lw": 1.6, "label": "before the push"},
@@ -195,7 +195,7 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
             (stroke.ring_before, QUIET, "--"),
             (stroke.ring_after, PREDICTED, "-"),
         ):
-            look: dict[str, Any] = {
+            look: Look = {
                 "fill": False,
                 "edgecolor": colour,
                 "linestyle": line,

@@ -4,7 +4,7 @@ staircase.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,7 +19,15 @@ from cyclemap.collection.uncertain_directions import DirectionInterval
 from cyclemap.maps import Orbit
 from cyclemap.views import sentences, style
 from cyclemap.views.object_page import cycle_key, draw_cycle
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    Look,
+)
 
 if TYPE_CHECKING:
     from cyclemap.evidence import AngleHistogram, MeasuredOverlay, Theta0Pairs, TurnBins
@@ -29,7 +37,7 @@ if TYPE_CHECKING:
 # tick label.
 _TITLE_PLACE = 1.0
 # A legend of four entries stands beside the longest title.
-_NARROW: dict[str, Any] = {
+_NARROW: Look = {
     "handlelength": 1.2,
     "handletextpad": 0.4,
     "columnspacing": 0.8,
@@ -184,7 +192,7 @@ def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
         label="measured",
         zorder=1,
     )
-    look: dict[str, Any] = {
+    look: Look = {
         "markeredgecolor": MEASURED_EDGE,
         "markeredgewidth": 0.7,
         "markersize": 4.0,
@@ -220,7 +228,7 @@ def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: tuple[Orbit, ...]) -> 
         axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 3, 4.5, 6, 9, 10]))
 
 
-def _marker(orbit: Orbit) -> dict[str, Any]:
+def _marker(orbit: Orbit) -> Look:
     kind = "stable" if orbit.stable else "unstable"
     return {**style.orbit_marker(kind), "markersize": 7.5, "markeredgewidth": 1.6, "clip_on": True}
 
@@ -236,7 +244,7 @@ def draw_density(axes: Axes, curves: PortraitCurves) -> None:
 
 def draw_measured_histogram(axes: Axes, histogram: AngleHistogram) -> None:
     """How often each direction was recorded."""
-    look: dict[str, Any] = {
+    look: Look = {
         "facecolor": MEASURED,
         "edgecolor": MEASURED_EDGE,
         "linewidth": 0.6,

@@ -3,7 +3,6 @@ courses.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
 from cyclemap.views import style
-from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import FORCE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, Look
 
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a
 # bad one.
@@ -82,7 +81,7 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
         speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
         off = f"{1e3 * replay.error[-1]:.1f} mm, {math.degrees(abs(replay.turn_error[-1])):.1f}°"
         axes.set_title(f"{facts['object']}{speed}: off {off}", pad=20.0)
-        style.legend_above(axes, columns=4)
+        style.legend_above(axes)
     foot = (
         "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a "
         "push, a bar a mean"
@@ -101,7 +100,7 @@ def _draw_whole(errors: Axes, motions: Axes, replayed: ReplayedPushes, turn: boo
     both = factor * table[[f"measured_{name}", f"predicted_{name}"]].to_numpy()
     ends = [float(both.min()), float(both.max())]
     motions.plot(ends, ends, color=QUIET, linewidth=0.9, zorder=2)
-    look: dict[str, Any] = {
+    look: Look = {
         "markersize": 4.0,
         "mfc": "white",
         "mec": PREDICTED,

@@ -218,7 +218,7 @@ def strategy_page(
     axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
     style.degree_axis(axes)
     axes.set(ylabel="probability per degree", title="Directions recorded")
-    style.legend_above(axes, columns=4)
+    style.legend_above(axes)
     last = figure.add_subplot(grid[1, 1])
     if turns is None:
         last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)

@@ -3,7 +3,6 @@ page.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -27,7 +26,7 @@ from cyclemap.views.sentences import (
     uncertainty_sentence,
     worn_rests,
 )
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE
+from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, UNSTABLE, Look
 
 
 @style.picture_style()
@@ -196,7 +195,7 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
         steps.start, steps.end, steps.levels, steps.censored, strict=True
     ):
         level_deg, open_ended = float(np.degrees(level)), bool(censored)
-        look: dict[str, Any] = {"solid_capstyle": "butt", "zorder": 4}
+        look: Look = {"solid_capstyle": "butt", "zorder": 4}
         label = labels.pop(open_ended, None)
         (bar,) = axes.plot(
             [start, end], [level_deg] * 2, color=INK, linewidth=5.0, label=label, **look
@@ -222,7 +221,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     prediction.
     """
     number_of, whole, cut = np.arange(1, steps.lengths.size + 1), ~steps.censored, steps.censored
-    look: dict[str, Any] = {"linestyle": "none", "markeredgecolor": MEASURED_EDGE, "zorder": 4}
+    look: Look = {"linestyle": "none", "markeredgecolor": MEASURED_EDGE, "zorder": 4}
     if not steps.lengths.size:
         style.say(axes, "no dwell")
     if whole.any():
@@ -251,7 +250,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
         if predicted is not None:
             # The predicted mean as a line, or told alone where the line would dwarf what was
             # measured.
-            line: dict[str, Any] = {
+            line: Look = {
                 "color": PREDICTED,
                 "linewidth": 1.8,
                 "linestyle": "--",
@@ -265,4 +264,4 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     axes.set(xlabel="dwell", ylabel="length (cycles)", xlim=(0.5, max(steps.lengths.size, 1) + 0.5))
     axes.set_ylim(bottom=0.0)
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    style.legend_above(axes, columns=4)
+    style.legend_above(axes)

@@ -2,6 +2,7 @@
 markers, name tags.
 """
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -10,12 +11,12 @@ from textwrap import fill
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
 
@@ -23,6 +24,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
 from cyclemap.plain_text import printable, typeset
 
+# Options of Matplotlib.
+Look = dict[str, Any]
 INK = "#222222"
 QUIET = "#666666"
 PREDICTED = "#0b3d6b"
@@ -33,7 +36,7 @@ UNSTABLE = "#ffffff"
 FORCE = "#c1440e"
 # How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in
 # half the time.
-_SAVED: dict[str, dict[str, Any]] = {
+_SAVED: dict[str, Look] = {
     "png": {"metadata": {}, "pil_kwargs": {"compress_level": 3}},
     "pdf": {"metadata": {"CreationDate": None}},
     "svg": {"metadata": {"Date": None}},
@@ -73,8 +76,10 @@ _STYLE: dict[Any, Any] = {
     "svg.hashsalt": "cyclemap",
 }
 # Measured places, of which there may be many.
-DOTS: dict[str, Any] = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
+DOTS: Look = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
 DOTS |= {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.3}
+# Points that a legend's key takes, and a letter of it, of a title, and a row of the legend.
+_KEY, _LETTER, _TITLE_LETTER, _ROW = 31.0, 4.9, 6.8, 12.5
 THETA, THETA0 = "θ (°)", "θ0, orientation before the push (°)"
 
 
@@ -157,23 +162,55 @@ def degree_axis(axes: Axes, label: str = THETA0) -> None:
     axes.set_xlabel(label)
 
 
-def legend_above(axes: Axes, columns: int = 3, handles: list[Any] | None = None) -> None:
-    """A legend above the panel, at its right end, where it covers no data; none where nothing has a
-    label.
+def legend_above(axes: Axes) -> int:
+    """A legend above the panel, at its right end, where it covers no data: each label once, in as
+    many columns as the panel has room for. Returns its rows.
     """
-    shown = axes.get_legend_handles_labels()[0] if handles is None else handles
-    if shown:
-        look: dict[str, Any] = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2}
-        columns = min(columns, len(shown))
-        axes.legend(
-            handles=shown, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, **look
-        )
+    named: Look = {}
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        named.setdefault(label, handle)
+    if not named:
+        return 0
+    columns = _columns(list(named), _width(axes))
+    look: Look = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2}
+    look |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+    axes.legend(named.values(), named.keys(), ncols=columns, **look)
+    return math.ceil(len(named) / columns)
+
+
+def entitle(axes: Axes, title: str) -> None:
+    """The legend of `legend_above`, and the title beside it, or above it where both are long."""
+    rows = legend_above(axes)
+    legend = axes.get_legend()
+    labels = [text.get_text() for text in legend.get_texts()] if legend else []
+    beside = rows == 1 and sum(map(_key_width, labels)) + _TITLE_LETTER * len(title) <= _width(axes)
+    axes.set_title(title, pad=8.0 + _ROW * (0 if beside else rows))
+
+
+def _columns(labels: list[str], width: float) -> int:
+    """How many columns of a legend a width (points) has room for, where they are filled evenly."""
+    widths = np.array([_key_width(label) for label in labels])
+    for columns in range(len(labels), 1, -1):
+        if sum(part.max() for part in np.array_split(widths, columns)) <= width:
+            return columns
+    return 1
+
+
+def _key_width(label: str) -> float:
+    return _KEY + _LETTER * len(label)
+
+
+def _width(axes: Axes) -> float:
+    """The width of a panel, points."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return 72.0 * float(axes.get_position().width * figure.get_size_inches()[0])
 
 
 def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
     """A short name at a place of the data, on a white ground that lets lines through a little."""
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-    given: dict[str, Any] = {
+    given: Look = {
         "fontsize": 7.5,
         "color": INK,
         "ha": "center",
@@ -277,7 +314,7 @@ def stability(orbit: Orbit) -> str:
     return "stable" if orbit.stable else "unstable"
 
 
-def orbit_marker(kind: str) -> dict[str, Any]:
+def orbit_marker(kind: str) -> Look:
     """The marker of an orbit: filled where stable, open where unstable, half of each where
     half-stable.
     """
@@ -293,12 +330,6 @@ def orbit_marker(kind: str) -> dict[str, Any]:
         "clip_on": False,
         "zorder": 5,
     }
-
-
-def orbit_keys(kinds: set[str]) -> list[Line2D]:
-    """Legend entries for the kinds of orbit that are drawn."""
-    order = ("stable", "half-stable", "unstable")
-    return [Line2D([], [], label=kind, **orbit_marker(kind)) for kind in order if kind in kinds]
 
 
 def small(value: float) -> str:

@@ -3,7 +3,6 @@ it is worth.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,7 +15,7 @@ from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, Cycle
 from cyclemap.views import style
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, Look
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
@@ -97,7 +96,7 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """
     histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), 36), last.advice.direction
     radii = np.sqrt(histogram.density * 2 * np.pi)
-    looks: dict[str, Any] = {"color": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6}
+    looks: Look = {"color": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6}
     axes.bar(histogram.edges[:-1], radii, width=np.diff(histogram.edges), align="edge", **looks)
     around = np.linspace(0.0, 2 * np.pi, 181)
     axes.plot(
