@@ -15,7 +15,6 @@ from matplotlib.axis import Axis
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
@@ -41,7 +40,7 @@ from cyclemap.views.rotation_panels import (
     mark_cells,
     scale_beside,
 )
-from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, Look
+from cyclemap.views.style import INK, PREDICTED, QUIET, Look
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
@@ -101,41 +100,30 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
     panels = panels[:MOST_PANELS]
     figure = style.new_figure(13.333, 6.6)
-    grid = GridSpec(
-        1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2
-    )
-    for place, (title, draw) in enumerate(panels):
-        axes = figure.add_subplot(grid[0, place])
+    words = sweep_sentences(sweep)
+    room = style.write_page(figure, sweep_headline(sweep), words, settings_line(sweep))
+    placed = style.panels(figure, style.rows_of(len(panels)), room)
+    for axes, (title, draw) in zip(placed, panels, strict=True):
         draw(axes)
         if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
-            # The object that the ring is set in, and MIT's ring where it is MIT's.
-            slider = loop_from_settings(sweep.description["plan"]["settings"]).slider
-            outline = MM * slider.outline.points(120)
-            axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
-            if slider.name in MIT_SHAPE_NAMES:
-                x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-                axes.plot(
-                    x,
-                    y,
-                    "*",
-                    markersize=11,
-                    markerfacecolor=UNSTABLE,
-                    markeredgecolor=INK,
-                    zorder=6,
-                )
-                style.name_tag(
-                    axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points"
-                )
-            low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
-            low, high = (
-                np.minimum(low, outline.min(axis=0) - 3.0),
-                np.maximum(high, outline.max(axis=0) + 3.0),
-            )
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+            _draw_object(axes, sweep)
         style.entitle(axes, title)
-    style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
-    figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
     return figure
+
+
+def _draw_object(axes: Axes, sweep: Sweep) -> None:
+    """The object that the ring is set in, and MIT's ring where it is MIT's."""
+    slider = loop_from_settings(sweep.description["plan"]["settings"]).slider
+    outline = MM * slider.outline.points(120)
+    axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
+    if slider.name in MIT_SHAPE_NAMES:
+        x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
+        axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
+        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    low = np.minimum(low, outline.min(axis=0) - 3.0)
+    high = np.maximum(high, outline.max(axis=0) + 3.0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
 
 
 def key_words(key: str) -> str:
