@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -66,7 +66,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
     """
 
     @wraps(command)
-    def gathered(
+    def chosen(
         material: str | None,
         material_file: str | None,
         protocol: Path | None,
@@ -87,7 +87,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         "The --set keys in TOML tables, and a [strategy].",
     )
     return decorated(
-        gathered,
+        chosen,
         click.argument("material", required=False),
         click.option("--material", "material_file", metavar="TOML", help=file),
         click.option("--protocol", metavar="TOML", type=PATH, help=tables),
@@ -166,12 +166,33 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
     return x, y
 
 
+@dataclass(frozen=True)
+class ResultOptions:
+    """Where results go, and as what."""
+
+    out: Path
+    picture_format: str
+    json_target: str | None
+
+
+def gathered(command: Command, name: str, kind: type) -> Command:
+    """Give `command` the options that are fields of `kind` as one object, called `name`."""
+
+    @wraps(command)
+    def gather(**given: Any) -> None:
+        own = {field.name: given.pop(field.name) for field in fields(kind)}
+        command(**given, **{name: kind(**own)})
+
+    return gather
+
+
 def result_options(files: str) -> Callable[[Command], Command]:
-    """Give a command the options of where results go, and as what;
-    `files` names them in the help."""
+    """Give a command the options of where results go, and as what, which reach it as results, a
+    `ResultOptions`; `files` names them in the help.
+    """
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
-        command,
+        gathered(command, "results", ResultOptions),
         click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
         click.option(
             "--format", "picture_format", type=formats, default="png", help="Format of the picture."
@@ -256,25 +277,13 @@ def table_options(command: Command) -> Command:
     """Give `command` the options that tell what data mean: they reach it as table, a
     `TableOptions`.
     """
-
-    @wraps(command)
-    def gathered(
-        columns: str | None,
-        units: str | None,
-        angles: str | None,
-        frame: str | None,
-        offset_deg: float | None,
-        **others: Any,
-    ) -> None:
-        command(table=TableOptions(columns, units, angles, frame, offset_deg), **others)
-
     named = (
         "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; "
         "pose=TOPIC for a bag."
     )
     senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(
-        gathered,
+        gathered(command, "table", TableOptions),
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
         click.option(
             "--units",

@@ -19,7 +19,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cyclemap.cli.json_report import Json, json_text
-from cyclemap.cli.options import is_quiet, warnings_so_far
+from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.text_files import file_stem as file_stem
 from cyclemap.text_files import write_whole
@@ -82,19 +82,23 @@ def publish_json(report: Json, target: str | None) -> bool:
     return False
 
 
-def publish(
-    report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None
-) -> Path | None:
+def publish(report: Json, figure: Figure, stem: Path, results: ResultOptions) -> Path | None:
     """Write stem.json and the picture beside it, and send the report where --json says.
 
     Return the picture's path where people are to be told, None where JSON took the terminal.
     """
+    picture = write_result(report, figure, stem, results.picture_format)
+    return None if publish_json(report, results.json_target) else picture
+
+
+def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
+    """Write stem.json and the picture beside it, and return the picture's path."""
     from cyclemap.views.style import render
 
     write_json(stem.with_name(f"{stem.name}.json"), report)
     picture = stem.with_name(f"{stem.name}.{picture_format}")
     write_whole(picture, render(figure, picture_format))
-    return None if publish_json(report, json_target) else picture
+    return picture
 
 
 def people_table(

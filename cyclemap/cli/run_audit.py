@@ -5,18 +5,16 @@ picture.
 from pathlib import Path
 
 from cyclemap.cli.json_report import degrees, direction_deg
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.resets.monitor.audit import audit
 from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 
 
-def run_audit(
-    data: Path, table: TableOptions, out: Path, picture_format: str, json_target: str | None
-) -> None:
+def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
     """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
-    read = readable_data(data, table, out)
+    read = readable_data(data, table, results.out)
     with progress_bar(f"auditing {data.name}") as report:
         found = audit(read, loop=loop_beside(data), progress=report)
     alarm, reset = found.report.alarm, found.reset
@@ -45,7 +43,7 @@ def run_audit(
         "good": found.is_good,
     }
     picture = publish(
-        told, audit_page(found), out / f"audit_{file_stem(data.stem)}", picture_format, json_target
+        told, audit_page(found), results.out / f"audit_{file_stem(data.stem)}", results
     )
     if picture is not None:
         PeopleConsole().tell(audit_headline(found), audit_paragraph(found), f"picture: {picture}")

@@ -11,7 +11,7 @@ from cyclemap.cli.json_report import (
     direction_deg,
     number,
 )
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.portrait_curves import turn_curve
@@ -40,14 +40,12 @@ def run_compare(
     select: tuple[str, ...],
     runs: int,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compare the loop's prediction with the data, draw both, and print the answers for people or
     as JSON.
     """
-    read = readable_data(data, table, out)
+    read = readable_data(data, table, results.out)
     loop, sigma = chosen_loop(options, data)
     name = loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
@@ -66,8 +64,8 @@ def run_compare(
             progress=report,
         )
     page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
-    stem = result_stem(out, "compare", loop)
-    picture = publish(compare_report(name, found), page, stem, picture_format, json_target)
+    stem = result_stem(results.out, "compare", loop)
+    picture = publish(compare_report(name, found), page, stem, results)
     if picture is None:
         return
     console = PeopleConsole()

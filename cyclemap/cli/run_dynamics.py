@@ -2,9 +2,9 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 from cyclemap.cli.json_report import Json, degrees, number
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
 from cyclemap.collection.dynamic_loop import (
@@ -32,9 +32,7 @@ def run_dynamics(
     options: LoopOptions,
     theta0_deg: str,
     speed_mm_s: float,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the cycles of both models under both laws, draw them, and print them for people or as
     JSON.
@@ -55,8 +53,8 @@ def run_dynamics(
         **rows,
         "isotropic": {**mu, **rows["isotropic"]},
     }
-    stem = result_stem(out, "dynamics", chosen)
-    picture = publish(told, dynamics_page(material, isotropic), stem, picture_format, json_target)
+    stem = result_stem(results.out, "dynamics", chosen)
+    picture = publish(told, dynamics_page(material, isotropic), stem, results)
     if picture is None:
         return
     console = PeopleConsole()

@@ -2,11 +2,10 @@
 a picture.
 """
 
-from pathlib import Path
-
 import numpy as np
 
 from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
@@ -20,9 +19,7 @@ def run_experiment(
     cycles: int,
     speed_mm_s: float,
     quasi_static: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
     than cycles.
@@ -39,8 +36,8 @@ def run_experiment(
         "anisotropic": _run(experiment.anisotropic),
         "isotropic": _run(experiment.isotropic),
     }
-    stem = result_stem(out, "experiment", loop)
-    picture = publish(told, page.experiment_page(experiment), stem, picture_format, json_target)
+    stem = result_stem(results.out, "experiment", loop)
+    picture = publish(told, page.experiment_page(experiment), stem, results)
     if picture is not None:
         tellers = (
             page.experiment_headline,

@@ -3,7 +3,6 @@ as a picture.
 """
 
 import math
-from pathlib import Path
 
 from cyclemap.cli.json_report import (
     Json,
@@ -15,6 +14,7 @@ from cyclemap.cli.json_report import (
     orbit_report,
     uncertainty_report,
 )
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     PeopleConsole,
     margins_of,
@@ -45,9 +45,7 @@ def run_fingerprint(
     options: LoopOptions,
     check: bool,
     margin: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the fingerprint and the prediction, draw both,
     and print them for people or as JSON."""
@@ -82,9 +80,7 @@ def run_fingerprint(
     if margins is not None:
         told["margins"] = margins_report(margins)
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    picture = publish(
-        told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target
-    )
+    picture = publish(told, page, result_stem(results.out, "fingerprint", loop, name), results)
     if picture is None:
         return
     console = PeopleConsole()

@@ -13,14 +13,14 @@ import numpy as np
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, multiplier_report, number, numbers, numbers_of
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
     people_table,
     progress_bar,
-    publish,
     publish_json,
+    write_result,
 )
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
@@ -77,14 +77,12 @@ def run_fit(
     harmonics: int | None,
     wear: bool,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as
     JSON.
     """
-    read, chosen = readable_data(data, table, out), selected_values(select)
+    read, chosen = readable_data(data, table, results.out), selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
@@ -104,10 +102,9 @@ def run_fit(
 
             fits.append(fit_set(one, harmonics=harmonics, wear=wear, seed=seed, progress=share))
     for fit in (one for one in fits if not one.is_empty):
-        stem = out / f"fit_{file_stem(fit.pushes.name)}"
-        publish(set_report(fit), fit_page(fit), stem, picture_format, None)
-        pictures.append(stem.with_name(f"{stem.name}.{picture_format}"))
-    if publish_json(fit_report(pushes, fits), json_target):
+        stem = results.out / f"fit_{file_stem(fit.pushes.name)}"
+        pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.picture_format))
+    if publish_json(fit_report(pushes, fits), results.json_target):
         return
     console = PeopleConsole()
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""

@@ -11,7 +11,7 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables
+from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
@@ -81,9 +81,7 @@ def run_identify(
     starts: int,
     seed: int,
     force: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people
     or as JSON.
@@ -101,7 +99,7 @@ def run_identify(
     shapes = tuple(shape for one in plate for shape in load_plates(one))
     options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
     loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = readable_tables(data, table, out), starting_space(loop, surface)
+    data, space = readable_tables(data, table, results.out), starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             data,
@@ -153,7 +151,7 @@ def run_identify(
     name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
     plate_name, last = collected.loop.slider.name, collected.last_cycle
     material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, bool(doubts), seed, out, picture_format, json_target)
+    _conclude(collected, found, material, bool(doubts), seed, results)
 
 
 def _conclude(
@@ -162,9 +160,7 @@ def _conclude(
     material: Material,
     doubtful: bool,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
     told, answer = (
@@ -178,16 +174,19 @@ def _conclude(
     page = identify_page(
         answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
     )
-    toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"
+    toml, picture = (
+        results.out / f"{stem}.toml",
+        results.out / f"identify_{stem}.{results.picture_format}",
+    )
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
-        out / f"identify_{stem}.json": json_text(told).encode(),
-        picture: render(page, picture_format),
+        results.out / f"identify_{stem}.json": json_text(told).encode(),
+        picture: render(page, results.picture_format),
     }
     for path, content in files.items():
         write_whole(path, content)
-    if publish_json(told, json_target):
+    if publish_json(told, results.json_target):
         return
     console = PeopleConsole()
     console.tell(answer, *(f"data: {note}" for note in data.notes))

@@ -13,7 +13,13 @@ import click
 from rich.table import Table
 
 from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables, said_command
+from cyclemap.cli.options import (
+    ResultOptions,
+    TableOptions,
+    pair_in_metres,
+    readable_tables,
+    said_command,
+)
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -51,9 +57,7 @@ def run_plan(
     after: Sequence[Path],
     until_deg: float,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
@@ -70,10 +74,10 @@ def run_plan(
             f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400"
         )
     loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
-    stem = out / f"plan_{file_stem(loop.slider.name)}"
+    stem = results.out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(until_deg), None
     if after:
-        readable = readable_tables(after, TableOptions(), out)
+        readable = readable_tables(after, TableOptions(), results.out)
         with progress_bar("identifying") as report:
             measured = measured_plan(loop, readable, seed=seed, progress=report)
         for words in implausible(measured.identification, loop.slider.outline.extent):
@@ -81,7 +85,7 @@ def run_plan(
         loop = measured.loop
         write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
         if measured.is_enough(within):
-            _tell_enough(measured, within, stem, json_target)
+            _tell_enough(measured, within, stem, results)
             return
     with progress_bar("choosing pushes") as report:
         plan = plan_pushes(
@@ -102,7 +106,7 @@ def run_plan(
     write_whole(table, content)
     write_whole(robot, robot_schedule(plan))
     report_of = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
-    picture = publish(report_of, plan_page(plan), stem, picture_format, json_target)
+    picture = publish(report_of, plan_page(plan), stem, results)
     if picture is None:
         return
     console = PeopleConsole()
@@ -133,10 +137,8 @@ def _orientation_step(grid: str) -> float | None:
     return math.radians(step)
 
 
-def _tell_enough(
-    measured: MeasuredPlan, within: float, stem: Path, json_target: str | None
-) -> None:
-    if publish_json(measured_report(measured, within), json_target):
+def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, results: ResultOptions) -> None:
+    if publish_json(measured_report(measured, within), results.json_target):
         return
     floor = stem.with_name(f"{stem.name}_measured.toml")
     PeopleConsole().tell(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import margins_report, portrait_report
-from cyclemap.cli.options import TableOptions, measured_orientations
+from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
 from cyclemap.cli.output import (
     PeopleConsole,
     margins_of,
@@ -36,13 +36,11 @@ def run_portrait(
     cycles: int | None,
     seed: int,
     margin: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     pairs, chosen = (
-        measured_orientations(data, table, out),
+        measured_orientations(data, table, results.out),
         chosen_collection(options, data).simplified(),
     )
     loop, sigma = chosen.loop, chosen.sigma
@@ -55,9 +53,7 @@ def run_portrait(
                 "has many"
             )
 
-        run_strategy_portrait(
-            chosen, chosen.strategy, pairs, cycles, seed, out, picture_format, json_target
-        )
+        run_strategy_portrait(chosen, chosen.strategy, pairs, cycles, seed, results)
         return
     # The staircase starts where the data start and is as long, unless told otherwise.
     path = None if pairs is None else pairs.path
@@ -69,12 +65,12 @@ def run_portrait(
     measured = None if pairs is None else _overlay(pairs, found)
     page, stem = (
         portrait_page(found, portrait_curves(found), measured),
-        result_stem(out, "portrait", loop),
+        result_stem(results.out, "portrait", loop),
     )
     report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
     if margins is not None:
         report["margins"] = margins_report(margins)
-    picture = publish(report, page, stem, picture_format, json_target)
+    picture = publish(report, page, stem, results)
     if picture is None:
         return
     console, material = PeopleConsole(), found.loop.material

@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from cyclemap.cli.json_report import degrees
-from cyclemap.cli.options import readable_data
+from cyclemap.cli.options import ResultOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, publish
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
@@ -23,9 +23,9 @@ from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.probe_page import probe_page, probe_sentences
 
 
-def run_probe(options: LoopOptions, json_target: str | None, **asked: Any) -> None:
+def run_probe(options: LoopOptions, results: ResultOptions, **asked: Any) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
-    found = _probed(options, asked)
+    found = _probed(options, results.out, asked)
     report = {
         "pushes": len(found.theta),
         "found": found.found,
@@ -43,14 +43,12 @@ def run_probe(options: LoopOptions, json_target: str | None, **asked: Any) -> No
         "explained": found.explained,
         "locks_at_deg": [degrees(theta) for theta in found.stable] if found.found else [],
     }
-    picture = publish(
-        report, probe_page(found), asked["out"] / "probe", asked["picture_format"], json_target
-    )
+    picture = publish(report, probe_page(found), results.out / "probe", results)
     if picture is not None:
         PeopleConsole().tell(*probe_sentences(found), f"picture: {picture}")
 
 
-def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
+def _probed(options: LoopOptions, out: Path, asked: dict[str, Any]) -> Probe:
     given = [name for name in ("data", "program", "python") if asked[name] is not None]
     if len(given) != 1:
         raise InvalidInput(
@@ -60,7 +58,7 @@ def _probed(options: LoopOptions, asked: dict[str, Any]) -> Probe:
         chosen_loop(options, asked["data"])[0], material=load_material("isotropic"), accuracy=1e-6
     )
     if given == ["data"]:
-        pushes = load_pushes(readable_data(asked["data"], asked["table"], asked["out"]))
+        pushes = load_pushes(readable_data(asked["data"], asked["table"], out))
         for words in check_pushes(pushes, loop):
             click.echo(words, err=True)
         table = pushes.table.dropna(subset=["theta0", *OUTCOMES])

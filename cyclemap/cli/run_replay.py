@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import Json
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -55,9 +55,7 @@ def run_replay(
     table: TableOptions,
     select: tuple[str, ...],
     pusher_friction: float | None,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's
     friction may be named.
@@ -70,7 +68,7 @@ def run_replay(
             pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
         )
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
-    read = readable_data(data, table, out)
+    read = readable_data(data, table, results.out)
     with progress_bar(f"replaying {data.name}") as report:
         replayed = replay_pushes(
             read,
@@ -93,9 +91,9 @@ def run_replay(
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
-    stem, page = result_stem(out, "replay", loop), replay_page(replayed, material.name)
+    stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
     report_json = replay_report(replayed, material.name, pusher.friction, notes)
-    picture = publish(report_json, page, stem, picture_format, json_target)
+    picture = publish(report_json, page, stem, results)
     if picture is None:
         return
     console = PeopleConsole()

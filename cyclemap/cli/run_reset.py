@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.json_report import Json, actions_report, degrees
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
@@ -31,9 +32,7 @@ from cyclemap.views.sentences import material_line
 
 def run_reset(
     options: LoopOptions,
-    json_target: str | None,
-    out: Path,
-    picture_format: str,
+    results: ResultOptions,
     cycles: int,
     seed: int,
     reach_mm: float | None,
@@ -68,14 +67,14 @@ def run_reset(
             seed=seed,
             progress=report,
         )
-    stem, strategy = result_stem(out, "reset", asked.loop), design.chosen.strategy
+    stem, strategy = result_stem(results.out, "reset", asked.loop), design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(
         protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen)
     )
     write_schedule(schedule, design.loop, strategy, cycles, seed)
     told = _report(design, protocol, schedule)
-    picture = publish(told, reset_page(design), stem, picture_format, json_target)
+    picture = publish(told, reset_page(design), stem, results)
     if picture is None:
         return
     console = PeopleConsole()

@@ -1,7 +1,6 @@
 """`cyclemap portrait` and `staircase` with a strategy whose cycles differ."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from cyclemap.cli.json_report import (
     number,
     steps_report,
 )
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
@@ -35,9 +35,7 @@ def run_strategy_portrait(
     pairs: Theta0Pairs | None,
     cycles: int | None,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
@@ -102,7 +100,7 @@ def run_strategy_portrait(
         "average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    picture = publish(told, figure, result_stem(out, "portrait", loop), picture_format, json_target)
+    picture = publish(told, figure, result_stem(results.out, "portrait", loop), results)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")
 
@@ -113,9 +111,7 @@ def run_strategy_staircase(
     measured: MeasuredStaircase | None,
     cycles: int | None,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
@@ -141,9 +137,9 @@ def run_strategy_staircase(
     )
     page, stem = (
         strategy_page(words, loop, strategy, theta, data),
-        result_stem(out, "staircase", loop),
+        result_stem(results.out, "staircase", loop),
     )
-    picture = publish(told, page, stem, picture_format, json_target)
+    picture = publish(told, page, stem, results)
     if picture is not None:
         PeopleConsole().tell(*words, f"picture: {picture}")
 

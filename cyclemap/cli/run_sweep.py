@@ -11,6 +11,7 @@ import click
 
 from cyclemap import sweeps
 from cyclemap.cli.json_report import Json, number, numbers
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
@@ -41,9 +42,7 @@ def run_sweep(
     draw: str,
     status: bool,
     workers: int | None,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
     **asked: Any,
 ) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far
@@ -60,12 +59,12 @@ def run_sweep(
         if MATERIAL_KEY in plan.keys
         else plan.materials[""].name
     )
-    stem = result_stem(out, "sweep", _object_loop(plan), name)
+    stem = result_stem(results.out, "sweep", _object_loop(plan), name)
     store = stem.with_name(f"{stem.name}.sqlite")
     if status:
         now = sweeps.sweep_status(store, plan)
         told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
-        if not publish_json(_status_report(now, store), json_target):
+        if not publish_json(_status_report(now, store), results.json_target):
             stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
@@ -83,7 +82,7 @@ def run_sweep(
             err=True,
         )
         raise
-    _publish(load_sweep(store, plan), stem, store, exports, drawn, picture_format, json_target)
+    _publish(load_sweep(store, plan), stem, store, exports, drawn, results)
 
 
 def _publish(
@@ -92,8 +91,7 @@ def _publish(
     store: Path,
     exports: tuple[str, ...],
     drawn: tuple[str, ...],
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     files, keys = [store], len(sweep.keys)
     for name in exports:
@@ -104,11 +102,11 @@ def _publish(
     if keys < _MOST_DRAWN_KEYS or (
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
-        files.append(stem.with_name(f"{stem.name}.{picture_format}"))
+        files.append(stem.with_name(f"{stem.name}.{results.picture_format}"))
         write_whole(
-            files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), picture_format)
+            files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), results.picture_format)
         )
-    if publish_json(sweep_report(sweep, store), json_target):
+    if publish_json(sweep_report(sweep, store), results.json_target):
         return
     console = PeopleConsole()
     console.tell(

@@ -19,8 +19,8 @@ from cyclemap.cli.json_report import (
     number,
     numbers_of,
 )
-from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.options import ResultOptions, TableOptions, tell_what_was_read, told_columns
+from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json, write_result
 from cyclemap.collection.lock_forecast import LockForecast, forecast_from_turns, sampled_turns
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
@@ -61,7 +61,7 @@ def run_watch(
     protocol: Path | None,
     material: str | None,
     table: TableOptions,
-    **results: Any,
+    results: ResultOptions,
 ) -> None:
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
@@ -70,9 +70,9 @@ def run_watch(
     if not follow:
         found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
         tell_what_was_read(found.words, found.guessed)
-        _conclude(file, monitor, watch(found.theta, monitor), look_ahead, **results)
+        _conclude(file, monitor, watch(found.theta, monitor), look_ahead, results)
         return
-    look_ahead, as_json = _ahead_of(file, protocol, material), results["json_target"] == "-"
+    look_ahead, as_json = _ahead_of(file, protocol, material), results.json_target == "-"
     if not as_json:
         click.echo(f"watching {file} until interrupted (Ctrl-C)", err=True)
     try:
@@ -93,7 +93,7 @@ def run_watch(
     finally:
         # However following ends the last report is kept, and what ended it goes on.
         if reports:
-            _conclude(file, monitor, reports, look_ahead, **results, quiet=as_json)
+            _conclude(file, monitor, reports, look_ahead, results, quiet=as_json)
 
 
 def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAhead:
@@ -175,9 +175,7 @@ def _conclude(
     monitor: BiasMonitor,
     reports: Sequence[BiasReport],
     look_ahead: LookAhead,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
     quiet: bool = False,
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
@@ -191,18 +189,19 @@ def _conclude(
     told["multiplier"] = multiplier_report(rest)
     figure, stem = (
         page.watch_page(monitor, reports, file.name),
-        out / f"watch_{file_stem(file.stem)}",
+        results.out / f"watch_{file_stem(file.stem)}",
     )
-    picture = publish(told, figure, stem, picture_format, None if quiet else json_target)
-    if picture is not None and not quiet:
-        following = _ahead_sentences(ahead, monitor.path[-1])
-        lines = (
-            *page.watch_sentences(last),
-            multiplier_sentence(rest),
-            *following,
-            f"picture: {picture}",
-        )
-        PeopleConsole().tell(*filter(None, lines))
+    picture = write_result(told, figure, stem, results.picture_format)
+    if quiet or publish_json(told, results.json_target):
+        return
+    following = _ahead_sentences(ahead, monitor.path[-1])
+    lines = (
+        *page.watch_sentences(last),
+        multiplier_sentence(rest),
+        *following,
+        f"picture: {picture}",
+    )
+    PeopleConsole().tell(*filter(None, lines))
 
 
 def _report(report: BiasReport, ahead: Ahead) -> Json:

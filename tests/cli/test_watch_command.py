@@ -14,7 +14,7 @@ import pytest
 import cyclemap as cm
 from cyclemap.cli import run_watch as module
 from cyclemap.cli.main import run
-from cyclemap.cli.options import TableOptions
+from cyclemap.cli.options import ResultOptions, TableOptions
 from cyclemap.collection.lock_forecast import lock_forecast, sampled_turns
 from cyclemap.errors import DataFileError
 
@@ -184,9 +184,9 @@ def test_however_following_ends_picture_and_json_are_written(
         tables = dict.fromkeys(("object_pose", "tip_pose", "ft_wrench"), poses)
         (here / "fol" / f"push_{k}.json").write_text(json.dumps(tables))
     grown(monkeypatch, fail)
-    results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
+    results = ResultOptions(here / "out", "png", "-")
     with pytest.raises(type(failure)):
-        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), **results)
+        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), results)
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code
