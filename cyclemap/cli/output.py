@@ -18,11 +18,12 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import Json, json_text
+from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.text_files import file_stem as file_stem
 from cyclemap.text_files import write_whole
+from cyclemap.written import Json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

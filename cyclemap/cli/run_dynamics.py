@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 
-from cyclemap.cli.json_report import Json, degrees, number
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
@@ -15,6 +14,7 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
+from cyclemap.written import Json, degrees, written
 
 COLUMNS = (
     "law",
@@ -47,9 +47,9 @@ def run_dynamics(
         isotropic = compare_dynamics(replace(loop, loop=isotropic_twin(chosen)), theta)
         report(1.0)
     rows = {"anisotropic": _rows(starts_deg, material), "isotropic": _rows(starts_deg, isotropic)}
-    mu = {"mu": number(isotropic.loop.loop.material.friction.mu_a)}
+    mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
     told: Json = {
-        "speed_mm_s": number(1e3 * loop.speed),
+        "speed_mm_s": written(1e3 * loop.speed),
         **rows,
         "isotropic": {**mu, **rows["isotropic"]},
     }
@@ -75,8 +75,8 @@ def _rows(starts_deg: list[float], comparison: DynamicsComparison) -> dict[str, 
             {
                 "theta0_deg": start,
                 "push_turn_deg": degrees(cycles.push_turn[k]),
-                "push_dx_mm": number(1e3 * cycles.push_displacement[k, 0]),
-                "push_dy_mm": number(1e3 * cycles.push_displacement[k, 1]),
+                "push_dx_mm": written(1e3 * cycles.push_displacement[k, 0]),
+                "push_dy_mm": written(1e3 * cycles.push_displacement[k, 1]),
                 "drag_turn_deg": degrees(cycles.drag_turn[k]),
                 "theta1_deg": degrees(cycles.theta_next[k]),
                 "left": bool(cycles.left[k]),

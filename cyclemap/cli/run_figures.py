@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
 from cyclemap.text_files import only_writer, read_json, write_whole
+from cyclemap.written import Json
 
 INDEX_FILE = "figures.json"
 _KEYS = ("name", "title", "source", "caption", "file", "measured")

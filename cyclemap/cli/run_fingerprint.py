@@ -4,16 +4,7 @@ as a picture.
 
 import math
 
-from cyclemap.cli.json_report import (
-    Json,
-    degrees,
-    degrees_of,
-    direction_deg,
-    margins_report,
-    number,
-    orbit_report,
-    uncertainty_report,
-)
+from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -37,6 +28,7 @@ from cyclemap.maps import Orbit
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
+from cyclemap.written import Json, degrees, direction_deg, json_of, written
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
@@ -78,7 +70,7 @@ def run_fingerprint(
         margins_of(loop) if margin else None,
     )
     if margins is not None:
-        told["margins"] = margins_report(margins)
+        told["margins"] = [*map(margin_report, margins)]
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
     picture = publish(told, page, result_stem(results.out, "fingerprint", loop, name), results)
     if picture is None:
@@ -121,20 +113,9 @@ def fingerprint_report(
 
     "uncertainty" is of the stable directions of the full map.
     """
-    numbers: tuple[str, ...] = (
-        "turn",
-        "offset_amplitude",
-        "offset_phase",
-        "ellipse_amplitude",
-        "ellipse_phase",
-    )
-    numbers += ("bow_amplitude", "bow_phase")
     report: Json = {
-        **degrees_of(found.cycle, *numbers),
-        "push": degrees_of(found.push, *numbers),
-        "drag": degrees_of(found.drag, *numbers),
-        "remainder_per_rad": number(found.remainder),
-        "bow_remainder_deg": degrees(found.bow_remainder),
+        **json_of(found.cycle),
+        **json_of(found, "push", "drag", "remainder", "bow_remainder"),
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)
@@ -161,13 +142,13 @@ def _prediction(prediction: Prediction, name: str) -> Json:
     locks = math.isfinite(lock_in.scale)
     return {
         "material": name,
-        "offset": number(surface.offset),
+        "offset": written(surface.offset),
         "offset_direction_deg": direction_deg(surface.offset_direction),
-        "ellipticity": number(surface.ellipticity),
+        "ellipticity": written(surface.ellipticity),
         "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
         "verdict": prediction.verdict,
         "trusted": prediction.trusted,
-        "error_ratio": number(prediction.ratio),
+        "error_ratio": written(prediction.ratio),
         "directions": [
             {
                 **orbit_report(one.orbit),
@@ -180,8 +161,8 @@ def _prediction(prediction: Prediction, name: str) -> Json:
         "mean_turn_deg": degrees(prediction.mean_turn),
         "slowest_deg": direction_deg(prediction.slowest),
         "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
-        "lock_in_scale": number(lock_in.scale),
-        "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
+        "lock_in_scale": written(lock_in.scale),
+        "lock_in_scale_range": [written(factor) for factor in prediction.lock_in_range],
         "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
     }
 

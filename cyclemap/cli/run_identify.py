@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, json_text, number
+from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
@@ -49,6 +49,7 @@ from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
+from cyclemap.written import Json, written
 
 # How units are named in the report.
 _NAMES = {"°": "deg", " mm": "mm", "": "1"}
@@ -240,9 +241,9 @@ def identify_report(
         },
         "session_spread": _numbers(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
         "priors": {
-            name: [number(value) for value in belief] for name, belief in found.priors.items()
+            name: [written(value) for value in belief] for name, belief in found.priors.items()
         },
-        "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
+        "held": {name: written(value) for name, value in sorted(found.problem.fixed.items())},
         "derived": [
             {
                 "name": one.name,
@@ -250,7 +251,7 @@ def identify_report(
                 "unit": _NAMES.get(unit, unit.strip()),
                 "known": one.known,
             }
-            | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
+            | {name: written(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
             for one in derived
             for unit, factor in [readable_unit(one.unit)]
         ],
@@ -261,7 +262,7 @@ def identify_report(
                 "unit": _NAMES.get(unit, unit.strip()),
                 "rows": one.rows,
             }
-            | {name: number(factor * getattr(one, name)) for name in _SIZES}
+            | {name: written(factor * getattr(one, name)) for name in _SIZES}
             for one in found.errors
             for kind, unit, factor in [readable_kind(one.kind)]
         ],
@@ -276,12 +277,12 @@ def identify_report(
 
 
 def _friction(law: EllipseFriction) -> Json:
-    told = {name: number(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
-    return {**told, "phi_deg": number(math.degrees(law.phi))}
+    told = {name: written(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
+    return {**told, "phi_deg": written(math.degrees(law.phi))}
 
 
 def _numbers(named: Mapping[str, float]) -> Json:
-    return {key: number(value) for key, value in named.items()}
+    return {key: written(value) for key, value in named.items()}
 
 
 def _parameter(one: Estimate) -> Json:
@@ -290,10 +291,10 @@ def _parameter(one: Estimate) -> Json:
         "name": one.name,
         "description": one.description,
         "unit": _NAMES.get(unit, unit.strip()),
-        "value": number(factor * one.value),
-        "lower": number(factor * one.lower),
-        "upper": number(factor * one.upper),
-        "standard_error": number(factor * one.standard_error),
+        "value": written(factor * one.value),
+        "lower": written(factor * one.lower),
+        "upper": written(factor * one.upper),
+        "standard_error": written(factor * one.standard_error),
         "identifiable": bool(one.identifiable),
         "at_bound": one.at_bound or None,
     }

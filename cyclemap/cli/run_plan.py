@@ -12,7 +12,7 @@ from pathlib import Path
 import click
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
+from cyclemap.cli.json_report import millimetres, uncertainty_report
 from cyclemap.cli.options import (
     ResultOptions,
     TableOptions,
@@ -38,6 +38,7 @@ from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
+from cyclemap.written import Json, degrees
 
 FREE = "free"
 

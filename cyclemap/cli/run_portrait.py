@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margins_report, portrait_report
+from cyclemap.cli.json_report import margin_report, portrait_report
 from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -69,7 +69,7 @@ def run_portrait(
     )
     report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
     if margins is not None:
-        report["margins"] = margins_report(margins)
+        report["margins"] = [*map(margin_report, margins)]
     picture = publish(report, page, stem, results)
     if picture is None:
         return

@@ -11,7 +11,6 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.json_report import degrees
 from cyclemap.cli.options import ResultOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, publish
 from cyclemap.errors import InvalidInput
@@ -21,6 +20,7 @@ from cyclemap.evidence.push_probe import OUTCOMES, Probe, command_push, probe, p
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.probe_page import probe_page, probe_sentences
+from cyclemap.written import degrees
 
 
 def run_probe(options: LoopOptions, results: ResultOptions, **asked: Any) -> None:

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -28,6 +27,7 @@ from cyclemap.evidence.replay.replay_table import (
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.written import Json
 
 if TYPE_CHECKING:
     import pandas

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json, actions_report, degrees
+from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
 from cyclemap.collection.portrait import DEFAULT_SIGMA
@@ -28,6 +28,7 @@ from cyclemap.views.reset_page import (
     row_cells,
 )
 from cyclemap.views.sentences import material_line
+from cyclemap.written import Json, degrees
 
 
 def run_reset(

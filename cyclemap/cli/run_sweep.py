@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 from cyclemap import sweeps
-from cyclemap.cli.json_report import Json, number, numbers
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
 from cyclemap.collection.loop import CollectionLoop
@@ -27,6 +26,7 @@ from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
+from cyclemap.written import Json, written
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
@@ -183,11 +183,13 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
         found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
         for one in sweep.quantities:
             if one.many:
-                found[one.written_name] = numbers(
+                found[one.written_name] = written(
                     one.written(sweep.lists[one.name][place]).tolist()
                 )
             else:
-                found[one.written_name] = number(float(one.written(sweep.columns[one.name][place])))
+                found[one.written_name] = written(
+                    float(one.written(sweep.columns[one.name][place]))
+                )
         results.append({**found, "refusal": sweep.refusals[place] or None})
     return {
         **_status_report(status, store),

@@ -10,15 +10,6 @@ from typing import Any
 
 import click
 
-from cyclemap.cli.json_report import (
-    Json,
-    degrees,
-    direction_deg,
-    forecast_report,
-    multiplier_report,
-    number,
-    numbers_of,
-)
 from cyclemap.cli.options import ResultOptions, TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json, write_result
 from cyclemap.collection.lock_forecast import LockForecast, forecast_from_turns, sampled_turns
@@ -41,6 +32,7 @@ from cyclemap.resets.monitor.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import ahead_sentence, multiplier_sentence
+from cyclemap.written import Json, direction_deg, json_of, written
 
 # What is ahead: the next action of a strategy, or what the next pushes of a loop will bring; None
 # for neither.
@@ -186,7 +178,7 @@ def _conclude(
         "alarm_rate": monitor.alarm_rate,
         **_report(last, ahead),
     }
-    told["multiplier"] = multiplier_report(rest)
+    told["multiplier"] = written(rest)
     figure, stem = (
         page.watch_page(monitor, reports, file.name),
         results.out / f"watch_{file_stem(file.stem)}",
@@ -204,46 +196,22 @@ def _conclude(
     PeopleConsole().tell(*filter(None, lines))
 
 
-def _report(report: BiasReport, ahead: Ahead) -> Json:
+def _report(state: BiasReport, ahead: Ahead) -> Json:
     """What the monitor tells, and what is ahead."""
-    alarm, rest, state, advice = report.alarm, report.rest, report.coverage, report.advice
+    covered = json_of(
+        state.coverage, "covered", "effective_pushes", "gain", "largest_gap", "gap_centre"
+    )
     told: Json = {
-        "alarm": None,
-        "evidence": {
-            "rest_log10": number(report.rest_evidence),
-            "visits_log10": number(report.visit_evidence),
-            "threshold_log10": number(report.threshold),
-        },
-        "rest": None,
-        "useful_pushes": report.useful_pushes,
-        "recent_worth": number(report.recent_worth),
-        "coverage": {
-            **numbers_of(state, "covered", "effective_pushes", "gain"),
-            "largest_gap_deg": degrees(state.largest_gap),
-            "gap_centre_deg": direction_deg(state.gap_centre),
-        },
-        "advice": {
-            "change_reset": advice.change_reset,
-            "direction_deg": direction_deg(advice.direction),
-        },
+        **json_of(state, "alarm"),
+        "evidence": json_of(state, "rest_evidence", "visit_evidence", "threshold"),
+        **json_of(state, "rest", "useful_pushes", "recent_worth"),
+        "coverage": covered,
+        **json_of(state, "advice"),
     }
-    if alarm is not None:
-        where = [*map(direction_deg, alarm.directions)]
-        told["alarm"] = {
-            "push": alarm.push,
-            "kind": alarm.kind,
-            "directions_deg": where,
-            "began": alarm.began,
-        }
-    if rest is not None:
-        where, towards = (
-            [*map(direction_deg, angles)] for angles in (rest.directions, rest.towards)
-        )
-        told["rest"] = {"began": rest.began, "directions_deg": where, "towards_deg": towards}
     if isinstance(ahead, LockForecast):
-        told["forecast"] = forecast_report(ahead)
+        told["forecast"] = json_of(ahead)
     elif ahead is not None:
         action, found = ahead
-        lands = {"lands_deg": direction_deg(found.lands), "crowding": number(found.crowding)}
+        lands = json_of(found, "lands", "crowding")
         told["next_action"] = {"number": found.number, "name": action_words(action), **lands}
     return told

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.mechanics import QuasiStaticModel, SidePush
+from cyclemap.written import NUMBER, UNWRITTEN
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
@@ -53,8 +54,8 @@ class QuantityAgreement:
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     """
 
-    name: str
-    count: int
+    name: str = field(metadata=UNWRITTEN)
+    count: int = field(metadata=UNWRITTEN)
     measured_mean: float
     measured_std: float
     predicted_mean: float
@@ -64,10 +65,10 @@ class QuantityAgreement:
     rmse: float
     bias_error: float | None
     model_error: float
-    agrees: bool | None
-    percent: float
-    std_percent: float
-    explains: bool
+    agrees: bool | None = field(metadata=UNWRITTEN)
+    percent: float = field(metadata={"name": "rmse_percent", "unit": NUMBER})
+    std_percent: float = field(metadata={"name": "measured_std_percent", "unit": NUMBER})
+    explains: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ and what to change.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
+from cyclemap.written import DIRECTION
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
@@ -69,10 +70,10 @@ class Audit:
     theta: tuple[float, ...]
     reports: tuple[BiasReport, ...]
     alarm_rate: float
-    ordered: bool
-    covered: tuple[tuple[float, float], ...]
+    ordered: bool = field(metadata={"name": "order_known"})
+    covered: tuple[tuple[float, float], ...] = field(metadata=DIRECTION)
     reset: ResetEffect | None
-    others: int
+    others: int = field(metadata={"name": "pushes_of_other_sets"})
     posed: bool = False
 
     @property
