@@ -53,8 +53,8 @@ def test_the_mean_over_cubics_is_exact(count) -> None:
     assert found.mean_turn == pytest.approx(whole / TURN, abs=1e-14)
     # The extremes lie between nodes at most π/150 apart, here and there: 0.2 (π/300)^2 / 2 at most
     # is missed.
-    assert found.minimum == pytest.approx(0.1, abs=2e-5)
-    assert found.maximum == pytest.approx(0.5, abs=2e-5)
+    assert found.min_turn == pytest.approx(0.1, abs=2e-5)
+    assert found.max_turn == pytest.approx(0.5, abs=2e-5)
     assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(
         1.2, abs=1e-3
     )
