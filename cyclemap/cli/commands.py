@@ -108,11 +108,17 @@ def cli() -> None:
 def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
-    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it.
+    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it. Where that
+    file has NameOptions, all that was asked comes as one of these.
     """
 
     def work(**given: Any) -> None:
-        getattr(import_module(f"cyclemap.cli.run_{name}"), f"run_{name}")(**given)
+        module = import_module(f"cyclemap.cli.run_{name}")
+        run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
+        if hasattr(module, options):
+            run(getattr(module, options)(**given))
+        else:
+            run(**given)
 
     cli.command(name, help=says)(decorated(work, *takes))
 
