@@ -6,9 +6,10 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from cyclemap.file_text import MILLIMETRES
+from cyclemap import file_text
 from cyclemap.written import (
     DEGREES,
+    MILLIMETRES,
     NUMBER,
     Json,
     Unit,
@@ -25,15 +26,19 @@ if TYPE_CHECKING:
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
     from cyclemap.maps import Orbit, StepComparison, Steps
+    from cyclemap.mechanics import SidePush
     from cyclemap.resets import ResetStrategy
     from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin
 
-# Facts of a set of pushes, and what they are written in.
-_FACTS = {
+# What a push changes, what is known of it, and what these are written in.
+UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
+# The same where the unit is said elsewhere.
+PLAIN_UNITS = {name: Unit("", unit.of_si) for name, unit in UNITS.items()}
+FACT_UNITS = {
     "surface": NUMBER,
     "object": NUMBER,
-    "acceleration": Unit("mm_s2", lambda value: 1e3 * value),
-    "speed": Unit("mm_s", lambda value: 1e3 * value),
+    "acceleration": Unit("mm_s2", MILLIMETRES.of_si),
+    "speed": Unit("mm_s", MILLIMETRES.of_si),
     "side": NUMBER,
     "fraction": NUMBER,
     "angle": DEGREES,
@@ -118,10 +123,7 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
         {
             "name": action_words(action),
             "weight": written(share),
-            "side": acted.push.side,
-            "fraction": written(acted.push.fraction),
-            "angle_deg": degrees(acted.push.angle),
-            "push_mm": millimetres(acted.push.distance),
+            **push_report(acted.push),
             "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
             "gripper_turn_deg": degrees(action.turn),
         }
@@ -129,6 +131,12 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
             strategy.actions, strategy.loops(loop), strategy.shares, strict=True
         )
     ]
+
+
+def push_report(push: SidePush) -> Json:
+    """How the rod pushes."""
+    told = json_of(push, "side", "fraction")
+    return {**told, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
 
 
 def orbit_report(orbit: Orbit) -> Json:
@@ -224,7 +232,7 @@ def facts_report(facts: Mapping[str, object], *left_out: str) -> Json:
     """What the pushes of a set share, None where it is not known."""
     return {
         unit.named(name): written(facts.get(name), unit)
-        for name, unit in _FACTS.items()
+        for name, unit in FACT_UNITS.items()
         if name not in left_out
     }
 
@@ -235,4 +243,4 @@ def millimetres(metres: float) -> float:
     >>> millimetres(0.01378)
     13.78
     """
-    return float(MILLIMETRES.written(metres))
+    return float(file_text.MILLIMETRES.written(metres))

@@ -3,10 +3,10 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import comparison_report, facts_report
+from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
-from cyclemap.cli.run_fit import UNITS, selected_values
+from cyclemap.cli.run_fit import QUANTITIES, selected_values
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
 from cyclemap.evidence.comparison.compare import Comparison, compare
@@ -23,7 +23,6 @@ from cyclemap.views.compare_page import compare_page, data_sentence, headline, t
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
-SYMBOLS = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 
 
 def run_compare(
@@ -103,15 +102,12 @@ def _push_cells(one: QuantityAgreement) -> list[str]:
         for share in (one.percent, one.std_percent)
     )
     return [
-        SYMBOLS[one.name],
+        QUANTITIES[one.name],
         *(f"{UNITS[one.name].of_si(value):.2f}" for value in lengths),
         *shares,
     ]
 
 
-# Where the name tells the unit already.
-_PLAIN_DEGREES = Unit("", math.degrees)
-_PLAIN = {name: Unit("", unit.of_si) for name, unit in UNITS.items()}
 _TEST = ("statistic", "value")
 _PER_DEGREE = Unit("per_deg", math.radians)
 
@@ -157,7 +153,7 @@ def _pushes(found: PushAgreement) -> Json:
         "push_mm": written(found.length, MILLIMETRES),
         "pushes": found.count,
         **{
-            UNITS[of.name].named(of.name): json_of(of, unit=_PLAIN[of.name])
+            UNITS[of.name].named(of.name): json_of(of, unit=PLAIN_UNITS[of.name])
             for of in found.quantities
         },
     }
@@ -207,7 +203,7 @@ def _staircase(found: cycle_agreement.StaircaseAgreement) -> Json:
     return {
         "turns": _simulated(numbers["turns"]),
         "steps": _simulated(numbers["steps"]),
-        "step_height_deg": _simulated(numbers["step_height"], _PLAIN_DEGREES),
+        "step_height_deg": _simulated(numbers["step_height"], PLAIN_UNITS["dtheta"]),
         "residence_cycles": _simulated(numbers["residence"]),
         "theory": None if found.theory is None else comparison_report(found.theory, errors=False),
     }

@@ -8,13 +8,13 @@ from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publi
 from cyclemap.cli.run_cycle import parse_angles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
-    DynamicsComparison,
     compare_dynamics,
     isotropic_twin,
 )
+from cyclemap.collection.loop import Cycles
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
-from cyclemap.written import Json, degrees, written
+from cyclemap.written import MILLIMETRES, Json, degrees, rows, written
 
 COLUMNS = (
     "law",
@@ -46,12 +46,18 @@ def run_dynamics(
         report(0.5)
         isotropic = compare_dynamics(replace(loop, loop=isotropic_twin(chosen)), theta)
         report(1.0)
-    rows = {"anisotropic": _rows(starts_deg, material), "isotropic": _rows(starts_deg, isotropic)}
+    cycles = {
+        law: {
+            "dynamic": _cycles(starts_deg, comparison.dynamic),
+            "quasi_static": _cycles(starts_deg, comparison.quasi_static),
+        }
+        for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
+    }
     mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
     told: Json = {
-        "speed_mm_s": written(1e3 * loop.speed),
-        **rows,
-        "isotropic": {**mu, **rows["isotropic"]},
+        "speed_mm_s": written(loop.speed, MILLIMETRES),
+        **cycles,
+        "isotropic": {**mu, **cycles["isotropic"]},
     }
     stem = result_stem(results.out, "dynamics", chosen)
     picture = publish(told, dynamics_page(material, isotropic), stem, results)
@@ -60,7 +66,7 @@ def run_dynamics(
     console = PeopleConsole()
     console.tell(difference_sentence(material), difference_sentence(isotropic))
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
-    for law, models in rows.items():
+    for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
@@ -68,26 +74,17 @@ def run_dynamics(
     console.print(f"picture: {picture}")
 
 
-def _rows(starts_deg: list[float], comparison: DynamicsComparison) -> dict[str, list[Json]]:
-    """The cycles of both models from each start angle (degrees)."""
-    return {
-        name: [
-            {
-                "theta0_deg": start,
-                "push_turn_deg": degrees(cycles.push_turn[k]),
-                "push_dx_mm": written(1e3 * cycles.push_displacement[k, 0]),
-                "push_dy_mm": written(1e3 * cycles.push_displacement[k, 1]),
-                "drag_turn_deg": degrees(cycles.drag_turn[k]),
-                "theta1_deg": degrees(cycles.theta_next[k]),
-                "left": bool(cycles.left[k]),
-            }
-            for k, start in enumerate(starts_deg)
-        ]
-        for name, cycles in (
-            ("dynamic", comparison.dynamic),
-            ("quasi_static", comparison.quasi_static),
-        )
-    }
+def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
+    """The cycles of a model, one from each start angle (degrees)."""
+    return rows(
+        theta0_deg=starts_deg,
+        push_turn_deg=degrees(cycles.push_turn),
+        push_dx_mm=written(cycles.push_displacement[:, 0], MILLIMETRES),
+        push_dy_mm=written(cycles.push_displacement[:, 1], MILLIMETRES),
+        drag_turn_deg=degrees(cycles.drag_turn),
+        theta1_deg=degrees(cycles.theta_next),
+        left=cycles.left,
+    )
 
 
 def _cells(row: Json) -> list[str]:

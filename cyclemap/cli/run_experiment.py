@@ -2,15 +2,13 @@
 a picture.
 """
 
-import numpy as np
-
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import experiment_page as page
-from cyclemap.written import Json, degrees, direction_deg, written
+from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
 
 
 def run_experiment(
@@ -30,7 +28,7 @@ def run_experiment(
         experiment = batch_experiment(run, batches, cycles, report)
     told: Json = {
         "model": "quasi-static" if experiment.speed is None else "dynamic",
-        "speed_mm_s": None if experiment.speed is None else written(1e3 * experiment.speed),
+        "speed_mm_s": written(experiment.speed, MILLIMETRES),
         "cycles": experiment.cycles,
         "within_deg": degrees(WITHIN),
         "anisotropic": _run(experiment.anisotropic),
@@ -51,17 +49,14 @@ def run_experiment(
 def _run(run: BatchRun) -> Json:
     directions, settled = run.directions(), run.settled_after()
     return {
-        "directions_deg": [direction_deg(direction) for direction in directions],
+        "directions_deg": [*map(direction_deg, directions)],
         "all_agree": len(directions) == 1,
-        "spread_mm": written(1e3 * run.spread),
-        "batches": [
-            {
-                "start_deg": degrees(theta[0]),
-                "final_deg": direction_deg(theta[-1]),
-                "last_step_deg": degrees(step),
-                "settled_after_cycles": int(cycles) if directions else None,
-                "theta0_deg": written(np.degrees(theta)),
-            }
-            for theta, step, cycles in zip(run.theta, run.last_step, settled, strict=True)
-        ],
+        **json_of(run, "spread", unit=MILLIMETRES),
+        "batches": rows(
+            start_deg=degrees(run.theta[:, 0]),
+            final_deg=map(direction_deg, run.theta[:, -1]),
+            last_step_deg=degrees(run.last_step),
+            settled_after_cycles=settled if directions else [None] * len(run.theta),
+            theta0_deg=degrees(run.theta),
+        ),
     }

@@ -12,7 +12,7 @@ from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
 from cyclemap.text_files import only_writer, read_json, write_whole
-from cyclemap.written import Json
+from cyclemap.written import Json, json_of, written
 
 INDEX_FILE = "figures.json"
 _KEYS = ("name", "title", "source", "caption", "file", "measured")
@@ -40,10 +40,7 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
 
 def list_figures(results: ResultOptions) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
-    listed = [
-        {"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()
-    ]
-    if publish_json({"figures": listed}, results.json_target):
+    if publish_json({"figures": written(entries())}, results.json_target):
         return
     console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
     for entry in entries():
@@ -127,13 +124,11 @@ def _make(
         suffix, content = "csv", text.getvalue().encode()
     path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)
-    names = {"name": entry.name, "title": entry.title, "source": entry.source}
-    found = ", ".join(data.there) or None
     line: Json = {
-        **names,
+        **json_of(entry, "name", "title", "source"),
         "caption": typeset(exhibit.caption(result)),
         "file": path.name,
-        "measured": found,
+        "measured": ", ".join(data.there) or None,
     }
     return line, bool(data.asked), header, rows
 

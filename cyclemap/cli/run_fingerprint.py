@@ -28,7 +28,7 @@ from cyclemap.maps import Orbit
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
-from cyclemap.written import Json, degrees, direction_deg, json_of, written
+from cyclemap.written import DEGREES, Json, degrees, direction_deg, json_of, written
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
@@ -138,16 +138,12 @@ def fingerprint_report(
 
 
 def _prediction(prediction: Prediction, name: str) -> Json:
-    surface, lock_in = prediction.anisotropy, prediction.lock_in
+    lock_in = prediction.lock_in
     locks = math.isfinite(lock_in.scale)
     return {
         "material": name,
-        "offset": written(surface.offset),
-        "offset_direction_deg": direction_deg(surface.offset_direction),
-        "ellipticity": written(surface.ellipticity),
-        "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
-        "verdict": prediction.verdict,
-        "trusted": prediction.trusted,
+        **json_of(prediction.anisotropy),
+        **json_of(prediction, "verdict", "trusted"),
         "error_ratio": written(prediction.ratio),
         "directions": [
             {
@@ -158,11 +154,11 @@ def _prediction(prediction: Prediction, name: str) -> Json:
             for one in prediction.directions
         ],
         "second_order_directions": [*map(orbit_report, prediction.second_order_points)],
-        "mean_turn_deg": degrees(prediction.mean_turn),
+        **json_of(prediction, "mean_turn", unit=DEGREES),
         "slowest_deg": direction_deg(prediction.slowest),
-        "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
+        "slowest_turn_deg": degrees(prediction.turn(prediction.slowest)),
         "lock_in_scale": written(lock_in.scale),
-        "lock_in_scale_range": [written(factor) for factor in prediction.lock_in_range],
+        "lock_in_scale_range": written(prediction.lock_in_range),
         "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
     }
 

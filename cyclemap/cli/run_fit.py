@@ -12,7 +12,7 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import facts_report
+from cyclemap.cli.json_report import UNITS, facts_report
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -37,7 +37,7 @@ from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram, f
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
-from cyclemap.written import DEGREES, MILLIMETRES, Json, Unit, degrees, json_of, rows, written
+from cyclemap.written import DEGREES, Json, Unit, degrees, json_of, rows, written
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
@@ -50,9 +50,8 @@ SELECT_KEYS = {
     "fraction": ("fraction", 1.0),
     "angle_deg": ("angle", math.radians(1.0)),
 }
-# Quantities: their heading, and what they are written in.
+# Headings of what a push changes.
 QUANTITIES = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
-UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
 # Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the
 # law.
 STATISTICS = "Pushes: mean, standard deviation σ, and σ in per cent of the mean"

@@ -6,13 +6,15 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.table import Table
 
-from cyclemap.cli.json_report import millimetres, uncertainty_report
+from cyclemap.arrays import Array
+from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
 from cyclemap.cli.options import (
     ResultOptions,
     TableOptions,
@@ -28,9 +30,11 @@ from cyclemap.cli.output import (
     publish,
     publish_json,
 )
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill
 from cyclemap.plain_text import plain_number
@@ -38,76 +42,77 @@ from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
-from cyclemap.written import Json, degrees
+from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
 
 
-def run_plan(
-    object_file: Path,
-    settings: tuple[str, ...],
-    floor: str,
-    pushes: int,
-    target: str,
-    grid: str,
-    room_mm: str,
-    by: str | None,
-    excel: bool,
-    error_mm: float,
-    error_deg: float,
-    after: Sequence[Path],
-    until_deg: float,
-    seed: int,
-    results: ResultOptions,
-) -> None:
+@dataclass(frozen=True)
+class PlanOptions:
+    """What `cyclemap plan` was asked, as it was typed."""
+
+    object_file: Path
+    settings: tuple[str, ...]
+    floor: str
+    pushes: int
+    target: str
+    grid: str
+    room_mm: str
+    by: str | None
+    excel: bool
+    error_mm: float
+    error_deg: float
+    after: tuple[Path, ...]
+    until_deg: float
+    seed: int
+    results: ResultOptions
+
+
+def run_plan(asked: PlanOptions) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
     """
-    if object_file.suffix != ".toml":
+    if asked.object_file.suffix != ".toml":
         raise InvalidInput(
-            f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with "
-            "--shape"
+            f"{asked.object_file}: give the file of your object; cyclemap init makes one, MIT's "
+            "with --shape"
         )
-    step = _orientation_step(grid)
-    room = pair_in_metres("--room-mm", room_mm)
+    step = _orientation_step(asked.grid)
+    room = pair_in_metres("--room-mm", asked.room_mm)
     if not 0.0 < min(room) <= max(room) <= 100.0:
         raise InvalidInput(
-            f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400"
+            f"--room-mm {asked.room_mm!r}: give the width and depth of the table in mm, such as "
+            "600,400"
         )
-    loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
-    stem = results.out / f"plan_{file_stem(loop.slider.name)}"
-    within, measured = math.radians(until_deg), None
-    if after:
-        readable = readable_tables(after, TableOptions(), results.out)
-        with progress_bar("identifying") as report:
-            measured = measured_plan(loop, readable, seed=seed, progress=report)
-        for words in implausible(measured.identification, loop.slider.outline.extent):
-            click.echo(f"warning: this cannot be right: {words}", err=True)
+    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings))[0]
+    stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
+    within, measured = math.radians(asked.until_deg), None
+    if asked.after:
+        measured = _measured(asked, loop)
         loop = measured.loop
         write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
         if measured.is_enough(within):
-            _tell_enough(measured, within, stem, results)
+            _tell_enough(measured, within, stem, asked.results)
             return
     with progress_bar("choosing pushes") as report:
         plan = plan_pushes(
             loop,
-            pushes,
-            target=target,
+            asked.pushes,
+            target=asked.target,
             grid=step,
             room=room,
-            seed=seed,
+            seed=asked.seed,
             progress=report,
-            read=(1e-3 * error_mm, math.radians(error_deg)),
+            read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
         )
-    by = by or ("pose" if step is None else "corners")
-    content = table_to_fill(plan, by, excel)
-    table = _unused(stem, ".xlsx" if excel else ".csv", content)
+    content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
+    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
     stem = table.with_suffix("")
     robot = stem.with_name(f"{stem.name}_robot.csv")
     write_whole(table, content)
     write_whole(robot, robot_schedule(plan))
-    report_of = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
-    picture = publish(report_of, plan_page(plan), stem, results)
+    told = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
+    picture = publish(told, plan_page(plan), stem, asked.results)
     if picture is None:
         return
     console = PeopleConsole()
@@ -121,6 +126,16 @@ def run_plan(
     console.print(f"to fill in: {table}")
     following = shlex.join([*said_command("json_target"), "--after", str(table)])
     console.print(f"next: {following}")
+
+
+def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
+    """What the tables that were filled in tell; doubts about it go to stderr."""
+    readable = readable_tables(asked.after, TableOptions(), asked.results.out)
+    with progress_bar("identifying") as report:
+        measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
+    for words in implausible(measured.identification, loop.slider.outline.extent):
+        click.echo(f"warning: this cannot be right: {words}", err=True)
+    return measured
 
 
 def _orientation_step(grid: str) -> float | None:
@@ -166,21 +181,7 @@ def plan_report(plan: PushPlan) -> Json:
         "floor": plan.loop.material.name,
         "for": plan.target,
         "chance_of_lock_in": plan.chance,
-        "pushes": [
-            {
-                "side": planned.push.side,
-                "fraction": planned.push.fraction,
-                "angle_deg": degrees(planned.push.angle),
-                "push_mm": millimetres(planned.push.distance),
-                "set_x_mm": millimetres(planned.start.x),
-                "set_y_mm": millimetres(planned.start.y),
-                "set_theta_deg": degrees(planned.start.theta),
-                "likely_x1_mm": millimetres(float(end[0])),
-                "likely_y1_mm": millimetres(float(end[1])),
-                "likely_theta1_deg": degrees(float(end[2])),
-            }
-            for planned, end in zip(plan.pushes, plan.ends, strict=True)
-        ],
+        "pushes": [*map(_push, plan.pushes, plan.ends)],
         "knowledge": [
             {
                 "pushes": after.pushes,
@@ -190,8 +191,19 @@ def plan_report(plan: PushPlan) -> Json:
             for after in plan.knowledge
         ],
         "one_push_lost": _known(plan.without),
-        "samples": plan.samples,
-        "candidates": plan.candidates,
+        **json_of(plan, "samples", "candidates"),
+    }
+
+
+def _push(planned: SetPush, end: Array) -> Json:
+    return {
+        **push_report(planned.push),
+        "set_x_mm": millimetres(planned.start.x),
+        "set_y_mm": millimetres(planned.start.y),
+        "set_theta_deg": degrees(planned.start.theta),
+        "likely_x1_mm": millimetres(float(end[0])),
+        "likely_y1_mm": millimetres(float(end[1])),
+        "likely_theta1_deg": degrees(end[2]),
     }
 
 

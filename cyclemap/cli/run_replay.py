@@ -5,8 +5,9 @@ picture.
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -27,7 +28,7 @@ from cyclemap.evidence.replay.replay_table import (
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.replay_page import replay_headline, replay_page
-from cyclemap.written import Json
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
 if TYPE_CHECKING:
     import pandas
@@ -126,44 +127,34 @@ def run_replay(
     console.print(f"picture: {picture}")
 
 
-# Columns in m, m/s or m/s^2 and in rad, and what they are called in mm and degrees.
-_MILLIMETRES = {
-    "speed": "speed_mm_s",
-    "acceleration": "acceleration_mm_s2",
-    **{
-        name: f"{name}_mm"
-        for name in (
-            "error",
-            "rms_error",
-            "measured_motion",
-            "predicted_motion",
-            "shift",
-            "start_gap",
-            "straightness",
-            "mean_error",
-            "median_error",
-            "mean_motion",
-            "mean_rms_error",
-            "isotropic_error",
-            "isotropic_mean_error",
-        )
-    },
-}
-_DEGREES = {
-    name: f"{name}_deg"
-    for name in (
-        "angle",
-        "turn_error",
-        "rms_turn_error",
-        "measured_turn",
-        "predicted_turn",
-        "mean_turn_error",
-        "median_turn_error",
-        "mean_turn",
-        "isotropic_turn_error",
-        "isotropic_mean_turn_error",
-    )
-}
+# What columns of the replays are written in, where it is not as measured.
+_LENGTHS = (
+    "error",
+    "rms_error",
+    "measured_motion",
+    "predicted_motion",
+    "shift",
+    "start_gap",
+    "straightness",
+    "mean_error",
+    "median_error",
+    "mean_motion",
+    "mean_rms_error",
+    "isotropic_error",
+    "isotropic_mean_error",
+)
+_TURNS = (
+    "turn_error",
+    "rms_turn_error",
+    "measured_turn",
+    "predicted_turn",
+    "mean_turn_error",
+    "median_turn_error",
+    "mean_turn",
+    "isotropic_turn_error",
+    "isotropic_mean_turn_error",
+)
+_UNITS = FACT_UNITS | dict.fromkeys(_LENGTHS, MILLIMETRES) | dict.fromkeys(_TURNS, DEGREES)
 
 
 def replay_report(
@@ -177,29 +168,16 @@ def replay_report(
         "material": material,
         "pusher_friction": pusher_friction,
         "pushes": len(replayed.table),
-        "mean_error_mm": _plain(1e3 * error),
-        "mean_turn_error_deg": _plain(math.degrees(turn_error)),
+        "mean_error_mm": written(error, MILLIMETRES),
+        "mean_turn_error_deg": degrees(turn_error),
         "notes": notes,
         "by_object": _rows(replayed.by("surface", "object")),
         "by_speed": _rows(replayed.by("speed")),
         "replays": _rows(replayed.table),
-        "not_replayed": [
-            {"path": str(file.path), "reason": file.reason} for file in replayed.not_replayed
-        ],
+        "not_replayed": written(replayed.not_replayed),
     }
 
 
 def _rows(table: "pandas.DataFrame") -> list[Json]:
-    scales = dict.fromkeys(_MILLIMETRES, 1e3) | dict.fromkeys(_DEGREES, math.degrees(1.0))
-    scaled = table.assign(
-        **{name: scale * table[name] for name, scale in scales.items() if name in table}
-    )
-    rows = scaled.rename(columns=_MILLIMETRES | _DEGREES).to_dict("records")
-    return [{str(name): _plain(value) for name, value in row.items()} for row in rows]
-
-
-def _plain(value: Any) -> object:
-    """A value that JSON can hold: no NaN, no numpy scalar."""
-    if hasattr(value, "item"):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    units = {name: _UNITS.get(name, NUMBER) for name in map(str, table)}
+    return rows(**{unit.named(name): written(table[name], unit) for name, unit in units.items()})

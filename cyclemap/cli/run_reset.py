@@ -28,7 +28,7 @@ from cyclemap.views.reset_page import (
     row_cells,
 )
 from cyclemap.views.sentences import material_line
-from cyclemap.written import Json, degrees
+from cyclemap.written import Json, degrees, json_of
 
 
 def run_reset(
@@ -92,7 +92,7 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
     """The report of `cyclemap reset`; the chosen row is the first."""
     rows: list[Json] = [
         {
-            "roles": list(row.roles),
+            **json_of(row, "roles"),
             "recipe": recipe(row.strategy),
             "actions": actions_report(row.strategy, design.loop),
             **_predicted(row),
@@ -102,8 +102,7 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
             "seconds": row.seconds,
             "reach_mm": 1e3 * row.room,
             "shortest_contact_mm": 1e3 * row.contact,
-            "misses": list(row.misses),
-            "lacking": list(row.lacking),
+            **json_of(row, "misses", "lacking"),
         }
         for row in design.rows
     ]
@@ -111,10 +110,9 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
         "material": design.loop.material.name,
         "noise_deg": degrees(design.sigma),
         "range": {
-            "told": design.about.told,
-            "materials": [one.name for one in design.about.materials],
-            "share": design.about.share,
-            "confidence": design.about.confidence,
+            **json_of(design.about, "told"),
+            "materials": [material.name for material in design.about.materials],
+            **json_of(design.about, "share", "confidence"),
         },
         "met": design.met,
         "reasons": list(miss_sentences(design)),

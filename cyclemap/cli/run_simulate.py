@@ -13,6 +13,7 @@ from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.written import json_of
 
 # Far below any noise of a cycle, and twice as fast as the default.
 ACCURACY = 1e-6
@@ -71,15 +72,9 @@ def run_simulate(
             progress=report,
             **cycle_by_cycle,
         )
-    told = {name: getattr(made, name) for name in ("cycles", "written", "resumed")}
     last_deg = math.degrees(made.theta_last)
-    report_json = {
-        "folder": str(made.folder),
-        **told,
-        "theta0_deg_last": last_deg,
-        "bytes": made.bytes,
-    }
-    if publish_json(report_json, json_target):
+    told = json_of(made, "folder", "cycles", "written", "resumed")
+    if publish_json({**told, "theta0_deg_last": last_deg, "bytes": made.bytes}, json_target):
         return
     also = f" and {made.scans} friction scans" if made.scans else ""
     added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(

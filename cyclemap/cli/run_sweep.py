@@ -26,7 +26,7 @@ from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
-from cyclemap.written import Json, written
+from cyclemap.written import Json, json_of, written
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
@@ -180,17 +180,11 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan, results = sweep.description["plan"], []
     for place in range(len(sweep)):
-        found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
-        for one in sweep.quantities:
-            if one.many:
-                found[one.written_name] = written(
-                    one.written(sweep.lists[one.name][place]).tolist()
-                )
-            else:
-                found[one.written_name] = written(
-                    float(one.written(sweep.columns[one.name][place]))
-                )
-        results.append({**found, "refusal": sweep.refusals[place] or None})
+        told: Json = {key: sweep.swept[key][place] for key in sweep.keys}
+        for quantity in sweep.quantities:
+            values = (sweep.lists if quantity.many else sweep.columns)[quantity.name][place]
+            told[quantity.written_name] = written(quantity.written(values))
+        results.append({**told, "refusal": sweep.refusals[place] or None})
     return {
         **_status_report(status, store),
         "over": plan["points"],
@@ -202,5 +196,4 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
 
 
 def _status_report(status: SweepStatus, store: Path) -> Json:
-    told = {name: getattr(status, name) for name in ("points", "stored", "refused", "complete")}
-    return {"store": str(store), **told}
+    return {"store": str(store), **json_of(status, "points", "stored", "refused", "complete")}

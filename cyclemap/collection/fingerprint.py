@@ -17,7 +17,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
-from cyclemap.written import ANGLE, UNWRITTEN
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
 # overflow.
@@ -70,9 +70,9 @@ class Anisotropy:
     """
 
     offset: float
-    offset_direction: float
+    offset_direction: float = field(metadata=DIRECTION)
     ellipticity: float
-    ellipse_direction: float
+    ellipse_direction: float = field(metadata=DIRECTION)
 
     def __post_init__(self) -> None:
         for name in ("offset", "ellipticity"):
