@@ -4,8 +4,8 @@ import math
 import time
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -36,35 +36,45 @@ _OBJECT_KEYS = {
 }
 
 
-def run_sweep(
-    options: LoopOptions,
-    export: str,
-    draw: str,
-    status: bool,
-    workers: int | None,
-    results: ResultOptions,
-    **asked: Any,
-) -> None:
+@dataclass(frozen=True)
+class SweepOptions:
+    """What `cyclemap sweep` was asked, as it was typed."""
+
+    options: LoopOptions
+    over: tuple[str, ...]
+    sample: int | None
+    seed: int
+    sequence: str
+    quantities: str
+    tolerance_deg: float | None
+    rotation_tolerance: float
+    workers: int | None
+    export: str
+    draw: str
+    status: bool
+    results: ResultOptions
+
+
+def run_sweep(asked: SweepOptions) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far
     it is.
-
-    asked : the points and quantities, see `sweep_plan`.
     """
-    exports, drawn = _words(export, _EXPORTS, "format to export"), _words(draw)
-    plan = sweep_plan(options, **asked)
-    _words(draw, [one.name for one in plan.numbers.quantities if not one.many], "quantity to draw")
+    _words(asked.export, _EXPORTS, "format to export")
+    plan = sweep_plan(asked)
+    drawable = [quantity.name for quantity in plan.numbers.quantities if not quantity.many]
+    _words(asked.draw, drawable, "quantity to draw")
     # The material, or the first few letters of those that are swept.
     name = (
         "_".join(plan.materials)[:_LONGEST_NAME]
         if MATERIAL_KEY in plan.keys
         else plan.materials[""].name
     )
-    stem = result_stem(results.out, "sweep", _object_loop(plan), name)
+    stem = result_stem(asked.results.out, "sweep", _object_loop(plan), name)
     store = stem.with_name(f"{stem.name}.sqlite")
-    if status:
+    if asked.status:
         now = sweeps.sweep_status(store, plan)
         told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
-        if not publish_json(_status_report(now, store), results.json_target):
+        if not publish_json(_status_report(now, store), asked.results.json_target):
             stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
@@ -72,7 +82,10 @@ def run_sweep(
     try:
         with progress_bar(f"sweep of {len(plan)} points") as report:
             sweeps.run_sweep(
-                plan, store, workers=workers, progress=lambda now: report(now.stored / now.points)
+                plan,
+                store,
+                workers=asked.workers,
+                progress=lambda now: report(now.stored / now.points),
             )
     except KeyboardInterrupt:
         now = sweeps.sweep_status(store, plan)
@@ -82,30 +95,22 @@ def run_sweep(
             err=True,
         )
         raise
-    _publish(load_sweep(store, plan), stem, store, exports, drawn, results)
+    _publish(load_sweep(store, plan), store, asked)
 
 
-def _publish(
-    sweep: Sweep,
-    stem: Path,
-    store: Path,
-    exports: tuple[str, ...],
-    drawn: tuple[str, ...],
-    results: ResultOptions,
-) -> None:
-    files, keys = [store], len(sweep.keys)
-    for name in exports:
+def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
+    files, keys, results = [store], len(sweep.keys), asked.results
+    for name in _words(asked.export):
         ending, write = _EXPORTS[name]
-        files.append(stem.with_name(f"{stem.name}{ending}"))
+        files.append(store.with_suffix(ending))
         write(sweep, files[-1])
     # One or two keys make a picture; two of a sample only where both are numbers.
     if keys < _MOST_DRAWN_KEYS or (
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
-        files.append(stem.with_name(f"{stem.name}.{results.picture_format}"))
-        write_whole(
-            files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), results.picture_format)
-        )
+        files.append(store.with_suffix(f".{results.picture_format}"))
+        page = sweep_page(sweep, sweep_curves(sweep, _words(asked.draw)))
+        write_whole(files[-1], render(page, results.picture_format))
     if publish_json(sweep_report(sweep, store), results.json_target):
         return
     console = PeopleConsole()
@@ -131,39 +136,35 @@ def _object_loop(plan: SweepPlan) -> CollectionLoop:
     return CollectionLoop.mit()
 
 
-def sweep_plan(
-    options: LoopOptions,
-    over: tuple[str, ...],
-    sample: int | None,
-    seed: int,
-    sequence: str,
-    quantities: str,
-    tolerance_deg: float | None,
-    rotation_tolerance: float,
-) -> SweepPlan:
+def sweep_plan(asked: SweepOptions) -> SweepPlan:
     """The plan that the options ask for: what is swept overrules the protocol file,
     as --set does."""
-    ranges = tuple(map(parse_over, over))
-    swept = {one.key for one in ranges}
-    material, told, strategy = told_settings(options)
+    ranges = tuple(map(parse_over, asked.over))
+    swept = {over.key for over in ranges}
+    material, told, strategy = told_settings(asked.options)
     if strategy is not None:
         raise InvalidInput(
-            f"{options.protocol or material}: a sweep is about one push and one drag back: take "
-            "the table [strategy] out of it"
+            f"{asked.options.protocol or material}: a sweep is about one push and one drag back: "
+            "take the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.
     settings = {
         key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
     }
-    settings |= set_settings(options.settings)
+    settings |= set_settings(asked.options.settings)
     warn_of_defaults(settings)
-    tolerance = {} if tolerance_deg is None else {"tolerance": math.radians(tolerance_deg)}
-    numbers = PortraitNumbers(
-        _words(quantities), rotation_tolerance=rotation_tolerance, **tolerance
+    tolerance = (
+        {} if asked.tolerance_deg is None else {"tolerance": math.radians(asked.tolerance_deg)}
     )
-    if sample is None:
-        return SweepPlan(Grid(ranges), material, settings, numbers)  # type: ignore[arg-type]
-    return SweepPlan(Sample(ranges, sample, seed, sequence), material, settings, numbers)
+    numbers = PortraitNumbers(
+        _words(asked.quantities), rotation_tolerance=asked.rotation_tolerance, **tolerance
+    )
+    points: Grid | Sample = (
+        Grid(ranges)  # type: ignore[arg-type]
+        if asked.sample is None
+        else Sample(ranges, asked.sample, asked.seed, asked.sequence)
+    )
+    return SweepPlan(points, material, settings, numbers)
 
 
 def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tuple[str, ...]:
