@@ -5,7 +5,7 @@ picture.
 from pathlib import Path
 
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
+from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.resets.monitor.audit import audit
 from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
@@ -37,8 +37,11 @@ def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
         },
         "good": found.is_good,
     }
-    picture = publish(
-        told, audit_page(found), results.out / f"audit_{file_stem(data.stem)}", results
+    publish(
+        told,
+        audit_page(found),
+        results.out / f"audit_{file_stem(data.stem)}",
+        results,
+        audit_headline(found),
+        audit_paragraph(found),
     )
-    if picture is not None:
-        PeopleConsole().tell(audit_headline(found), audit_paragraph(found), f"picture: {picture}")

@@ -3,9 +3,11 @@
 import math
 from pathlib import Path
 
+from rich.table import Table
+
 from cyclemap.cli.json_report import PLAIN_UNITS, UNITS, comparison_report, facts_report
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_fit import QUANTITIES, selected_values
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.evidence.comparison import cycle_agreement
@@ -58,32 +60,38 @@ def run_compare(
         )
     page = compare_page(name, found, turn_curve(found.prediction.map_at(found.middle)))
     stem = result_stem(results.out, "compare", loop)
-    picture = publish(compare_report(name, found), page, stem, results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    verdicts = (verdict.words for verdict in found.verdicts)
     note = plate_note(loop.material, loop.slider)
-    told = (data_sentence(found), *found.data.reading, *verdicts, *trust_sentences(found))
-    console.tell(headline(name, found), *told, *([f"note: {note}"] if note else []))
-    for whose, quantities in found.told_pushes:
-        title = f"{quantities[0].count} pushes{whose}"
-        console.print_table(people_table(title, PUSH_COLUMNS, map(_push_cells, quantities)))
-    if found.orientations is not None:
-        tests = people_table(
-            "Histogram of directions, measured against predicted", ("test", "statistic", "p-value")
-        )
-        for name, test in found.orientations.tests.items():
-            value = (
-                f"{math.degrees(test.statistic):.2f}°"
-                if name == "wasserstein"
-                else f"{test.statistic:.3f}"
+    publish(
+        compare_report(name, found),
+        page,
+        stem,
+        results,
+        headline(name, found),
+        data_sentence(found),
+        *found.data.reading,
+        *(verdict.words for verdict in found.verdicts),
+        *trust_sentences(found),
+        f"note: {note}" if note else "",
+        *(
+            people_table(
+                f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS, map(_push_cells, quantities)
             )
-            tests.add_row(
-                name.replace("_", " "), value, f"{test.value:.3f} ± {test.standard_error:.3f}"
-            )
-        console.print_table(tests)
-    console.print(f"picture: {picture}")
+            for whose, quantities in found.told_pushes
+        ),
+        "" if found.orientations is None else _tests_table(found.orientations),
+    )
+
+
+def _tests_table(found: cycle_agreement.OrientationAgreement) -> Table:
+    table = people_table(
+        "Histogram of directions, measured against predicted", ("test", "statistic", "p-value")
+    )
+    for name, test in found.tests.items():
+        is_angle = name == "wasserstein"
+        value = f"{degrees(test.statistic):.2f}°" if is_angle else f"{test.statistic:.3f}"
+        p_value = f"{test.value:.3f} ± {test.standard_error:.3f}"
+        table.add_row(name.replace("_", " "), value, p_value)
+    return table
 
 
 def _push_cells(one: QuantityAgreement) -> list[str]:

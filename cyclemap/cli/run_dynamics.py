@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -60,18 +60,14 @@ def run_dynamics(
         "isotropic": {**mu, **cycles["isotropic"]},
     }
     stem = result_stem(results.out, "dynamics", chosen)
-    picture = publish(told, dynamics_page(material, isotropic), stem, results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    console.tell(difference_sentence(material), difference_sentence(isotropic))
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
     for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
-    console.print_table(table)
-    console.print(f"picture: {picture}")
+    page = dynamics_page(material, isotropic)
+    words = (difference_sentence(material), difference_sentence(isotropic))
+    publish(told, page, stem, results, *words, table)
 
 
 def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:

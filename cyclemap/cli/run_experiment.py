@@ -3,7 +3,7 @@ a picture.
 """
 
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
@@ -35,15 +35,16 @@ def run_experiment(
         "isotropic": _run(experiment.isotropic),
     }
     stem = result_stem(results.out, "experiment", loop)
-    picture = publish(told, page.experiment_page(experiment), stem, results)
-    if picture is not None:
-        tellers = (
-            page.experiment_headline,
-            page.spread_sentence,
-            page.isotropic_sentence,
-            page.method_line,
-        )
-        PeopleConsole().tell(*(tell(experiment) for tell in tellers), f"picture: {picture}")
+    publish(
+        told,
+        page.experiment_page(experiment),
+        stem,
+        results,
+        page.experiment_headline(experiment),
+        page.spread_sentence(experiment),
+        page.isotropic_sentence(experiment),
+        page.method_line(experiment),
+    )
 
 
 def _run(run: BatchRun) -> Json:

@@ -7,13 +7,14 @@ import math
 from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
-    PeopleConsole,
+    Told,
     margins_of,
     people_table,
     progress_bar,
     publish,
     result_stem,
-    tell_margins,
+    styled,
+    told_margins,
 )
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import (
@@ -72,33 +73,29 @@ def run_fingerprint(
     if margins is not None:
         told["margins"] = [*map(margin_report, margins)]
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    picture = publish(told, page, result_stem(results.out, "fingerprint", loop, name), results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    rows = (
+    numbers = (
         (part, *fingerprint_page.seven_numbers(getattr(found, part)))
         for part in ("push", "drag", "cycle")
     )
-    console.print_table(people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)))
-    lines = [fingerprint_page.protocol_sentence(found)]
+    lines: list[Told] = [
+        people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,)),
+        fingerprint_page.protocol_sentence(found),
+    ]
     if prediction is not None:
-        console.print(lines.pop())
-        console.print(fingerprint_page.surface_sentence(prediction, name))
-        console.print(fingerprint_page.direction_sentence(prediction, name), style="bold")
-        lines = [
+        lines += [
+            fingerprint_page.surface_sentence(prediction, name),
+            styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
             fingerprint_page.lock_in_sentence(prediction),
             fingerprint_page.trust_sentence(prediction),
         ]
+    if margins is not None:
+        lines += told_margins(margins)
     if bow:
         lines.append(fingerprint_page.bow_sentence(found, bow))
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
-    if margins is not None:
-        tell_margins(console, margins)
-    for line in filter(None, (*lines, f"picture: {picture}")):
-        console.print(line)
+    publish(told, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
 
 
 def fingerprint_report(

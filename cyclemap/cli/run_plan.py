@@ -29,6 +29,7 @@ from cyclemap.cli.output import (
     progress_bar,
     publish,
     publish_json,
+    styled,
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -112,20 +113,21 @@ def run_plan(asked: PlanOptions) -> None:
     write_whole(table, content)
     write_whole(robot, robot_schedule(plan))
     told = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
-    picture = publish(told, plan_page(plan), stem, asked.results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    if measured is not None:
-        console.tell(*filter(None, measured_sentences(measured, within)))
-    console.tell(*plan_sentences(plan))
-    console.print_table(push_table(plan))
-    console.print_table(knowledge_table(plan))
-    console.print(f"picture: {picture}")
-    console.print(f"for a robot: {robot}")
-    console.print(f"to fill in: {table}")
+    known = [] if measured is None else measured_sentences(measured, within)
     following = shlex.join([*said_command("json_target"), "--after", str(table)])
-    console.print(f"next: {following}")
+    headline, *sentences = plan_sentences(plan)
+    publish(
+        told,
+        plan_page(plan),
+        stem,
+        asked.results,
+        *known,
+        styled(headline, "bold"),
+        *sentences,
+        push_table(plan),
+        knowledge_table(plan),
+        after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
+    )
 
 
 def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
@@ -157,9 +159,7 @@ def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, results: Res
     if publish_json(measured_report(measured, within), results.json_target):
         return
     floor = stem.with_name(f"{stem.name}_measured.toml")
-    PeopleConsole().tell(
-        *filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}"
-    )
+    PeopleConsole().tell(*measured_sentences(measured, within), f"floor and plate: {floor}")
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
 
 

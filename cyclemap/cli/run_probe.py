@@ -12,7 +12,7 @@ import click
 
 from cyclemap.cli.json_report import PLAIN_UNITS, UNITS
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
-from cyclemap.cli.output import PeopleConsole, publish
+from cyclemap.cli.output import publish
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
@@ -59,9 +59,7 @@ def run_probe(asked: ProbeOptions) -> None:
         **json_of(found, "explained"),
         "locks_at_deg": degrees(found.stable) if found.found else [],
     }
-    picture = publish(report, probe_page(found), results.out / "probe", results)
-    if picture is not None:
-        PeopleConsole().tell(*probe_sentences(found), f"picture: {picture}")
+    publish(report, probe_page(found), results.out / "probe", results, *probe_sentences(found))
 
 
 def _harmonic(harmonic: Harmonic) -> Json:

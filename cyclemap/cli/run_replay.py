@@ -2,15 +2,14 @@
 picture.
 """
 
-import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from cyclemap.cli.json_report import FACT_UNITS
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
-    PeopleConsole,
     file_stem,
     people_table,
     progress_bar,
@@ -93,38 +92,34 @@ def run_replay(
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
     stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
-    report_json = replay_report(replayed, material.name, pusher.friction, notes)
-    picture = publish(report_json, page, stem, results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    console.print(replay_headline(replayed), style="bold")
+    as_json = replay_report(replayed, material.name, pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
-        errors, turns = (
-            [
-                f"{scale * row[name]:.2f}"
-                for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")
-            ]
-            for of, scale in (("error", 1e3), ("turn_error", math.degrees(1.0)))
-        )
-        motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
-        turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
-        errors_table.add_row(
-            str(row["surface"]),
-            str(row["object"]),
-            str(row["count"]),
-            *errors,
-            *motion,
-            *turns,
-            *turn,
-        )
-    console.print_table(errors_table)
-    for note in notes:
-        console.print(f"note: {note}")
-    if replayed.not_replayed:
-        console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
-    console.print(f"picture: {picture}")
+        errors_table.add_row(*_cells(row))
+    left_out = replayed.not_replayed
+    publish(
+        as_json,
+        page,
+        stem,
+        results,
+        replay_headline(replayed),
+        errors_table,
+        *(f"note: {note}" for note in notes),
+        f"not replayed: {reasons_of(left_out)}" if left_out else "",
+    )
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    """The mean errors of an object on a surface: of the place, then of the turn."""
+    cells = [str(row["surface"]), str(row["object"]), str(row["count"])]
+    for error, motion, relative in (
+        ("error", "mean_motion", "relative_error"),
+        ("turn_error", "mean_turn", "relative_turn_error"),
+    ):
+        names = (f"mean_{error}", f"median_{error}", f"isotropic_mean_{error}")
+        cells += [f"{_UNITS[name].of_si(row[name]):.2f}" for name in names]
+        cells += [f"{_UNITS[motion].of_si(row[motion]):.1f}", f"{100 * row[relative]:.0f} %"]
+    return cells
 
 
 # What columns of the replays are written in, where it is not as measured.

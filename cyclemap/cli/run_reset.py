@@ -5,7 +5,7 @@ from typing import Any
 
 from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.output import people_table, progress_bar, publish, result_stem, styled
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
 from cyclemap.protocol import write_protocol, write_schedule
@@ -75,17 +75,25 @@ def run_reset(
     )
     write_schedule(schedule, design.loop, strategy, cycles, seed)
     told = _report(design, protocol, schedule)
-    picture = publish(told, reset_page(design), stem, results)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    for sentence in miss_sentences(design):
-        console.print(sentence, style="bold red")
-    console.tell(*design_sentences(design))
-    title = f"It, and others beside it ({histogram_words(design)})"
-    console.print_table(people_table(title, COLUMNS, map(row_cells, design.rows), words=(0, 1)))
-    files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
-    console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
+    table = people_table(
+        f"It, and others beside it ({histogram_words(design)})",
+        COLUMNS,
+        map(row_cells, design.rows),
+        words=(0, 1),
+    )
+    headline, *sentences = design_sentences(design)
+    publish(
+        told,
+        reset_page(design),
+        stem,
+        results,
+        *(styled(sentence, "bold red") for sentence in miss_sentences(design)),
+        styled(headline, "bold"),
+        *sentences,
+        table,
+        material_line(design.loop.material),
+        after=(f"protocol: {protocol}", f"schedule: {schedule}"),
+    )
 
 
 def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
 from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
 from cyclemap.evidence import measured_staircase
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
@@ -46,18 +46,16 @@ def run_staircase(
         )
     stem = result_stem(results.out, "staircase", loop)
     page = staircase_page.staircase_page(forecast, measured)
-    picture = publish(staircase_report(forecast, measured), page, stem, results)
-    if picture is None:
-        return
-    told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
-    told += [
+    publish(
+        staircase_report(forecast, measured),
+        page,
+        stem,
+        results,
+        staircase_page.forecast_sentence(forecast),
+        staircase_page.worn_sentence(forecast),
+        staircase_page.run_sentence(forecast),
         uncertainty_sentence(loop.material.name, forecast.uncertainty),
         ahead_sentence(forecast.forecast),
-    ]
-    if measured is not None:
-        told += [
-            staircase_page.measured_sentence(measured),
-            staircase_page.fitted_sentence(measured),
-        ]
-    words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
-    PeopleConsole().tell(*words)
+        "" if measured is None else staircase_page.measured_sentence(measured),
+        "" if measured is None else staircase_page.fitted_sentence(measured),
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import actions_report, measured_report, steps_report
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
@@ -93,9 +93,7 @@ def run_strategy_portrait(
         "average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    picture = publish(told, figure, result_stem(results.out, "portrait", loop), results)
-    if picture is not None:
-        PeopleConsole().tell(*words, f"picture: {picture}")
+    publish(told, figure, result_stem(results.out, "portrait", loop), results, *words)
 
 
 def run_strategy_staircase(
@@ -132,9 +130,7 @@ def run_strategy_staircase(
         strategy_page(words, loop, strategy, theta, data),
         result_stem(results.out, "staircase", loop),
     )
-    picture = publish(told, page, stem, results)
-    if picture is not None:
-        PeopleConsole().tell(*words, f"picture: {picture}")
+    publish(told, page, stem, results, *words)
 
 
 def _run(

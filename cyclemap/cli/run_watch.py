@@ -200,7 +200,7 @@ def _conclude(
         *following,
         f"picture: {picture}",
     )
-    PeopleConsole().tell(*filter(None, lines))
+    PeopleConsole().tell(*lines)
 
 
 def _report(state: BiasReport, ahead: Ahead) -> Json:
