@@ -22,6 +22,7 @@ from cyclemap.cli.options import (
     quiet_option,
     result_options,
     run_options,
+    seed_option,
     select_option,
     set_option,
     table_options,
@@ -257,7 +258,7 @@ command(
     option(
         "--until-deg", type=_ABOVE_ZERO, default=5.0, help="Enough, where 95 % are within so much."
     ),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the pushes that are looked at."),
+    seed_option("Seed of the pushes that are looked at."),
     result_options("plan_OBJECT.csv, .png and .json, and the robot's schedule"),
 )
 command(
@@ -274,12 +275,14 @@ command(
     loop_options,
     option("--margin", is_flag=True, help=_MARGIN),
     run_options,
+    seed_option,
 )
 command(
     "staircase",
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
     loop_options,
     run_options,
+    seed_option,
 )
 command(
     "fingerprint",
@@ -368,7 +371,7 @@ command(
         "--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection."
     ),
     option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, help="How many pushes."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of all noise."),
+    seed_option("Seed of all noise."),
     option("--start-deg", type=Real(), default=0.0, help="θ0 of the first push."),
     option(
         "--noise-deg",
@@ -401,7 +404,7 @@ command(
         "--harmonics", type=Whole(0, 50), help="Order of every law. [default: by cross-validation]"
     ),
     option("--wear/--no-wear", default=True, help="Let the cycle map drift in time."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of folds and paths."),
+    seed_option("Seed of folds and paths."),
     table_options,
     result_options("fit_NAME.png and .json, for each set,"),
 )
@@ -459,7 +462,7 @@ command(
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
     option("--student", type=RealRange(min=1.0, min_open=True), default=4.0, help=_STUDENT),
     option("--starts", type=Whole(min=1), default=2, help="Searches."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws."),
+    seed_option("Seed of starts, folds and draws."),
     option("--name", help="Of the material. [default: SURFACE-identified]"),
     option("--force", is_flag=True, help="Write a material that cannot be right, too."),
     result_options("NAME.toml, identify_NAME.png and .json"),
@@ -473,7 +476,7 @@ command(
     option("--first", type=Whole(min=0), default=0, help="Leave out pushes before this one."),
     select_option,
     option("--runs", type=Whole(min=19), default=199, help="Simulated collections."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of their noise."),
+    seed_option("Seed of their noise."),
     result_options("compare_MATERIAL.png and .json"),
 )
 command(
@@ -544,7 +547,7 @@ command(
     option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY),
     option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect."),
     option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule."),
+    seed_option("Seed of the schedule."),
     result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"),
 )
 command(
@@ -571,7 +574,7 @@ command(
     protocol_options,
     option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),
     option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the sample."),
+    seed_option("Seed of the sample."),
     option(
         "--sequence",
         type=Choice(["sobol", "uniform"]),

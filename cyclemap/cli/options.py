@@ -53,6 +53,11 @@ select_option = click.option(
 )
 
 
+def seed_option(of: str) -> Callable[[Command], Command]:
+    """The option of the seed `of` something."""
+    return click.option("--seed", type=Whole(min=0), default=0, help=of)
+
+
 def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
@@ -122,7 +127,7 @@ def run_options(command: Command) -> Command:
             type=Whole(1, MOST_CYCLES),
             help="Length of the staircase. [default: 2000, or the data's]",
         ),
-        click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
+        seed_option("Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
     )
 

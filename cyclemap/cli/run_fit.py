@@ -87,42 +87,38 @@ def run_fit(
         click.echo(words, err=True)
     sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
     with progress_bar("fitting") as report:
-        for one in sets:
+        for pushed_alike in sets:
 
             def share(fraction: float) -> None:
                 report((len(fits) + fraction) / len(sets))
 
-            fits.append(fit_set(one, harmonics=harmonics, wear=wear, seed=seed, progress=share))
-    for fit in (one for one in fits if not one.is_empty):
+            fits.append(
+                fit_set(pushed_alike, harmonics=harmonics, wear=wear, seed=seed, progress=share)
+            )
+    for fit in (fit for fit in fits if not fit.is_empty):
         stem = results.out / f"fit_{file_stem(fit.pushes.name)}"
         pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.picture_format))
     if publish_json(fit_report(pushes, fits), results.json_target):
         return
-    console = PeopleConsole()
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
-    console.print(
-        f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}",
-        style="bold",
-    )
-    for file in pushes.unreadable[:MOST_NAMED]:
-        console.print(f"could not be read: {file.path}: {file.reason}")
+    unreadable = [f"{file.path}: {file.reason}" for file in pushes.unreadable[:MOST_NAMED]]
     if len(pushes.unreadable) > MOST_NAMED:
-        console.print(f"could not be read: {len(pushes.unreadable)} files in all")
+        unreadable.append(f"{len(pushes.unreadable)} files in all")
+    tables = []
     if any(fit.pushes.has_motion for fit in fits):
-        console.print_table(
-            _table(
-                STATISTICS, [fit.statistics for fit in fits], _statistic_fields, "mean", "σ", "%"
-            )
-        )
-        console.print_table(
-            _table(LAWS, [fit.laws for fit in fits], _law_fields, "RMSE", "%", "cv", "K")
-        )
+        statistics, laws = [fit.statistics for fit in fits], [fit.laws for fit in fits]
+        tables = [
+            _table(STATISTICS, statistics, _statistic_fields, "mean", "σ", "%"),
+            _table(LAWS, laws, _law_fields, "RMSE", "%", "cv", "K"),
+        ]
     told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
-    for line in (
+    PeopleConsole().tell(
+        f"{len(pushes.table)} pushes{scans} read, in {len(fits)} set{'s' * (len(fits) != 1)}",
+        *(f"could not be read: {line}" for line in unreadable),
+        *tables,
         *(told or ["nothing could be fitted: no set has enough pushes"]),
-        *(f"picture: {one}" for one in pictures),
-    ):
-        console.print(line)
+        *(f"picture: {picture}" for picture in pictures),
+    )
 
 
 def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:

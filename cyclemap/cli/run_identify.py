@@ -192,10 +192,8 @@ def _conclude(
 ) -> None:
     results, seed = asked.results, asked.seed
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
-    told, answer = (
-        identify_report(material, data.notes, found, derived),
-        headline(material.name, derived, found.friction()),
-    )
+    told = identify_report(material, data.notes, found, derived)
+    answer = headline(material.name, derived, found.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
     # own.
     loop = data.loop.with_material(material)
@@ -203,10 +201,8 @@ def _conclude(
     page = identify_page(
         answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
     )
-    toml, picture = (
-        results.out / f"{stem}.toml",
-        results.out / f"identify_{stem}.{results.picture_format}",
-    )
+    toml = results.out / f"{stem}.toml"
+    picture = results.out / f"identify_{stem}.{results.picture_format}"
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
@@ -217,17 +213,17 @@ def _conclude(
         write_whole(path, content)
     if publish_json(told, results.json_target):
         return
-    console = PeopleConsole()
-    console.tell(answer, *(f"data: {note}" for note in data.notes))
-    for table in (
+    PeopleConsole().tell(
+        answer,
+        *(f"data: {note}" for note in data.notes),
         parameter_table(found),
-        *([derived_table(derived)] if derived else []),
+        derived_table(derived) if derived else "",
         error_table(found),
-    ):
-        console.print_table(table)
-    following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
-    for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
-        console.print(line, end="\n" if line else "")
+        *note_sentences(found),
+        f"picture: {picture}",
+        f"material: {toml}",
+        "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
+    )
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:

@@ -11,7 +11,7 @@ import click
 
 from cyclemap import sweeps
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem, styled
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.protocol.chosen_loop import LoopOptions, set_settings, told_settings
@@ -113,15 +113,13 @@ def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
         write_whole(files[-1], render(page, results.picture_format))
     if publish_json(sweep_report(sweep, store), results.json_target):
         return
-    console = PeopleConsole()
-    console.tell(
-        sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files)
+    undrawn = "more than two keys: select values of the others in Python, or export, to draw"
+    PeopleConsole().tell(
+        sweep_headline(sweep),
+        *sweep_sentences(sweep),
+        *(f"file: {path}" for path in files),
+        styled(undrawn, "dim") if keys > _MOST_DRAWN_KEYS else "",
     )
-    if keys > _MOST_DRAWN_KEYS:
-        console.print(
-            "more than two keys: select values of the others in Python, or export, to draw",
-            style="dim",
-        )
 
 
 def _object_loop(plan: SweepPlan) -> CollectionLoop:
