@@ -36,10 +36,9 @@ def direction_deg(radians: float) -> float:
 
 NUMBER, DEGREES = Unit("", float), Unit("deg", math.degrees)
 MILLIMETRES = Unit("mm", lambda metres: 1e3 * metres)
-# Metadata of fields: angles, directions of the circle, lengths, cycles, and what is not written.
+# Metadata of fields: angles, directions of the circle, cycles, and what is not written.
 ANGLE = {"unit": DEGREES}
 DIRECTION = {"unit": Unit("deg", direction_deg)}
-LENGTH = {"unit": MILLIMETRES}
 CYCLES = {"unit": Unit("cycles", float)}
 UNWRITTEN = {"name": ""}
 

@@ -11,7 +11,6 @@ import pytest
 from cyclemap.written import (
     ANGLE,
     DIRECTION,
-    LENGTH,
     MILLIMETRES,
     UNWRITTEN,
     degrees,
@@ -35,7 +34,7 @@ class Course:
     """A result with fields of every kind."""
 
     turn: float = field(metadata=ANGLE)
-    reach: tuple[float, ...] = field(metadata=LENGTH | {"name": "widest"})
+    reach: tuple[float, ...] = field(metadata={"unit": MILLIMETRES, "name": "widest"})
     rests: tuple[Rest, ...]
     kept: object = field(metadata=UNWRITTEN)
     none: float | None = field(metadata=ANGLE)
