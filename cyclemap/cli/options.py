@@ -226,38 +226,39 @@ def is_quiet() -> bool:
 MOST_CYCLES = 1_000_000
 
 
-class Whole(click.IntRange):
+class _PlainDigits(click.ParamType):  # type: ignore[type-arg]
+    """Numbers written in plain digits; a usage error for any other."""
+
+    read: Callable[[str], float] = staticmethod(plain_number)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        try:
+            given = self.read(value) if isinstance(value, str) else value
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        return super().convert(given, param, ctx)
+
+
+class Whole(_PlainDigits, click.IntRange):
     """A whole number of a range."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        return super().convert(_plain(self, plain_whole, value, param, ctx), param, ctx)
+    read = staticmethod(plain_whole)
 
 
-class Real(click.types.FloatParamType):
+class Real(_PlainDigits, click.types.FloatParamType):
     """Any number."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        return super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
 
-
-class RealRange(click.FloatRange):
+class RealRange(_PlainDigits, click.FloatRange):
     """A number of a range, which has no nan."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+        """Return the number."""
+        found = super().convert(value, param, ctx)
         if math.isnan(found):
             self.fail("nan is in no range", param, ctx)
         return found
-
-
-def _plain(kind: Whole | Real | RealRange, read: Any, value: Any, param: Any, ctx: Any) -> Any:
-    try:
-        return read(value) if isinstance(value, str) else value
-    except ValueError as error:
-        kind.fail(str(error), param, ctx)
 
 
 @dataclass(frozen=True)
