@@ -207,7 +207,7 @@ ROWS = {
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature"},
-    "evidence": {"motion_check"},
+    "evidence": {"motion_check", "predicted_strokes"},
     "resets": set(),
 }
 

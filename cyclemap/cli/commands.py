@@ -275,14 +275,12 @@ command(
     loop_options,
     option("--margin", is_flag=True, help=_MARGIN),
     run_options,
-    seed_option,
 )
 command(
     "staircase",
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
     loop_options,
     run_options,
-    seed_option,
 )
 command(
     "fingerprint",

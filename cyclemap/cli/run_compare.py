@@ -22,6 +22,7 @@ from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
+from cyclemap.views.verdicts import told_sets, verdicts
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
 
 PUSH_COLUMNS = ("", "measured", "std", "predicted", "bias", "spread", "RMSE", "%", "std %")
@@ -69,14 +70,14 @@ def run_compare(
         headline(name, found),
         data_sentence(found),
         *found.data.reading,
-        *(verdict.words for verdict in found.verdicts),
+        *(verdict.words for verdict in verdicts(found)),
         *trust_sentences(found),
         f"note: {note}" if note else "",
         *(
             people_table(
                 f"{quantities[0].count} pushes{whose}", PUSH_COLUMNS, map(_push_cells, quantities)
             )
-            for whose, quantities in found.told_pushes
+            for whose, quantities in told_sets(found)
         ),
         "" if found.orientations is None else _tests_table(found.orientations),
     )
@@ -150,7 +151,7 @@ def compare_report(material: str, found: Comparison) -> Json:
         "orientations": None if found.orientations is None else _orientations(found.orientations),
         "directions": None if found.directions is None else _directions(found.directions),
         "staircase": None if found.staircase is None else _staircase(found.staircase),
-        "verdicts": written(found.verdicts),
+        "verdicts": written(verdicts(found)),
         "uncertified": list(found.uncertified),
     }
 

@@ -61,28 +61,15 @@ def run_replay(
     friction may be named.
     """
     loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
-    material, pusher = loop.material, loop.pusher
+    material = loop.material
     found = material.found_with.pusher_friction
     if pusher_friction is not None or ("pusher_mu" not in told and found is None):
-        pusher = replace(
-            pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
-        )
+        friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
+        loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
     read = readable_data(data, table, results.out)
     with progress_bar(f"replaying {data.name}") as report:
-        replayed = replay_pushes(
-            read,
-            material.friction,
-            pusher=pusher,
-            sliders=sliders,
-            plates=material.plates,
-            frames=material.frames,
-            floor=material.floor,
-            sessions=material.sessions,
-            field=material.field,
-            select=selected_values(select),
-            progress=report,
-        )
+        replayed = replay_pushes(read, loop, select=selected_values(select), progress=report)
     if not replayed.replays:
         raise CycleMapError(
             f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
@@ -92,7 +79,7 @@ def run_replay(
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
     stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
-    as_json = replay_report(replayed, material.name, pusher.friction, notes)
+    as_json = replay_report(replayed, material.name, loop.pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors_table.add_row(*_cells(row))
