@@ -34,7 +34,6 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     TIP_OFFSET,
     cycle_pair_block,
     drag_turn_block,
-    predicted_push_ends,
     push_end_block,
     surface_model,
 )
@@ -53,6 +52,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
