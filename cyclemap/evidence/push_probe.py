@@ -242,7 +242,7 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     >>> cycles = loop.cycles(theta)
     >>> change = np.column_stack([cycles.push_displacement, cycles.push_turn])
     >>> found = probe_pushes(theta, change, CollectionLoop.mit("isotropic", accuracy=1e-6))
-    >>> found.found, round(found.ratio[0], 2)
+    >>> found.found, round(found.ratio.value, 2)
     (True, 1.08)
     """
     angles, moved = (
