@@ -357,12 +357,22 @@ def change_curve(
 
     Examples
     --------
+    How far in the ring may lie on plywood before the stable direction is lost, for other rods; and
+    what is refused:
+
     >>> import math
     >>> from cyclemap import CollectionLoop
     >>> from cyclemap.maps import Estimate
-    >>> from cyclemap.sweeps import DirectionChange, change_curve
+    >>> from cyclemap.sweeps import DirectionChange, change_curve, direction_margins
+    >>> loop, plane = CollectionLoop.mit(), ((-12.0, -3.0), (0.12, 0.18))
+    >>> (ring,) = direction_margins(loop, ("hitch_x_mm",))  # doctest: +SKIP
+    >>> curve = change_curve(  # doctest: +SKIP
+    ...     loop, "hitch_x_mm", ring.nearest, "pusher_mu", *plane
+    ... )
+    >>> curve.kind, curve.first.min().round(2), curve.first.max().round(2)  # doctest: +SKIP
+    ('saddle-node', -6.5, -5.99)
     >>> kink = DirectionChange(Estimate(-0.006, 1e-9), "kink", math.nan, 0)
-    >>> change_curve(CollectionLoop.mit(), "hitch_x_mm", kink, "pusher_mu", (-12, -3), (0.1, 0.2))
+    >>> change_curve(loop, "hitch_x_mm", kink, "pusher_mu", *plane)
     Traceback (most recent call last):
         ...
     cyclemap.errors.InvalidInput: ...the change, a kink, must be smooth

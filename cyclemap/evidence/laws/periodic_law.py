@@ -331,7 +331,7 @@ def fit_periodic_law(
         one-standard-error rule on paired differences.
     max_harmonics : int, optional
         The largest order that is tried.
-    noise_harmonics : int, optional
+    noise_harmonics : int or None, default 0
         The order of the log-variance of the scatter in θ; 0 takes it constant, None chooses
         from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
         maximum likelihood, and its order is chosen twice: with equal weights, then with the
