@@ -36,7 +36,6 @@ from cyclemap.evidence.data_blocks.session_blocks import (
     odd_sessions,
 )
 from cyclemap.evidence.data_blocks.stroke_block import (
-    NODES,
     cycle_pair_block,
     drag_turn_block,
     push_end_block,
@@ -194,7 +193,7 @@ class _Collected:
     """Blocks of data and notes on what they hold and what stays out, file by file and plate by
     plate.
 
-    given, first, wear, most, nodes, push_length, target : see `collected_blocks`. path, plate,
+    given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
         each was read. noise : of each kind; infinite where some data do not tell it.
     """
@@ -203,7 +202,6 @@ class _Collected:
     first: int
     wear: bool
     most: int
-    nodes: int
     push_length: float
     target: Place | None
     path: Path = Path()
@@ -331,9 +329,7 @@ class _Collected:
         since = number[late] - self.first
         share = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
-        block = cycle_pair_block(
-            loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes
-        )
+        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
         self.last_cycle = max(self.last_cycle, float(np.max(since)))
         self._add(block, f"{count} cycles of {rows.name}" + (", wearing" if self.wear else ""))
 
@@ -561,7 +557,6 @@ def collected_blocks(
     first: int = 0,
     wear: bool = False,
     most: int = MOST_STROKES,
-    nodes: int = NODES,
     push_length: float | None = None,
     population: bool = False,
     target: Place | None = None,
@@ -596,9 +591,6 @@ def collected_blocks(
         Whether the floor is known from other sessions, so that a single one is one of several.
     most : int, optional
         Strokes of one sort in a session, at most: beyond, every so many-th is taken.
-    nodes : int, optional
-        See `cycle_pair_block`; with 9 the ring's lever comes out 3 % short on a map with strong
-        second harmonics, with 15 it does not.
 
     Returns
     -------
@@ -628,7 +620,7 @@ def collected_blocks(
     selection = RowSelection(objects, chosen)
     length = math.nan if push_length is None else push_length
     collected = _Collected(
-        loop, first, wear, whole_number("most strokes", most, least=2), nodes, length, target
+        loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
     recognised = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in recognised for file in known))

@@ -72,7 +72,7 @@ def data(collection) -> CollectedBlocks:
     """All of the collection, few pushes and nodes for speed; by 9 nodes the lever would be off by 3
     %.
     """
-    return collected_blocks([collection], LOOP, most=4, nodes=15)
+    return collected_blocks([collection], LOOP, most=4)
 
 
 def push_row(
