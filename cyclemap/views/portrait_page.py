@@ -4,6 +4,7 @@ staircase.
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +38,8 @@ _NARROW: dict[str, Any] = {
 }
 # So many letters of a headline fill the page at full size.
 _HEADLINE_LETTERS = 84
+# Letters of a line at the foot.
+_FOOT_LETTERS = 148
 
 
 @style.picture_style()
@@ -109,17 +112,10 @@ def _write_words(
     foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
-    figure.text(0.015, 0.06, "\n".join(foot), fontsize=8, color=QUIET, va="top", linespacing=1.35)
-    figure.text(
-        0.985,
-        0.06,
-        cycle_key(curves.scene),
-        fontsize=8,
-        color=QUIET,
-        va="top",
-        ha="right",
-        linespacing=1.35,
-    )
+    # Beside the key of the drawings, whose lines begin where these must end.
+    lines = "\n".join(fill(line, _FOOT_LETTERS) for line in foot)
+    for x, words, side in ((0.015, lines, "left"), (0.985, cycle_key(curves.scene), "right")):
+        figure.text(x, 0.01, words, ha=side, va="bottom", fontsize=8, color=QUIET, linespacing=1.35)
 
 
 PER_DEGREE = np.pi / 180
