@@ -43,6 +43,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.predicted_strokes import push_from_contact
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
@@ -75,7 +76,6 @@ from cyclemap.evidence.pushes.push_table import (
 )
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
-from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 
@@ -343,11 +343,10 @@ class _Collected:
         pushes: list[MeasuredPush] = []
         for row in known.to_dict("records"):
             push = told_push(self.loop.push, row, row["length"])
-            place, way = first_contact(self.loop.slider, push, self.loop.pusher.radius)
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            tips = start.to_world(*place), start.to_world(*(place + push.distance * way))
-            pushes.append(MeasuredPush(start, end, *tips, contact=len(pushes)))
+            slider, radius = self.loop.slider, self.loop.pusher.radius
+            pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
         self._add_push_ends(pushes)
 
