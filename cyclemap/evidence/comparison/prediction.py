@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
 Progress = Callable[[float], None]
+Predictor = CollectionLoop | CircleMap | DriftingMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Prediction:
     map: CircleMap | DriftingMap
     noise: Noise
     kind: str
-    given: Any
+    given: Predictor
     samples: tuple[CircleMap | DriftingMap, ...] = ()
 
     @property
@@ -71,7 +71,7 @@ class Prediction:
 
 
 def as_prediction(
-    given: Any,
+    given: Predictor,
     noise: Noise | None,
     last: int,
     *,
@@ -119,17 +119,16 @@ def as_prediction(
 
 
 def _map_of(
-    loop: Any, last: int, tolerance: float, blend: float, report: Progress
+    loop: CollectionLoop, last: int, tolerance: float, blend: float, report: Progress
 ) -> CircleMap | DriftingMap:
     """The map of a loop, or where its surface wears, its maps up to push ``last``."""
     if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
         # How many maps it takes is not known before; some twenty are usual.
         return drifting_map(loop, last + 1, blend, lambda done: report(min(1.0, done / 20.0)))
-    found: CircleMap = loop.circle_map(tolerance=tolerance, progress=report)
-    return found
+    return loop.circle_map(tolerance=tolerance, progress=report)
 
 
-def posterior_samples(loop: Any) -> list[CollectionLoop]:
+def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without
     a posterior.
     """

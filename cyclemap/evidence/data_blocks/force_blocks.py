@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values, linear_block
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
@@ -415,15 +415,13 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     """
     if not sliding.ratio.size:
         raise InvalidInput("no push slides: the forces do not tell the friction of rod and object")
-    measured = np.array(sliding.ratio)
-
-    def function(values: Values) -> tuple[Array, Array]:
-        return values["pusher_friction"] - measured, np.ones((len(measured), 1))
-
+    count = sliding.ratio.size
     single = len(np.unique(sliding.push)) == 1
-    groups = np.arange(len(measured)) if single else sliding.push
-    return DataBlock(
-        "force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size)
+    groups = np.arange(count) if single else sliding.push
+    kinds = np.repeat(RATIO_KIND, count)
+    parameters = ("pusher_friction",)
+    return linear_block(
+        "force ratios", parameters, np.ones((count, 1)), np.array(sliding.ratio), groups, kinds
     )
 
 
