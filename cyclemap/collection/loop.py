@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -77,28 +77,42 @@ class CycleTrajectory(Generic[T]):
 class StrokePair(Generic[P, D]):
     """A push and the drag that followed it.
 
-    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn +
-        drag_turn).
-    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the
-        object's origin in its initial frame, (2,), m. drag_length : path of the ring, m. ended :
-        why the push ended, `distance`, or `left` where the rod lost the object.
+    theta : orientation before, rad. push, drag : the results of both strokes.
     """
 
     theta: float
     push: P
     drag: D
-    push_turn: float = field(init=False)
-    push_displacement: NDArray[np.float64] = field(init=False)
-    drag_turn: float = field(init=False)
-    drag_length: float = field(init=False)
-    theta_next: float = field(init=False)
-    ended: str = field(init=False)
 
-    def __post_init__(self) -> None:
-        push, drag = self.push, self.drag
-        told = (push.turn, push.displacement, drag.turn, drag.length, drag.end.theta, push.ended)
-        for one, value in zip(fields(StrokePair)[3:], told, strict=True):
-            object.__setattr__(self, one.name, value)
+    @property
+    def push_turn(self) -> float:
+        """Turn of the object by the push, rad."""
+        return self.push.turn
+
+    @property
+    def push_displacement(self) -> NDArray[np.float64]:
+        """Of the object's origin in its initial frame, (2,), m."""
+        return self.push.displacement
+
+    @property
+    def drag_turn(self) -> float:
+        """Turn of the object by the drag, rad."""
+        return self.drag.turn
+
+    @property
+    def drag_length(self) -> float:
+        """Path of the ring, m."""
+        return self.drag.length
+
+    @property
+    def theta_next(self) -> float:
+        """Orientation after, rad on the lift: theta + push_turn + drag_turn."""
+        return self.drag.end.theta
+
+    @property
+    def ended(self) -> str:
+        """Why the push ended, `distance`, or `left` where the rod lost the object."""
+        return self.push.ended
 
 
 @dataclass(frozen=True, eq=False)

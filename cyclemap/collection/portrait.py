@@ -3,7 +3,7 @@ staircase alone.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.written import ANGLE
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -69,9 +70,9 @@ _CUBIC_NODES = 24
 class TurnStatistics:
     """The turn f(θ) - θ over the whole circle (rad), and the slope f'(θ)."""
 
-    mean: float
-    minimum: float
-    maximum: float
+    mean_turn: float = field(metadata=ANGLE)
+    min_turn: float = field(metadata=ANGLE)
+    max_turn: float = field(metadata=ANGLE)
     min_slope: float
     max_slope: float
 
@@ -349,9 +350,9 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
-        mean=float(weight @ turn / FULL_TURN),
-        minimum=float(turn.min()),
-        maximum=float(turn.max()),
+        mean_turn=float(weight @ turn / FULL_TURN),
+        min_turn=float(turn.min()),
+        max_turn=float(turn.max()),
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )

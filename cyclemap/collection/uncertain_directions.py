@@ -10,7 +10,7 @@ sample is run.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
 from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.written import ANGLE, DIRECTION
 
 Array = NDArray[np.float64]
 
@@ -67,9 +68,9 @@ class DirectionInterval:
     (True, 1.0)
     """
 
-    theta: float | None
-    lower: float
-    upper: float
+    theta: float | None = field(metadata=DIRECTION)
+    lower: float = field(metadata=ANGLE)
+    upper: float = field(metadata=ANGLE)
     share: float
 
 
@@ -105,9 +106,9 @@ class DirectionUncertainty:
     source: str
     method: str
     samples: int
-    locks: int
+    locks: int = field(metadata={"name": "samples_that_lock"})
     directions: tuple[DirectionInterval, ...]
-    first_order_error: float | None = None
+    first_order_error: float | None = field(default=None, metadata=ANGLE)
 
     @property
     def is_posterior(self) -> bool:

@@ -3,7 +3,7 @@ whole footprint.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,7 @@ from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import Footprint
+from cyclemap.written import ANGLE
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class EllipseFriction:
     mu_b: float
     m0: float = 0.0
     n0: float = 0.0
-    phi: float = 0.0
+    phi: float = field(default=0.0, metadata=ANGLE)
 
     def __post_init__(self) -> None:
         for name in ("mu_a", "mu_b"):

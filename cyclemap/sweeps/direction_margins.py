@@ -4,7 +4,7 @@ along every one of its settings."""
 import math
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, fo
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
+from cyclemap.written import DIRECTION
 
 # Shares of the way to either end of a setting's usual range at which the stable directions are
 # counted.
@@ -58,7 +59,7 @@ class DirectionChange:
 
     value: Estimate
     kind: str
-    theta: float
+    theta: float = field(metadata=DIRECTION)
     directions: int
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
@@ -452,9 +452,7 @@ _FOUND: dict[str, Callable[[_Work], Values]] = {
     },
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
-    "turns": lambda work: dict(
-        zip((one.name for one in GROUPS["turns"]), astuple(turn_statistics(work.map)), strict=True)
-    ),
+    "turns": lambda work: asdict(turn_statistics(work.map)),
     "stationary": _stationary_values,
     "staircase": _staircase_values,
 }

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import math
-import textwrap
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from cyclemap.resets.monitor.audit import Audit, ResetEffect
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, QUIET, new_figure, picture_style
-from cyclemap.views.watch_page import directions, draw_path, draw_rose, draw_worth
+from cyclemap.views.watch_page import directions, draw_course
 
-_LETTERS = 165
 # Of the pushes behind an alarm, so many near its direction are a lock-in; fewer come and go.
 _LOCKED = 0.8
 
@@ -99,41 +96,21 @@ def _undone(found: Audit) -> str:
     )
 
 
-@picture_style()
+@style.picture_style()
 def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
     push's.
     """
-    figure = new_figure(13.333, 7.9)
-    edges = {"left": 0.06, "right": 0.975, "bottom": 0.08, "top": 0.74}
-    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.5, **edges)
-    draw_path(figure.add_subplot(grid[0, 0]), found.theta, found.report)
-    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), found.theta, found.report)
-    draw_worth(
-        figure.add_subplot(grid[1, 1]), [one.coverage.effective_pushes for one in found.reports]
-    )
-    axes, reset = figure.add_subplot(grid[1, 0]), found.reset
-    if reset is None:
-        axes.axis("off")
-        axes.text(
-            0.5,
-            0.5,
-            "no poses after pushes: what the reset did is unknown",
-            ha="center",
-            color=QUIET,
-        )
-    else:
-        push, back = np.degrees(reset.push_turn), np.degrees(reset.reset_turn)
-        axes.plot(push, back, "o", mfc=MEASURED, mec=MEASURED_EDGE, markersize=4, label="measured")
-        ends = np.array([push.min() - 1.0, push.max() + 1.0])
-        axes.plot(ends, -ends, color=INK, linewidth=1.0, linestyle="--", label="undoes the push")
-        axes.set(
-            xlabel="turn by the push (°)",
-            ylabel="turn by the reset (°)",
-            title="What the reset did",
-        )
-        axes.legend(loc="best")
-    figure.text(0.015, 0.965, audit_headline(found), fontsize=18, fontweight="bold", va="center")
-    told = textwrap.fill(audit_paragraph(found), _LETTERS)
-    figure.text(0.015, 0.935, told, fontsize=10, va="top", linespacing=1.35)
+    figure = style.new_figure(13.333, 7.9)
+    room = style.write_page(figure, audit_headline(found), [audit_paragraph(found)])
+    reset = draw_course(figure, room, found.theta, found.reports)
+    if found.reset is None:
+        reset.axis("off")
+        style.say(reset, "no poses after pushes: what the reset did is unknown")
+        return figure
+    push, back = np.degrees([found.reset.push_turn, found.reset.reset_turn])
+    reset.plot(push, back, label="measured", **style.DOTS)
+    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **style.SECOND)
+    reset.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")
+    style.entitle(reset, "What the reset did")
     return figure

@@ -3,28 +3,16 @@ differ over θ0.
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import MultipleLocator
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    PREDICTED,
-    QUIET,
-    legend_above,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, INK, PREDICTED
 
-THETA0 = "θ0 (°)"
 # Name, colour, marker of each turn that is compared.
 _TURNS = (
     ("push_turn", "push", PREDICTED, "o"),
@@ -34,42 +22,39 @@ _TURNS = (
 _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 
 
-@picture_style()
+@style.picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
-    figure = new_figure()
-    grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.74, wspace=0.27)
-    turns, differences, places = (figure.add_subplot(grid[0, column]) for column in range(3))
-    for comparison, isotropic_law in ((material, False), (isotropic, True)):
-        law = "isotropic" if isotropic_law else "material"
-        theta = np.degrees(comparison.dynamic.theta)
-        still = np.degrees(comparison.quasi_static.theta_next) - theta
-        # A curve through one orientation needs a marker, over the dot, to be seen.
-        alone = theta.size == 1
-        dash = ("--" if isotropic_law else "-") + "x" * alone
-        on = 4 if alone else 2
-        turns.plot(
-            theta, still, dash, color=QUIET, linewidth=1.4, label=f"{law}, quasi-static", zorder=on
-        )
-        moved = np.degrees(comparison.dynamic.theta_next) - theta
-        look: dict[str, Any] = {
-            "markerfacecolor": "white" if isotropic_law else PREDICTED,
-            "markersize": 4.5,
-        }
-        turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", zorder=3, **look)
-    turns.set(xlabel=THETA0, ylabel="turn of a cycle (°)")
-    turns.xaxis.set_major_locator(MultipleLocator(60.0))
-    turns.set_title("Turn of push and drag", pad=36.0)
-    legend_above(turns, columns=2)
-    draw_turn_differences(differences, material, isotropic)
-    draw_place_differences(places, material, isotropic)
+    figure = style.new_figure()
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
     title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-    told = [difference_sentence(one) for one in (material, isotropic)]
+    told = [difference_sentence(comparison) for comparison in (material, isotropic)]
     foot = (
-        "solid, filled: the material; dashed, open: isotropic friction of the same mean coefficient"
+        "solid, filled: the material; dashed, open: isotropic friction of the same mean "
+        "coefficient; both models stand on the same support points"
     )
-    write_page(figure, title, told, f"{foot}; both models stand on the same support points")
+    turns, differences, places = style.panels(
+        figure, "abc", style.write_page(figure, title, told, foot)
+    )
+    for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
+        theta = np.degrees(comparison.dynamic.theta)
+        still = np.degrees(comparison.quasi_static.theta_next) - theta
+        line = style.SECOND if law == "isotropic" else style.LINE
+        # A curve through one orientation needs a marker, over the dot, to be seen.
+        marker = "x" if theta.size == 1 else None
+        turns.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
+        dots: style.Look = {
+            "markerfacecolor": face,
+            "markersize": 4.5,
+            "zorder": 3 if marker else 5,
+        }
+        moved = np.degrees(comparison.dynamic.theta_next) - theta
+        turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", **dots)
+    style.degree_axis(turns, every=60)
+    turns.set_ylabel("turn of a cycle (°)")
+    style.entitle(turns, "Turn of push and drag")
+    draw_turn_differences(differences, material, isotropic)
+    draw_place_differences(places, material, isotropic)
     return figure
 
 
@@ -117,24 +102,11 @@ def _draw_differences(
     """Label, colour and marker of each quantity: on the material solid and filled, on isotropic
     friction open.
     """
-    for (label, colour, marker), pair in curves:
-        for values, line, face, name in zip(
-            pair, ("-", "--"), (colour, "white"), (label, "_isotropic"), strict=True
-        ):
-            axes.plot(
-                np.degrees(theta),
-                values,
-                line,
-                color=colour,
-                marker=marker,
-                markersize=4.5,
-                linewidth=1.3,
-                markerfacecolor=face,
-                label=name,
-                zorder=3,
-            )
-    axes.axhline(0.0, color=QUIET, linewidth=0.8, zorder=1)
-    axes.set(xlabel=THETA0, ylabel=f"dynamic − quasi-static ({unit})")
-    axes.xaxis.set_major_locator(MultipleLocator(60.0))
-    axes.set_title(f"Difference of the {what}", pad=22.0)
-    legend_above(axes)
+    axes.axhline(0.0, **style.ZERO)
+    for (label, colour, marker), (filled, hollow) in curves:
+        look: style.Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
+        axes.plot(np.degrees(theta), filled, label=label, **look)
+        axes.plot(np.degrees(theta), hollow, "--", markerfacecolor="white", **look)
+    style.degree_axis(axes, every=60)
+    axes.set_ylabel(f"dynamic − quasi-static ({unit})")
+    style.entitle(axes, f"Difference of the {what}")

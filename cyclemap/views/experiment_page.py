@@ -2,45 +2,24 @@
 frame, and θ0.
 """
 
-import math
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import MaxNLocator, MultipleLocator
+from matplotlib.ticker import MultipleLocator
 
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
+from cyclemap.views import style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    FORCE,
-    PREDICTED,
-    legend_above,
-    new_figure,
-    picture_style,
-    unwrapped_axis,
-    write_page,
-)
+from cyclemap.views.style import FORCE, PREDICTED
 
 MM = 1e3
-# Points between a panel and its title: a row of a legend.
-TITLE_PAD = 20.0
 _MARKERS = "os^vDP*X"
 
 
-@picture_style()
+@style.picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    figure = new_figure()
-    grid = GridSpec(
-        2, 3, figure, left=0.055, right=0.985, bottom=0.095, top=0.765, wspace=0.24, hspace=0.55
-    )
-    for row, (run, name) in enumerate(named_runs(experiment)):
-        robot, body, course = (figure.add_subplot(grid[row, column]) for column in range(3))
-        draw_paths(robot, run, f"{name}: robot's frame")
-        draw_paths(body, run, f"{name}: object's frame", in_object=True)
-        draw_course(course, run, f"{name}: θ0 over the cycles")
-    title = f"Batches of cycles on {experiment.loop.material.name}"
+    figure = style.new_figure()
     told = (
         experiment_headline(experiment),
         spread_sentence(experiment),
@@ -50,7 +29,13 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
         f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push "
         "of each batch"
     )
-    write_page(figure, title, told, foot)
+    title = f"Batches of cycles on {experiment.loop.material.name}"
+    room = style.write_page(figure, title, told, foot)
+    panels = iter(style.panels(figure, "abc;def", room))
+    for run, name in named_runs(experiment):
+        draw_paths(next(panels), run, f"{name}: robot's frame")
+        draw_paths(next(panels), run, f"{name}: object's frame", in_object=True)
+        draw_course(next(panels), run, f"{name}: θ0 over the cycles")
     return figure
 
 
@@ -64,50 +49,32 @@ def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -
     object.
     """
     paths, where = (run.object_path, " in the object's frame") if in_object else (run.path, "")
+    thin: style.Look = {"color": PREDICTED, "linewidth": 0.5, "alpha": 0.45, "label": "pushes"}
     for path in paths.reshape(-1, *paths.shape[2:]):
-        axes.plot(*(MM * path).T, color=PREDICTED, linewidth=0.5, alpha=0.45, zorder=2)
+        axes.plot(*(MM * path).T, **thin)
+    thick: style.Look = {"color": FORCE, "linewidth": 1.8, "label": "last of a batch", "zorder": 3}
     for path in paths[:, -1]:
-        axes.plot(
-            *(MM * path).T,
-            "o-",
-            markevery=[0],
-            color=FORCE,
-            linewidth=1.8,
-            markersize=4.0,
-            zorder=3,
-        )
-    axes.lines[0].set_label("pushes")
-    axes.lines[-1].set_label("last of a batch")
-    legend_above(axes)
+        axes.plot(*(MM * path).T, "o-", markevery=[0], markersize=4.0, **thick)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
-    axes.set_title(title, pad=TITLE_PAD)
+    style.entitle(axes, title)
 
 
 def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
     """θ0 over the cycles, unwrapped, a marker a batch."""
     cycles = run.theta.shape[1] - 1
-    for number, theta in enumerate(run.theta):
-        shade = 0.65 * number / max(len(run.theta) - 1, 1)
-        start = f"from {np.degrees(theta[0]):.0f}°"
-        axes.plot(
-            np.degrees(theta),
-            color=str(shade),
-            linewidth=1.3,
-            marker=_MARKERS[number % len(_MARKERS)],
-            markersize=3.5,
-            markevery=(number * max(cycles // 30, 1), max(cycles // 8, 1)),
-            label=start,
-            clip_on=False,
-        )
-    axes.set(xlabel="cycle", xlim=(0, cycles))
-    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
+    for index, theta in enumerate(run.theta):
+        every = (index * max(cycles // 30, 1), max(cycles // 8, 1))
+        look: style.Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
+        shade = str(0.65 * index / max(len(run.theta) - 1, 1))
+        look |= {"color": shade, "label": f"from {np.degrees(theta[0]):.0f}°", "clip_on": False}
+        axes.plot(np.degrees(theta), linewidth=1.3, markersize=3.5, **look)
+    style.count_axis(axes, "cycle", cycles)
     span = float(np.ptp(np.degrees(run.theta)))
     if span > 300.0:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
-    unwrapped_axis(axes, "θ0, unwrapped")
-    axes.set_title(title, pad=8.0 + 13.0 * math.ceil(len(run.theta) / 3))
-    legend_above(axes, columns=3)
+    style.unwrapped_axis(axes, "θ0, unwrapped")
+    style.entitle(axes, title)
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:

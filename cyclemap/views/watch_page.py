@@ -3,20 +3,20 @@ it is worth.
 """
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.views import style
+from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
@@ -26,127 +26,91 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of
     its file.
     """
-    last = reports[-1]
-    figure = style.new_figure()
-    edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
-    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
-    draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
-    axes = figure.add_subplot(grid[1, 0])
-    rest, visits = (
-        [getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence")
-    )
-    axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
-    axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
-    axes.axhline(
-        last.threshold,
-        color=FORCE,
-        linewidth=1.2,
-        linestyle="--",
-        label=f"alarm, rate {monitor.alarm_rate:g}",
-    )
+    last, figure = reports[-1], style.new_figure()
+    title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
+    foot = "chance of an alarm, however long the collection, where no orientation lingers:"
+    foot = f"{foot} {monitor.alarm_rate:g} at most"
+    room = style.write_page(figure, title, watch_sentences(last), foot)
+    axes = draw_course(figure, room, monitor.path, reports)
+    rest = [report.rest_evidence for report in reports]
+    visits = [report.visit_evidence for report in reports]
+    axes.plot(rest, label="of a rest", **style.LINE)
+    axes.plot(visits, label="of visits gathering", **style.THIRD)
+    label = f"alarm, rate {monitor.alarm_rate:g}"
+    axes.axhline(last.threshold, label=label, **style.SECOND)
     if last.alarm is not None:
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
     # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any
     # bound.
     highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
     axes.set_yscale("symlog", linthresh=3.0)
-    axes.set(
-        ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence"
-    )
-    axes.yaxis.set_major_locator(
-        FixedLocator([power for power in _DECADES if power <= 1.3 * highest])
-    )
+    axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias")
+    powers = [power for power in _DECADES if power <= 1.3 * highest]
+    axes.yaxis.set_major_locator(FixedLocator(powers))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    _push_axis(axes, len(reports))
-    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
-    draw_worth(
-        figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports]
-    )
-    title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
-    foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-    style.write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
+    style.count_axis(axes, "push", len(reports))
+    style.entitle(axes, "Evidence")
     return figure
+
+
+def draw_course(
+    figure: Figure, room: style.Room, theta: Sequence[float], reports: Sequence[BiasReport]
+) -> Axes:
+    """Draw the orientations (rad) push by push, their rose, and what they are worth, by the
+    monitor's reports; return the panel that is left, below the first.
+    """
+    ratios = {"width_ratios": (1.9, 1.0)}
+    path, left, rose, worth = style.panels(figure, "ac;bd", room, "c", **ratios)
+    draw_path(path, theta, reports[-1])
+    draw_rose(rose, theta, reports[-1])
+    draw_worth(worth, [report.coverage.effective_pushes for report in reports])
+    return left
 
 
 def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """Draw the orientations (rad) push by push, and the alarm."""
     # A few dots must be seen, many must not run into each other.
     size = float(np.clip(90.0 / len(theta), 2.5, 9.0))
-    axes.plot(
-        np.degrees(np.mod(theta, 2.0 * np.pi)), ".", color=MEASURED_EDGE, markersize=size, zorder=2
-    )
+    axes.plot(np.degrees(theta) % 360.0, ".", color=MEASURED_EDGE, markersize=size, zorder=2)
     if last.alarm is not None:
         for direction in last.alarm.directions:
-            axes.axhline(
-                np.degrees(direction), color=FORCE, linewidth=1.0, linestyle="--", zorder=1
-            )
-        label = (
-            f"alarm at push {last.alarm.push}, towards "
-            f"{', '.join(map(angle, last.alarm.directions))}"
-        )
+            axes.axhline(np.degrees(direction), **{**style.THIRD, "linewidth": 1.0, "zorder": 1})
+        towards = directions(last.alarm.directions)
+        label = f"alarm at push {last.alarm.push}, towards {towards}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set(ylabel=style.THETA0, ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-    axes.set_title("Orientations")
-    _push_axis(axes, len(theta))
+    axes.set_ylabel(style.THETA0)
+    style.whole_turn_ticks(axes)
+    style.count_axis(axes, "push", len(theta))
+    style.entitle(axes, "Orientations")
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """Draw the histogram of directions with equal areas for equal counts: radii are roots of
     densities.
     """
-    histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), 36), last.advice.direction
-    radii = np.sqrt(histogram.density * 2 * np.pi)
-    looks: dict[str, Any] = {"color": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6}
-    axes.bar(histogram.edges[:-1], radii, width=np.diff(histogram.edges), align="edge", **looks)
-    around = np.linspace(0.0, 2 * np.pi, 181)
-    axes.plot(
-        around,
-        np.ones_like(around),
-        color=QUIET,
-        linewidth=0.9,
-        linestyle=":",
-        label="spread evenly",
-    )
+    histogram, aim = angle_histogram(np.mod(theta, TWO_PI), 36), last.advice.direction
+    radii = np.sqrt(histogram.density * TWO_PI)
+    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
+    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
-    axes.plot(
-        [aim],
-        [top],
-        "v",
-        ms=9,
-        color=PREDICTED,
-        clip_on=False,
-        label=f"least covered: {angle(aim, 0)}",
-    )
+    told: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
+    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **told)
     axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
-    axes.grid(color="#ececec")
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.75, 0.12))
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.64, 0.1))
 
 
 def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     """Draw what the pushes recorded so far are worth, after each."""
     pushes = len(effective)
-    axes.plot(
-        [0, pushes], [0, pushes], color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly"
-    )
+    axes.plot([0, pushes], [0, pushes], label="spread evenly", **style.EVEN)
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")
-    axes.set(
-        xlabel="pushes recorded",
-        ylabel="worth, in pushes spread evenly",
-        xlim=(0, pushes),
-        ylim=(0.0, None),
-    )
-    axes.set_title("What the pushes are worth")
-    axes.legend(loc="upper left")
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-
-
-def _push_axis(axes: Axes, pushes: int) -> None:
-    axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    style.legend_above(axes)
+    axes.set_ylabel("worth, in pushes spread evenly")
+    axes.set_ylim(bottom=0.0)
+    style.count_axis(axes, "pushes recorded", pushes)
+    style.entitle(axes, "What the pushes are worth")
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:

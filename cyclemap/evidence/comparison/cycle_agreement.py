@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
     turn_bins,
 )
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
+from cyclemap.written import ANGLE, DIRECTION
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
 # Orientations of the ensemble from which the predicted modes are taken.
@@ -176,10 +177,10 @@ class DirectionMatch:
     """
 
     kind: str
-    centre: float
-    predicted_mode: float | None
-    measured_mode: float | None
-    difference: float | None
+    centre: float = field(metadata=DIRECTION)
+    predicted_mode: float | None = field(metadata=DIRECTION | {"name": "predicted_peak"})
+    measured_mode: float | None = field(metadata=DIRECTION | {"name": "measured_peak"})
+    difference: float | None = field(metadata=ANGLE)
     p_value: PValue | None
 
 
@@ -188,7 +189,7 @@ class DirectionAgreement:
     """All directions. matches : one a predicted zone. measured_modes : (k,) rad, sorted."""
 
     matches: tuple[DirectionMatch, ...]
-    measured_modes: Array
+    measured_modes: Array = field(metadata=DIRECTION | {"name": "measured_peaks"})
 
 
 def direction_agreement(

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
 from cyclemap.mechanics import QuasiStaticModel
 from cyclemap.mechanics.trajectory import Course
+from cyclemap.written import NUMBER, UNWRITTEN
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
@@ -52,8 +53,8 @@ class QuantityAgreement:
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     """
 
-    name: str
-    count: int
+    name: str = field(metadata=UNWRITTEN)
+    count: int = field(metadata=UNWRITTEN)
     measured_mean: float
     measured_std: float
     predicted_mean: float
@@ -63,10 +64,10 @@ class QuantityAgreement:
     rmse: float
     bias_error: float | None
     model_error: float
-    agrees: bool | None
-    percent: float
-    std_percent: float
-    explains: bool
+    agrees: bool | None = field(metadata=UNWRITTEN)
+    percent: float = field(metadata={"name": "rmse_percent", "unit": NUMBER})
+    std_percent: float = field(metadata={"name": "measured_std_percent", "unit": NUMBER})
+    explains: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)

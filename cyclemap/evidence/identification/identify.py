@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.push_noise import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
+from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -201,8 +202,8 @@ class Estimate:
     standard_error: float
     identifiable: bool
     at_bound: str
-    lower_open: bool
-    upper_open: bool
+    lower_open: bool = field(metadata=UNWRITTEN)
+    upper_open: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ and uncertainty.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -200,7 +200,7 @@ class PeriodicLaw:
     coefficients: Array
     covariance: Array
     log_variance: Array
-    sigma: float
+    sigma: float = field(metadata={"name": "scatter"})
     count: int
     rmse: float
     mean: float

@@ -15,6 +15,7 @@ from cyclemap.checks import finite_array, finite_number, positive_number, read_o
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.theta0_pairs import bin_index
 from cyclemap.maps.operator.transfer_operator import peaks_of
+from cyclemap.written import NUMBER
 
 Density = Callable[[Array], Array]
 
@@ -322,7 +323,7 @@ class PValue:
 
     LEVELS: ClassVar[tuple[float, ...]] = (0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
 
-    value: float
+    value: float = field(metadata={"name": "p_value", "unit": NUMBER})
     runs: int
     statistic: float
     null_quantiles: Array

@@ -20,6 +20,7 @@ from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
+from cyclemap.written import ANGLE
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
@@ -472,9 +473,9 @@ class MapAgreement:
     """
 
     pairs: int
-    rms: float
+    rms: float = field(metadata=ANGLE)
     bins: int
-    bin_rms: float
+    bin_rms: float = field(metadata=ANGLE)
 
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:

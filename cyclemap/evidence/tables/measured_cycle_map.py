@@ -5,7 +5,7 @@ was fitted to.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
 )
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.written import ANGLE
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
@@ -121,6 +122,14 @@ def turn_pace(
 
 
 @dataclass(frozen=True)
+class ScatterPlace:
+    """An orientation, rad, and how much cycles scatter there, rad."""
+
+    theta: float = field(metadata=ANGLE)
+    scatter: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True)
 class TurnPlace:
     """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever
     the place.
@@ -129,8 +138,8 @@ class TurnPlace:
     of a slow passage.
     """
 
-    theta: float
-    turn: float
+    theta: float = field(metadata=ANGLE)
+    turn: float = field(metadata=ANGLE)
     lower: float
     upper: float
     cycles: float | None = None
@@ -182,7 +191,7 @@ class WornForecast:
     measured_histogram: AngleHistogram
     histogram: AngleHistogram
     total_variation: float
-    wasserstein: float
+    wasserstein: float = field(metadata=ANGLE)
     run_distances: Array
     pace: TurnPace
 
@@ -198,9 +207,9 @@ class MeasuredCycleMap:
     fitted : FittedMap
         With scatter that may depend on the angle and wear in time (of degree 0 where it was not
         asked for, or the order of the cycles is unknown).
-    quietest, loudest : tuple[float, float]
-        (rad, rad) where the pairs within 10 degrees scatter least and most about it, and their
-        root mean square.
+    quietest, loudest : ScatterPlace
+        Where the pairs within 10 degrees scatter least and most about it, by their root mean
+        square.
     early, late : MapState
         The map an eighth of the run from its ends.
     forecast : WornForecast or None
@@ -221,8 +230,8 @@ class MeasuredCycleMap:
 
     pairs: Theta0Pairs
     fitted: FittedMap
-    quietest: tuple[float, float]
-    loudest: tuple[float, float]
+    quietest: ScatterPlace = field(metadata={"name": "least_scatter"})
+    loudest: ScatterPlace = field(metadata={"name": "most_scatter"})
     early: MapState
     late: MapState
     forecast: WornForecast | None
@@ -308,7 +317,8 @@ def measured_cycle_map(
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
     size = np.sqrt(near[told] @ off**2 / crowd[told])
     quietest, loudest = (
-        (float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size))
+        ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
+        for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)

@@ -94,7 +94,7 @@ class _CurveWalk:
     ending: tuple[Array, Array] | None = (
         None  # where the curve is about to end, scaled, and what that may be off
     )
-    extrapolated: Array | None = None  # where it was about to end by the last three solutions
+    extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
 
     def walked(self) -> _CurveWalk:
         """The walk, once it has ended."""
@@ -118,8 +118,8 @@ class _CurveWalk:
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, 2.0 * _SMALLEST))
-            self.special.append(self.equations.placed(names[self.reason], spot, at, 2.0 * error))
+            at, error = self.ending or (spot.at[-2:], np.full(2, _SMALLEST))
+            self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
 
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
@@ -251,15 +251,13 @@ class _CurveWalk:
         at = np.sum(
             [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
         )
-        change = np.abs(
-            at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated)
-        )
         self.blocked, self.step = reason, min(self.step, 0.5 * distance)
-        if self.ending is None or np.max(change) < np.max(
-            self.ending[1]
-        ):  # the one that changed least
-            self.ending = at, change + 1e-12
-        self.extrapolated = at
+        # Two neighbouring extrapolations may agree by chance: three are compared.
+        known = [*(self.extrapolated or [recent[-1].at[-2:]]), at]
+        change = np.sum(np.abs(np.diff(known, axis=0)), axis=0) + 1e-12
+        if self.ending is None or np.max(change) < np.max(self.ending[1]):
+            self.ending = at, change
+        self.extrapolated = known[-2:]
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
             self._stop()
 
@@ -344,7 +342,9 @@ def _followed(
         if side:
             images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
         hops = np.round((images - np.roll(points, -1)) / TWO_PI)
-        equations = CurveEquations(family, hops, start.winding, start.kind, ranges, side)
+        equations = CurveEquations(
+            family, hops, start.winding, start.kind, ranges, side, start.jump
+        )
         guess = np.append(points, at) / equations.scales
         along = equations.direction(equations.spot(guess))
         begin = equations.solved(guess, along)

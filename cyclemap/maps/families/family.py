@@ -214,6 +214,15 @@ class ParameterTangent:
             total = total - self.member.derivative(base, 1) * carried
         return np.asarray(total)
 
+    def of_slopes(self, theta: Array, bend: Array) -> Array:
+        """∂F'/∂p at ``theta`` (radians) beside the breaks, where F'' is ``bend``."""
+        base = np.mod(theta, TWO_PI)
+        total = -self._carried(base, self.break_rates) * bend
+        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
+            slopes = member.derivative(base + self._carried(base, motion))
+            total += weight / self.step * slopes
+        return np.asarray(total)
+
     def _carried(self, theta: Array, motion: Array) -> Array:
         """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
         breaks = self.member.breaks

@@ -17,6 +17,7 @@ from cyclemap.maps.estimate import LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
 ITERATES = 40_000
 
@@ -156,22 +157,6 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 
 
 @dataclass(frozen=True)
-class LockingProof:
-    """Two angles that prove ρ = p/q of a nondecreasing lift.
-
-    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
-        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
-
-    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
-    lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
-    """
-
-    ratio: Fraction
-    below: float
-    above: float
-
-
-@dataclass(frozen=True)
 class RotationNumber:
     """A rotation number in turns a cycle.
 
@@ -233,6 +218,7 @@ def rotation_number(
     iterates: int = ITERATES,
     max_period: int = MAX_PERIOD,
     tolerance: float = 0.0,
+    proved: bool = False,
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
@@ -247,6 +233,12 @@ def rotation_number(
     tolerance : float, default 0.0
         Turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
         iterates are made.
+    proved : bool, optional
+        Make the bounds theorems by interval arithmetic (the extra ``proofs``), about the formula of
+        an exact, smooth lift as for ``periodic_points``, rounding and folds included. Of a lift
+        that is proved to rise, F' > 0, they come from its orbit from 0, about 0.2 ms an iterate,
+        and ``locked`` from the two angles of ``proof``; of any other from Fⁿ(θ) - θ at all θ, n ≤
+        6, and ``locked`` is None.
 
     Returns
     -------
@@ -291,6 +283,8 @@ def rotation_number(
     (0.26253675589882, True)
     """
     budget = _budget(circle_map, iterates, max_period, tolerance)
+    if proved:
+        return _proved_rotation(circle_map, budget)
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
@@ -422,6 +416,17 @@ def _monotone_rotation(
         if high - low <= 2.0 * tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
+
+
+def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
+    iterates, max_period, tolerance = budget
+    searched = rotation_number(
+        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
+    )
+    low, high = proved_rotation(circle_map, iterates, 2.0 * tolerance, searched.proof)
+    if low < high:
+        return _unlocked(circle_map, *_floats(low, high), iterates)
+    return RotationNumber(float(low), *_floats(low, low), low, searched.proof)
 
 
 class _PushedOrbit:

@@ -3,7 +3,7 @@ on its way to 1."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.maps.estimate import ANGLE
+from cyclemap.written import DIRECTION
 
 LAST = 100
 _LEAST = 20
@@ -52,7 +53,7 @@ class RestMultiplier:
     lower: float
     upper: float
     cycles: int
-    theta: float
+    theta: float = field(metadata=DIRECTION)
 
 
 def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:

@@ -5,7 +5,7 @@ one that wears.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,7 @@ from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
@@ -69,14 +70,14 @@ class SlowZone:
     ('stable', 0.7728, True)
     """
 
-    centre: float
-    arc: tuple[float, float]
+    centre: float = field(metadata=DIRECTION)
+    arc: tuple[float, float] = field(metadata=ANGLE)
     kind: str
     residence_cycles: Estimate
-    winding: int = 0
-    visits_a_cycle: float | None = None
-    visit_cycles: float | None = None
-    visit_spread: float | None = None
+    winding: int = field(default=0, metadata=UNWRITTEN)
+    visits_a_cycle: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_cycles: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_spread: float | None = field(default=None, metadata=UNWRITTEN)
 
     @property
     def whole_turn(self) -> bool:
@@ -120,9 +121,9 @@ class StaircaseSummary:
     (0.628319, None, ())
     """
 
-    mean_turn: float
+    mean_turn: float = field(metadata=ANGLE)
     mean_residence_cycles: float | None
-    step: float | None
+    step: float | None = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...]
 
     @property

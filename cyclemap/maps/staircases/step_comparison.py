@@ -4,7 +4,7 @@ each.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
+from cyclemap.written import CYCLES
 
 _FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
 
@@ -38,12 +39,12 @@ class VisitComparison:
 
     zone: SlowZone
     exits: int
-    mean: float | None
-    standard_error: float | None
+    mean: float | None = field(metadata=CYCLES)
+    standard_error: float | None = field(metadata=CYCLES)
     spread: float | None
-    predicted: float | None
+    predicted: float | None = field(metadata=CYCLES)
     ratio: float | None
-    mean_p_value: float | None
+    mean_p_value: float | None = field(metadata={"name": "p_value"})
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,7 @@ class StepComparison:
     length_error: float | None
     predicted_length: float | None
     ratio: float | None
-    net_steps: float | None
+    net_steps: float | None = field(metadata={"name": "steps"})
     expected_steps: float | None
     net_error: float | None
     pace_p_value: float | None

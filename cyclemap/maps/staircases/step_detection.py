@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
+from cyclemap.written import ANGLE
 
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
@@ -68,7 +69,7 @@ class Steps:
     visit_dwell: Whole
     visit_zone: Whole
     cycles: int
-    climb: float
+    climb: float = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...] = ()
 
     def __post_init__(self) -> None:

@@ -5,7 +5,7 @@ and what to change.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
+from cyclemap.written import DIRECTION
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
@@ -81,10 +82,10 @@ class Audit:
     theta: tuple[float, ...]
     reports: tuple[BiasReport, ...]
     alarm_rate: float
-    ordered: bool
-    covered: tuple[tuple[float, float], ...]
+    ordered: bool = field(metadata={"name": "order_known"})
+    covered: tuple[tuple[float, float], ...] = field(metadata=DIRECTION)
     reset: ResetEffect | None
-    others: int
+    others: int = field(metadata={"name": "pushes_of_other_sets"})
     posed: bool = False
 
     @property
@@ -128,6 +129,17 @@ class Audit:
         return (
             self.locked_from is None and covers_all and self.worth >= LEAST_WORTH * len(self.theta)
         )
+
+
+@dataclass(frozen=True, eq=False)
+class _LargestSet:
+    """The orientations of the largest set of the data, and what an `Audit` tells of them."""
+
+    theta: Array
+    ordered: bool
+    reset: ResetEffect | None = None
+    others: int = 0
+    posed: bool = False
 
 
 def audit(
@@ -176,7 +188,8 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others, posed = _orientations(data, loop)
+    largest = _largest_set(data, loop)
+    theta = largest.theta
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -184,26 +197,20 @@ def audit(
         reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    covered = covered_arcs(theta)
     return Audit(
         Path(name).name,
         monitor.path,
         tuple(reports),
         alarm_rate,
-        ordered,
-        covered,
-        reset,
-        others,
-        posed,
+        largest.ordered,
+        covered_arcs(theta),
+        largest.reset,
+        largest.others,
+        largest.posed,
     )
 
 
-def _orientations(
-    data: str | Path | PushTable, loop: CollectionLoop | None
-) -> tuple[Array, bool, ResetEffect | None, int, bool]:
-    """The orientations of the largest set, whether in order, what its resets did, the number of
-    other pushes, and whether poses after pushes are there.
-    """
+def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
     if (
         isinstance(data, (str, Path))
         and Path(data).is_file()
@@ -215,7 +222,7 @@ def _orientations(
             if loop is not None:
                 check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
             path = pairs.theta if pairs.path is None else pairs.path
-            return path, pairs.path is not None, None, 0, False
+            return _LargestSet(path, pairs.path is not None)
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
@@ -250,4 +257,5 @@ def _orientations(
             push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope
         )
     posed = bool(rows["theta1"].notna().any())
-    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed
+    others = len(table) - len(rows)
+    return _LargestSet(rows["theta0"].to_numpy(), ordered, reset, others, posed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.resets.monitor.arc_evidence import ArcEvidence
 from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.coverage import Coverage, CoverageState
+from cyclemap.written import DIRECTION
 
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
@@ -52,7 +53,7 @@ class Alarm:
 
     push: int
     kind: AlarmKind
-    directions: tuple[float, ...]
+    directions: tuple[float, ...] = field(metadata=DIRECTION)
     began: int | None
 
 
@@ -76,7 +77,7 @@ class Advice:
     """
 
     change_reset: bool
-    direction: float
+    direction: float = field(metadata=DIRECTION)
 
 
 @dataclass(frozen=True)
@@ -116,9 +117,9 @@ class BiasReport:
 
     push: int
     alarm: Alarm | None
-    rest_evidence: float
-    visit_evidence: float
-    threshold: float
+    rest_evidence: float = field(metadata={"name": "rest_log10"})
+    visit_evidence: float = field(metadata={"name": "visits_log10"})
+    threshold: float = field(metadata={"name": "threshold_log10"})
     rest: Rest | None
     useful_pushes: int | None
     recent_worth: float

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 CELLS = 720  # the circle is told in cells of half a degree
 _CENTRES = (np.arange(CELLS) + 0.5) * (TWO_PI / CELLS)
@@ -55,11 +56,11 @@ class CoverageState:
     """
 
     covered: float
-    largest_gap: float
-    gap_centre: float
-    least_covered: float
     effective_pushes: float
     gain: float
+    largest_gap: float = field(metadata=ANGLE)
+    gap_centre: float = field(metadata=DIRECTION)
+    least_covered: float = field(metadata=UNWRITTEN)
 
 
 class Crowding:
@@ -223,7 +224,7 @@ class NextAction:
     """
 
     number: int
-    lands: float
+    lands: float = field(metadata=DIRECTION)
     crowding: float
 
 
