@@ -22,6 +22,7 @@ from cyclemap.cli.json_report import (
 from cyclemap.cli.options import TableOptions, tell_what_was_read, told_columns
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.collection.lock_forecast import LockForecast, forecast_from_turns, sampled_turns
+from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
@@ -120,8 +121,8 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
 
 
 def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
-    """Forecasts from the last orientation; the maps of the samples, nearly all of the work, are
-    computed once.
+    """Forecasts from the last orientation, by the map that the log shows joined with what is
+    believed; the maps of the samples, nearly all of the work, are computed once.
     """
     material = loop.material
     if material.posterior is None or material.wear is not None:
@@ -138,9 +139,15 @@ def _forecasts(loop: CollectionLoop, sigma: float | None) -> LookAhead:
     with progress_bar(f"cycle maps of what is believed of {material.name}") as report:
         turns = sampled_turns(loop, report)
     noise, _ = noises_of(loop, loop.circle_map(_TOLERANCE), sigma)
-    return lambda monitor: forecast_from_turns(
-        turns, noise.sigma, _PUSHES_AHEAD, float(monitor.path[-1])
-    )
+
+    def forecast(monitor: BiasMonitor) -> Ahead:
+        logged = turns_after_log(turns, monitor.path, noise.sigma, _PUSHES_AHEAD)
+        start = float(monitor.path[-1])
+        return forecast_from_turns(
+            logged.turns, logged.sigma, _PUSHES_AHEAD, start, change=logged.change
+        )
+
+    return forecast
 
 
 def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_json: bool) -> None:

@@ -53,7 +53,21 @@ T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
 
 @dataclass(frozen=True, eq=False)
 class CycleTrajectory(Generic[T]):
-    """The course of a cycle in the world, whose origin is the reset's target."""
+    """The course of a cycle in the world, whose origin is the reset's target.
+
+    Attributes
+    ----------
+    push : Trajectory or DynamicTrajectory
+        The course of the push.
+    drag : Trajectory or DynamicTrajectory
+        The course of the drag back.
+
+    Examples
+    --------
+    >>> course = CollectionLoop.mit().cycle(0.0).trajectory
+    >>> course.push.pose.shape[1], str(course.drag.mode[0])
+    (3, 'ring')
+    """
 
     push: T
     drag: T
@@ -93,16 +107,26 @@ class Cycles:
 
     Attributes
     ----------
-    push_displacement : ndarray
-        (..., 2), m, initial object frame.
-    drag_length : ndarray
-        (...), m.
-    left : ndarray
-        (...), bool, where the rod lost the object before the push's distance was done.
+    theta : ndarray, shape (...)
+        Orientations before, rad.
+    push_turn : ndarray, shape (...)
+        Turns of the object by the push, rad.
+    push_displacement : ndarray, shape (..., 2)
+        Of the object's origin in its initial frame, m.
+    drag_turn : ndarray, shape (...)
+        Turns by the drag, rad.
+    drag_length : ndarray, shape (...)
+        Path of the ring, m.
+    theta_next : ndarray, shape (...)
+        Orientations after, rad on the lift.
+    left : ndarray of bool, shape (...)
+        Where the rod lost the object before the push's distance was done.
 
-    Notes
-    -----
-    theta, theta_next (lift), push_turn, drag_turn : (...), rad.
+    Examples
+    --------
+    >>> cycles = CollectionLoop.mit().cycles([[0.0, 1.0, 2.0]])
+    >>> cycles.push_displacement.shape, cycles.left.tolist()
+    ((1, 3, 2), [[True, False, False]])
     """
 
     theta: NDArray[np.float64]
@@ -168,7 +192,35 @@ _DRAWN = 60
 
 @dataclass(frozen=True, eq=False)
 class Cycle(StrokePair[PushResult, DragResult]):
-    """One push and reset, a `StrokePair`. loop : what was run."""
+    """One push and reset by the quasi-static model.
+
+    Attributes
+    ----------
+    loop : CollectionLoop
+        What was run.
+    theta : float
+        Orientation before, rad.
+    push : PushResult
+        The push.
+    drag : DragResult
+        The drag back.
+    push_turn, drag_turn : float
+        Turns of the object, rad.
+    push_displacement : ndarray, shape (2,)
+        Of the object's origin in its initial frame, m.
+    drag_length : float
+        Path of the ring, m.
+    theta_next : float
+        Orientation after, rad on the lift: theta + push_turn + drag_turn.
+    ended : str
+        Why the push ended, `distance`, or `left` where the rod lost the object.
+
+    Examples
+    --------
+    >>> cycle = CollectionLoop.mit("plywood").cycle(0.0)
+    >>> (1e3 * cycle.push_displacement).round(2).tolist(), round(math.degrees(cycle.theta_next), 3)
+    ([42.6, -66.68], 9.965)
+    """
 
     loop: CollectionLoop
 
@@ -209,11 +261,22 @@ class CycleSensitivity:
 
     Attributes
     ----------
+    theta : float
+        Orientation before, rad.
     theta_next : float
-        rad. `by("theta")` is d theta_next / d theta, the multiplier.
-    jacobian : ndarray
-        (6, k), derivatives of `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length,
-        theta_next) by `parameters`, SI units and radians.
+        Orientation after, rad. `by("theta")` is d theta_next / d theta, the multiplier.
+    jacobian : ndarray, shape (6, k)
+        Derivatives of `outputs` by `parameters`, SI units and radians.
+    parameters : tuple of str
+        Names of what was varied.
+    outputs : tuple of str
+        push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next.
+
+    Examples
+    --------
+    >>> sensitivity = CollectionLoop.mit("plywood").sensitivity(0.0)
+    >>> round(sensitivity.by("theta"), 3), round(sensitivity.by("mu_a", "push_turn"), 3)
+    (0.766, 1.319)
     """
 
     theta: float
@@ -235,6 +298,24 @@ class CycleSensitivity:
 @dataclass(frozen=True)
 class CollectionLoop:
     """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
+
+    Parameters
+    ----------
+    slider : Slider
+        The object that is pushed.
+    material : Material
+        The surface under it.
+    pusher : Pusher, optional
+        The rod.
+    push : SidePush, optional
+        Where and how it is pushed.
+    reset : DragBack, optional
+        How it is brought back: the drag by the ring.
+    footprint : Footprint or None, optional
+        How the weight is spread; None: evenly over the outline, leaning where the centre of
+        mass is not the centroid.
+    accuracy : float, default 1e-8
+        Error aimed at for a push or a drag, rad, as `QuasiStaticModel`'s.
 
     Notes
     -----
@@ -396,26 +477,27 @@ class CollectionLoop:
 
 
 def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
-    """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes
-    (k, n).
+    """Run one push and reset of each of k loops from each of n orientations.
 
     Parameters
     ----------
     loops : sequence of CollectionLoop
         Any mixture.
-    theta : array_like
-        (n,), rad, orientations that all loops start from, or (k, n), those of each.
+    theta : array_like, shape (n,) or (k, n)
+        Orientations that all loops start from, or those of each, rad.
 
     Returns
     -------
     Cycles
+        With the axes (k, n).
 
     Raises
     ------
-    what
-        That raises where a cycle is refused, telling which loop and orientation.
     InvalidInput
         For loops that are none, or thetas in another shape.
+    CycleMapError
+        What `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and
+        orientation.
 
     Notes
     -----

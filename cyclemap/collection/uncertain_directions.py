@@ -52,12 +52,19 @@ class DirectionInterval:
     Attributes
     ----------
     theta : float or None
-        rad, that of the stated numbers; None where they have none here.
+        That of the stated numbers, rad; None where they have none here.
     lower, upper : float
-        rad, lower in [0, 2π) and upper not before it, 95 % of the samples that have the
-        direction.
+        Bounds of 95 % of the samples that have the direction, rad, lower in [0, 2π) and upper
+        not before it.
     share : float
-        Of the samples that have it.
+        Share of the samples that have it, 0 to 1.
+
+    Examples
+    --------
+    >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
+    >>> (direction,) = found.directions
+    >>> direction.lower < direction.theta < direction.upper, direction.share
+    (True, 1.0)
     """
 
     theta: float | None
@@ -79,12 +86,20 @@ class DirectionUncertainty:
     method : str
         `first order` or `samples`.
     samples : int
-        How many.
+        How many samples.
     locks : int
         How many of them have a stable direction.
+    directions : tuple of DirectionInterval
+        The directions, those of the stated numbers and others that samples have.
     first_order_error : float or None
-        rad, the farthest that a direction of a sample run in full lay from its first order; inf
+        The farthest that a direction of a sample run in full lay from its first order, rad; inf
         where the first order has another number of directions, None where it was not tried.
+
+    Examples
+    --------
+    >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
+    >>> found.is_posterior, found.chance, found.samples
+    (False, 1.0, 2)
     """
 
     source: str
@@ -138,21 +153,33 @@ def direction_uncertainty(
 ) -> DirectionUncertainty:
     """Return how well the stable directions of a loop are known from its material's posterior.
 
+    Parameters
+    ----------
+    loop : CollectionLoop
+        Whose directions; its material may hold a posterior.
+    progress : callable or None, optional
+        Called with the fraction done.
+
     Returns
     -------
     DirectionUncertainty
-        How well the stable directions of a loop are known from its material's posterior.
+        An interval for each direction.
 
     Notes
     -----
-    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies
-    inside in 95 % of cases). A direction is a stable fixed point of the cycle map; places where
-    orbits gather about a jump are not among them. `progress` is called with the fraction done.
+    95 % intervals of samples alike likely (Hyndman & Fan 1996, type 6: a further sample lies inside
+    in 95 % of cases). A direction is a stable fixed point of the cycle map; places where orbits
+    gather about a jump are not among them.
+
+    References
+    ----------
+    Hyndman, R. J. & Fan, Y. (1996), Sample quantiles in statistical packages, The American
+    Statistician 50(4).
 
     Examples
     --------
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
-    >>> found.source, found.locks, [round(math.degrees(one.theta)) for one in found.directions]
+    >>> found.source, found.locks, [round(math.degrees(row.theta)) for row in found.directions]
     ('axis ratio', 2, [63])
     """
     report = progress or (lambda fraction: None)

@@ -31,7 +31,8 @@ push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_t
     by sort
 collected_blocks : the blocks of all data in files and folders
 friction_ellipse_from_scans, contact_force_ratio : from forces alone
-plan_pushes, PushPlan : which pushes to make, and what they will tell
+plan_pushes, PushPlan, table_to_fill : which pushes to make, what they will tell, the table for them
+measured_plan, MeasuredPlan, filled_text : what that table tells once it is filled in
 
 Comparing
 ---------
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
         measured_staircase,
     )
     from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
     from cyclemap.evidence.orientations.circular_distance import (
         CircularLaw,
         PValue,
@@ -103,6 +105,7 @@ if TYPE_CHECKING:
         simulated_ensemble,
     )
     from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+    from cyclemap.evidence.push_plan.plan_table import table_to_fill
     from cyclemap.evidence.push_probe import (
         Probe,
         command_push,
@@ -112,6 +115,7 @@ if TYPE_CHECKING:
     )
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+    from cyclemap.evidence.pushes.planned_table import filled_text
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
     from cyclemap.evidence.pushes.theta0_pairs import (
@@ -169,7 +173,14 @@ __all__ += [
     "kernel_modes",
 ]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += ["PushPlan", "plan_pushes"]
+__all__ += [
+    "MeasuredPlan",
+    "PushPlan",
+    "filled_text",
+    "measured_plan",
+    "plan_pushes",
+    "table_to_fill",
+]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += [
     "AngleHistogram",

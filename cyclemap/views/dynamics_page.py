@@ -34,7 +34,7 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         "coefficient; both models stand on the same support points"
     )
     turns, differences, places = style.panels(
-        figure, "abc", style.write_page(figure, title, told, foot)
+        figure, "abc", style.write_page(figure, title, told, foot), keys=2
     )
     for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
         theta = np.degrees(comparison.dynamic.theta)

@@ -31,7 +31,7 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
     )
     title = f"Batches of cycles on {experiment.loop.material.name}"
     room = style.write_page(figure, title, told, foot)
-    panels = iter(style.panels(figure, "abc;def", room))
+    panels = iter(style.panels(figure, "abc;def", room, keys=2))
     for run, name in named_runs(experiment):
         draw_paths(next(panels), run, f"{name}: robot's frame")
         draw_paths(next(panels), run, f"{name}: object's frame", in_object=True)

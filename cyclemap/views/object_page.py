@@ -45,7 +45,7 @@ def object_page(checked: CheckedCollection) -> Figure:
     figure = style.new_figure(11.0, 6.2 + 0.2 * len(words))
     name = "Collection" if loop is None else loop.slider.name
     room = style.write_page(figure, f"{name}, to scale", words)
-    setup, cycle = style.panels(figure, "ab", room)
+    setup, cycle = style.panels(figure, "ab", room, keys=2)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)

@@ -50,7 +50,7 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     title = f"Replayed on {material}"
     room = style.write_page(figure, title, [replay_headline(replayed)], foot)
     layout = style.rows_of(4, len(_SHARES))
-    places, distances, turns, angles, *courses = style.panels(figure, layout, room)
+    places, distances, turns, angles, *courses = style.panels(figure, layout, room, keys=2)
     _draw_whole(places, distances, replayed, "motion")
     _draw_whole(turns, angles, replayed, "turn")
     order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")

@@ -343,7 +343,7 @@ def parameters_line(portrait: Portrait) -> str:
     loop, law = portrait.loop, portrait.loop.material.friction
     ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
     friction = (
-        f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ "
+        f"friction μa {law.mu_a:.4g}, μb {law.mu_b:.4g}, m0 {law.m0:.4g}, n0 {law.n0:.4g}, φ "
         f"{angle(law.phi)}"
     )
     if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:

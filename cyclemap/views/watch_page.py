@@ -60,8 +60,9 @@ def draw_course(
     """Draw the orientations (rad) push by push, their rose, and what they are worth, by the
     monitor's reports; return the panel that is left, below the first.
     """
-    ratios = {"width_ratios": (1.9, 1.0)}
-    path, left, rose, worth = style.panels(figure, "ac;bd", room, "c", **ratios)
+    path, left, rose, worth = style.panels(
+        figure, "ac;bd", room, polar="c", width_ratios=(1.9, 1.0)
+    )
     draw_path(path, theta, reports[-1])
     draw_rose(rose, theta, reports[-1])
     draw_worth(worth, [report.coverage.effective_pushes for report in reports])

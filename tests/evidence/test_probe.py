@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from refusals import refused
+from scipy import stats
 
-from cyclemap.collection import CollectionLoop
+from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
@@ -49,6 +50,61 @@ def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
         and none.ratio[2] < 1.01
         and "No sign" in probe_sentences(none)[0]
     )
+
+
+AROUND = THETA[::6]
+
+
+def pushed(values: np.ndarray) -> np.ndarray:
+    """A dozen pushes on the ellipse with these components, as `Anisotropy` has them."""
+    friction = Anisotropy.of_components(values).friction(0.25)
+    made = replace(ISOTROPIC, accuracy=1e-7, material=Material("planted", friction)).cycles(AROUND)
+    return np.column_stack([made.push_displacement, made.push_turn])
+
+
+def test_intervals_of_a_dozen_pushes_are_those_of_linear_regression() -> None:
+    """About the ellipse that was planted, a second route: derivatives by differences, seven numbers
+    fitted.
+    """
+    planted, random = np.array([0.02, -0.01, 0.03, 0.01]), np.random.default_rng(3)
+    found = probe_pushes(AROUND, pushed(planted) + NOISE * random.normal(size=(12, 3)), ISOTROPIC)
+
+    def away(change: np.ndarray) -> np.ndarray:
+        return np.asarray(((change - change.mean(axis=0)) / found.noise).ravel())
+
+    steps = 1e-4 * np.eye(4)
+    by = np.stack([away(pushed(planted + s) - pushed(planted - s)) / 2e-4 for s in steps], axis=1)
+    moved, square, *_ = np.linalg.lstsq(by, away(found.change - pushed(planted)))
+    covariance = square[0] / (36 - 7) * np.linalg.inv(by.T @ by)
+    reach = math.sqrt(2.0 * stats.f.ppf(0.95, 2, 36 - 7))
+    angles = np.linspace(0.0, 2.0 * np.pi, 2001)
+    circle = reach * np.stack([np.cos(angles), np.sin(angles)])
+    intervals = found.offset, np.log(found.ratio) / 2.0
+    for part, interval in zip((slice(0, 2), slice(2, 4)), intervals, strict=True):
+        root = np.linalg.cholesky(covariance[part, part])
+        lengths = np.hypot(*((planted + moved)[part, None] + root @ circle))
+        expected = (np.hypot(*(planted + moved)[part]), lengths.min(), lengths.max())
+        assert interval == pytest.approx(expected, abs=0.01 * np.ptp(lengths))
+
+
+def test_the_p_value_is_the_share_of_aimless_pushes_that_show_as_much() -> None:
+    """Of 20,000 dozens of normal changes, by Wilks' determinants of what two harmonics leave."""
+    random = np.random.default_rng(5)
+    columns = [f(k * AROUND) for k in (0, 1, 2) for f in (np.cos, np.sin)]
+    design, _ = np.linalg.qr(np.stack([*columns[:1], *columns[2:]], axis=1))
+
+    def shown(change: np.ndarray) -> np.ndarray:
+        centred = change - change.mean(axis=-2, keepdims=True)
+        left = change - design @ (design.T @ change)
+        first, second = (np.swapaxes(part, -1, -2) @ part for part in (centred, left))
+        return np.asarray(np.linalg.det(first) / np.linalg.det(second))
+
+    aimless = shown(random.normal(size=(20_000, 12, 3)))
+    for _ in range(3):
+        change = pushed(np.zeros(4)) + NOISE * random.normal(size=(12, 3))
+        share = np.mean(aimless >= shown(change / NOISE))
+        assert 0.02 < share < 0.98
+        assert probe_pushes(AROUND, change, ISOTROPIC).p_value == pytest.approx(share, abs=0.015)
 
 
 @pytest.mark.slow

@@ -98,17 +98,17 @@ def friction_scan_block(
 
     Parameters
     ----------
-    scans : pandas.DataFrame or mapping
+    scans : pandas.DataFrame or mapping of str to array_like
         Columns, or arrays by these names: `direction` (rad, of the motion in the world),
         `force_along` and `force_across` (N, of the rod on the object, the second to the left of
         the motion).
     weight : float
-        N, of the object.
+        Of the object, N.
 
     Returns
     -------
     DataBlock
-        Friction scans as a block of data.
+        Forces along and across, N, on the parameters of the friction ellipse.
 
     Raises
     ------
@@ -123,10 +123,16 @@ def friction_scan_block(
     a direction's repeats have in common is not taken for evidence. With fewer than four
     directions each row stands for itself: so few groups cannot tell their scatter.
 
+    References
+    ----------
+    Ma, D. & Rodriguez, A. (2018), Friction variability in planar pushing data, IEEE Robotics and
+    Automation Letters 3(4), Eq. 2.
+
     Examples
     --------
     >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
-    >>> residual, _ = friction_scan_block(scans, 8.0).residuals(SurfaceParameters(math.log(0.25)).values())
+    >>> even = SurfaceParameters(math.log(0.25)).values()
+    >>> residual, _ = friction_scan_block(scans, 8.0).residuals(even)
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
@@ -180,19 +186,21 @@ def friction_scan_block(
 def friction_ellipse_from_scans(
     scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: float, noise: float | None = None
 ) -> Identification:
-    """Identify the friction ellipse from friction scans alone; arguments as in
-    `friction_scan_block`.
+    """Identify the friction ellipse from friction scans alone.
 
     Parameters
     ----------
-    noise : float, optional
-        N, of a scan's force component, if it is known. Over 200 seeded sets of 4 to 72
-        directions, twice each, intervals of 95 % held the truth in 90 to 99 %, also where the
-        repeats of a direction share most of their error.
+    scans : pandas.DataFrame or mapping of str to array_like
+        As in `friction_scan_block`.
+    weight : float
+        Of the object, N.
+    noise : float or None, optional
+        Of a scan's force component, N, if it is known.
 
     Returns
     -------
     Identification
+        The ellipse, with its intervals.
 
     Raises
     ------
@@ -201,8 +209,9 @@ def friction_ellipse_from_scans(
 
     Notes
     -----
-    Scans in fewer than three directions leave the ellipse open: the estimates then say that
-    they are not identifiable.
+    Over 200 seeded sets of 4 to 72 directions, twice each, intervals of 95 % held the truth in 90
+    to 99 %, also where the repeats of a direction share most of their error. Scans in fewer than
+    three directions leave the ellipse open: the estimates then say that they are not identifiable.
 
     Examples
     --------
@@ -220,15 +229,23 @@ class WrenchTwists:
     """Wrenches that kept an object moving, and its twists then, both in its own frame about its
     origin.
 
+    Parameters
+    ----------
+    wrench : array_like, shape (n, 3)
+        N, N, N m, of the pusher on the object.
+    twist : array_like, shape (n, 3)
+        m/s, m/s, rad/s, none of them zero.
+
     Raises
     ------
     InvalidInput
         For shapes that do not agree, what is not finite, rest, and wrenches of the wrong sign.
 
-    Notes
-    -----
-    wrench (n, 3) : N, N, N m, of the pusher on the object. twist (n, 3) : m/s, m/s, rad/s, none
-    of them zero.
+    Examples
+    --------
+    >>> data = WrenchTwists([[0.0, 2.0, 0.0]], [[0.0, 0.01, 0.0]])
+    >>> data.twist.shape
+    (1, 3)
     """
 
     wrench: Array
@@ -299,12 +316,19 @@ def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> W
 
 
 def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
-    """Return pairs of wrench and twist as a block of data on `friction_scale`, the floor's dome and
-    the plate's shape.
+    """Return pairs of wrench and twist as a block of data.
+
+    Parameters
+    ----------
+    data : WrenchTwists
+        Wrenches and twists, in the object's frame.
+    slider : Slider
+        The object.
 
     Returns
     -------
     DataBlock
+        Forces, N, on `friction_scale`, the floor's dome and the plate's shape.
 
     Notes
     -----
@@ -315,6 +339,11 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     The object's orientation in the world is not in such data: friction is taken as isotropic,
     and a floor's bow, which the plate turns against, is left out. Twists are taken as exact:
     their noise makes weight near the rim look less.
+
+    References
+    ----------
+    Goyal, S., Ruina, A. & Papadopoulos, J. (1991), Planar sliding with dry friction, part 1: limit
+    surface and moment function, Wear 143.
 
     Examples
     --------

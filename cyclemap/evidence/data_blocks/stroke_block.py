@@ -98,20 +98,39 @@ def push_end_block(
     target: Place | None = None,
     first_set: int | None = None,
 ) -> DataBlock:
-    """Return the block of where pushes ended: place (m) and orientation (rad), grouped by contact.
+    """Return the block of where pushes ended.
+
+    Parameters
+    ----------
+    pushes : sequence of MeasuredPush
+        The pushes.
+    slider : Slider
+        The object.
+    target : tuple[float, float] or None, optional
+        (x, y), m, where resets end: how the floor's shape varies with the place about it is
+        then an unknown, too.
+    first_set : int or None, optional
+        Where rods were set by marks on the object, the number of the first push; each is then
+        off its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]` of
+        the seventh.
 
     Returns
     -------
     DataBlock
-        The block of where pushes ended: place (m) and orientation (rad), grouped by contact.
+        Place (m) and orientation (rad), grouped by contact.
 
     Notes
     -----
-    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to
-    have them in the frame of the object's poses. Where rods were set by marks on the object,
-    each is off its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]`
-    of the seventh; first_set is then the number of the first. With a target (m, where resets
-    end), also how the floor's shape varies with the place about it.
+    Its own unknowns are `tip_offset_x`, `tip_offset_y`: what to add to the robot's places to have
+    them in the frame of the object's poses.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import Pose
+    >>> push = MeasuredPush(Pose(), Pose(0.0, -0.03, 0.2), (0.0, 0.05), (0.0, 0.01))
+    >>> block = push_end_block([push], Slider.mit("rect1"))
+    >>> sorted(set(block.kinds.tolist()))
+    ['push place (m)', 'push turn (rad)']
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pusher_friction")
     shifts = TIP_OFFSET if first_set is None else rods_set(first_set, len(pushes))
@@ -157,19 +176,29 @@ def rods_set(first: int, count: int) -> tuple[Parameter, ...]:
 def drag_turn_block(
     drags: Sequence[MeasuredDrag], slider: Slider, target: Place | None = None
 ) -> DataBlock:
-    """Return the block of how far drags turned the object (rad), each ring going straight to where
-    it ended.
+    """Return the block of how far drags turned the object, each ring going straight to where it
+    ended.
 
     Parameters
     ----------
-    target : Place, optional
+    drags : sequence of MeasuredDrag
+        The drags.
+    slider : Slider
+        The object.
+    target : tuple[float, float] or None, optional
         As of `push_end_block`.
 
     Returns
     -------
     DataBlock
-        The block of how far drags turned the object (rad), each ring going straight to where it
-        ended.
+        Turns, rad.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import Pose
+    >>> block = drag_turn_block([MeasuredDrag(Pose(), Pose(0.05, 0.0, -0.4))], Slider.mit("rect1"))
+    >>> block.kinds.tolist(), block.groups.tolist()
+    (['drag turn (rad)'], [0])
     """
     names = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES, "pin_friction_radius")
 
@@ -395,21 +424,23 @@ def cycle_pair_block(
     share: ArrayLike | None = None,
     nodes: int = NODES,
 ) -> DataBlock:
-    """Return the block of measured turns of whole cycles, rad, set against the cycle map of a loop.
+    """Return the block of measured turns of whole cycles, set against the cycle map of a loop.
 
     Parameters
     ----------
     loop : CollectionLoop
         Who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
         unknowns'.
-    theta, turn : array_like
-        (n,) rad, orientation before a push and how far the cycle turned the object.
-    groups : Labels
-        (n,) labels.
-    share : array_like, optional
-        (n,) or None: how worn the surface was, 0 fresh to 1 at the end of the data; the turn is then
-        blended linearly between the two, its ends having an ellipse and a floor each, the worn
-        one's `worn_...`.
+    theta : array_like, shape (n,)
+        Orientation before a push, rad.
+    turn : array_like, shape (n,)
+        How far the cycle turned the object, rad.
+    groups : array_like of int, shape (n,)
+        Rows of one label share their errors.
+    share : array_like, shape (n,), optional
+        How worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
+        linearly between the two, its ends having an ellipse and a floor each, the worn one's
+        `worn_...`.
     nodes : int, optional
         Angles at which cycles are computed; between them a trigonometric polynomial, so the map
         must be smooth.
@@ -417,12 +448,21 @@ def cycle_pair_block(
     Returns
     -------
     DataBlock
-        The block of measured turns of whole cycles, rad, set against the cycle map of a loop.
+        Turns, rad.
 
     Raises
     ------
     InvalidInput
         Where shapes differ or nothing is given.
+
+    Examples
+    --------
+    >>> from cyclemap.collection import CollectionLoop
+    >>> loop = CollectionLoop.mit("isotropic")
+    >>> theta = np.linspace(0.0, 6.0, 4)
+    >>> block = cycle_pair_block(loop, theta, loop.next_theta(theta) - theta, [0, 1, 2, 3])
+    >>> bool(np.abs(block.residuals(SurfaceParameters().values())[0]).max() < 1e-6)
+    True
     """
     angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
     if angles.size == 0 or measured.shape != angles.shape:

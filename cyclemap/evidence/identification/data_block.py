@@ -68,31 +68,33 @@ Function = Callable[[Values], tuple[Array, Array]]
 class DataBlock:
     """Data of one sort, set against a prediction that depends on named parameters.
 
-    Attributes
+    Parameters
     ----------
+    name : str
+        Names the data in print, unlike that of any other block.
     parameters : tuple of str
         Names of the k unknowns.
-    function : Function
+    function : callable
         Values by name -> residuals (n,), predicted less measured in the data's own units, and
-        derivatives (n, k). Where the model has no answer it raises InvalidInput, ConvergenceError
-        or UnsupportedContact, and the search turns back.
-    groups : Labels
-        (n,) whole numbers; rows of one label share their errors and are left out together.
-    kinds : Kinds
-        (n,) which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
+        derivatives (n, k). Where the model has no answer it raises InvalidInput,
+        ConvergenceError or UnsupportedContact, and the search turns back.
+    groups : array_like of int, shape (n,)
+        Rows of one label share their errors and are left out together.
+    kinds : str or array_like of str, shape (n,)
+        Which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
         does for all.
-    own_parameters : tuple of Parameter
+    own_parameters : tuple of Parameter, default ()
         Unknowns that belong to these data alone.
-    part : callable or None
+    part : callable or None, optional
         Rows (m,) -> the function of these rows alone, where that is quicker than to leave out
         the others.
-    motions : ndarray or None
-        (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures.
-    curve : callable or None
+    motions : ndarray, shape (s, 2), or None
+        Orientation before each stroke or cycle and its measured turn, rad, for pictures.
+    curve : callable or None, optional
         Of cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
-    asked : tuple of str
+    asked : tuple of str, default ()
         What `function` calls the parameters, where they have other names.
-    stayed : callable or None
+    stayed : callable or None, optional
         Of strokes: values -> after how many the object is taken to be where it was, since the
         rod misses it or the motion has no answer.
 
@@ -103,7 +105,9 @@ class DataBlock:
 
     Examples
     --------
-    >>> line = DataBlock("line", ("slope",), lambda v: (v["slope"] - np.ones(2), np.ones((2, 1))), [0, 1], "m")
+    >>> def function(values):
+    ...     return values["slope"] - np.ones(2), np.ones((2, 1))
+    >>> line = DataBlock("line", ("slope",), function, groups=[0, 1], kinds="m")
     >>> line.residuals({"slope": 3.0})[0]
     array([2., 2.])
     """

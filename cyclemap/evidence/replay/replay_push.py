@@ -172,23 +172,23 @@ class Replay:
 
     Attributes
     ----------
-    time : ndarray
-        (n,) s.
-    measured, predicted : ndarray
-        (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : ndarray
-        (n,) m, the rod's way along its path.
-    tip : ndarray
-        (n, 2) m, its place.
-    outline : ndarray
-        (k, 2) m, the object's, closed.
-    shift : ndarray
-        (2,) m, by which the recorded path was moved: the offset that was given, and what takes
-        the rod out of the object at the start.
+    time : ndarray, shape (n,)
+        Of the recorded poses, s.
+    measured, predicted : ndarray, shape (n, 3)
+        x, y (m) and theta (rad, counted along the series).
+    travel : ndarray, shape (n,)
+        The rod's way along its path, m.
+    tip : ndarray, shape (n, 2)
+        Its place, m.
+    shift : ndarray, shape (2,)
+        By which the recorded path was moved, m: the offset that was given, and what takes the
+        rod out of the object at the start.
+    outline : ndarray, shape (k, 2)
+        The object's, closed, m.
     start_gap : float
-        m, between rod and object there with the offset alone; negative: they overlap.
+        Between rod and object at the start with the offset alone, m; negative: they overlap.
     straightness : float
-        m, how far the path leaves its chord.
+        How far the path leaves its chord, m.
     strokes : int
         How many straight pushes stand for it.
     touched, left : bool
@@ -198,6 +198,16 @@ class Replay:
         neither does.
     leaving_agrees : bool
         Whether the rod ends over 3 mm from both objects, or from neither.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
+    >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+    >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
+    >>> replay = replay_push(PushRecord(still, tip, still), model)
+    >>> replay.touched, replay.strokes, round(float(replay.error[-1]), 5)
+    (True, 1, 0.00975)
     """
 
     time: Array
@@ -259,17 +269,28 @@ class Replay:
 def replay_push(
     record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)
 ) -> Replay:
-    """Push the model's slider from the record's first pose along the record's tip path.
+    """Push the model's slider from a record's first pose along the record's tip path.
+
+    Parameters
+    ----------
+    record : PushRecord
+        The recording.
+    model : QuasiStaticModel
+        Slider, surface and rod.
+    offset : tuple[float, float], default (0.0, 0.0)
+        What is added to the path, (x, y), m.
 
     Returns
     -------
     Replay
+        The recorded push beside its prediction.
 
     Raises
     ------
     InvalidInput
-        For a larger overlap or a tip that does not move; UnsupportedContact and
-        ConvergenceError as `QuasiStaticModel.push` does.
+        For a rod that overlaps the object by more than 5 mm, or a tip that does not move.
+    UnsupportedContact, ConvergenceError
+        As `QuasiStaticModel.push` does.
 
     Notes
     -----

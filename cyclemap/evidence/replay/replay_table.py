@@ -120,8 +120,8 @@ def dataset_sliders() -> dict[str, Slider]:
 
     Returns
     -------
-    dict[str, Slider]
-        The objects of the MIT push dataset by the names that its files use.
+    dict of str to Slider
+        The eleven objects.
 
     Notes
     -----
@@ -143,19 +143,34 @@ def dataset_sliders() -> dict[str, Slider]:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPushes:
-    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the
-    order of the table.
+    """Pushes replayed.
 
     Attributes
     ----------
     table : pandas.DataFrame
-        `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
-        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus
-        measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic friction
-        under even pressure; `rms_error`, `rms_turn_error`: along the rod's path.
+        A row a push. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`,
+        `angle`, `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted
+        minus measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic
+        friction under even pressure; `rms_error`, `rms_turn_error`: along the rod's path.
         `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn`
         (rad), `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`,
         `leaving_agrees`: as in `Replay`.
+    replays : tuple of Replay
+        The replays, in the order of the table.
+    not_replayed : tuple of UnreadableFile
+        The files left out, each with the reason.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import simulate_collection
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     made = simulate_collection(loop, f"{place}/made", 2)
+    ...     replayed = replay_pushes(made.folder, loop.material.friction)
+    >>> replayed.not_replayed, replayed.by("object")["count"].tolist()
+    ((), [2])
     """
 
     table: pandas.DataFrame
@@ -226,31 +241,35 @@ def replay_pushes(
 
     Parameters
     ----------
+    path : str or Path
+        A file, a folder or a tree.
     friction : EllipseFriction
         Of the surface; of an isotropic one the coefficient changes no motion.
-    sliders : mapping, optional
+    pusher : Pusher, optional
+        The rod.
+    sliders : mapping of str to Slider or None, optional
         The objects by the names in the files; None: those of the dataset, `butter` among them.
-    plates : sequence of PlatePressure, optional
+    plates : sequence of PlatePressure, default ()
         How objects rest on the surface, by the same names; the others are flat, or as built in
         where the floor has a shape.
-    floor : SurfaceShape, optional
-        Its shape, kPa at 50 mm;
-    sessions : sequence of FloorSession, optional
-        Its shapes in sessions that were seen, taken for pushes of their plate and speed.
-    field : FloorField, optional
-        How the floor's shape varies with the place about the dataset's target, kPa.
-    frames : sequence of FrameShift, optional
+    frames : sequence of FrameShift, default ()
         How the frames of each plate's data are shifted.
-    select : mapping, optional
-        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is
-        replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what
-        is known of surface and plates is worth what it gains on that.
-    progress : callable, optional
+    floor : SurfaceShape, optional
+        The floor's shape, kPa at 50 mm.
+    sessions : sequence of FloorSession, default ()
+        The floor's shapes in sessions that were seen, taken for pushes of their plate and
+        speed.
+    field : FloorField or None, optional
+        How the floor's shape varies with the place about the dataset's target, kPa.
+    select : mapping of str to str or float or None, optional
+        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep.
+    progress : callable or None, optional
         Called with the fraction done.
 
     Returns
     -------
     ReplayedPushes
+        A row a push, and what was left out.
 
     Raises
     ------
@@ -260,13 +279,27 @@ def replay_pushes(
     Notes
     -----
     The layout is that of the MIT dataset, or CSV with a row a push: poses before and after
-    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`),
-    which went straight from one to the other.
+    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which
+    went straight from one to the other.
 
-    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the
-    start, a contact outside the model, a table of end poses without a tip path, a robot more
-    than 5 mm from where it was sent, a file that cannot be read - is listed in `not_replayed`
-    with the reason.
+    Each push is replayed on isotropic friction, all flat, too, with the same rod, no frame shifted:
+    what is known of surface and plates is worth what it gains on that.
+
+    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a
+    contact outside the model, a table of end poses without a tip path, a robot more than 5 mm from
+    where it was sent, a file that cannot be read - is listed in `not_replayed` with the reason.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import simulate_collection
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     made = simulate_collection(loop, f"{place}/made", 2)
+    ...     table = replay_pushes(made.folder, loop.material.friction).table
+    >>> (table["error"] < 0.2 * table["isotropic_error"]).tolist()
+    [True, True]
     """
     import pandas
 

@@ -193,6 +193,8 @@ class MeasuredCycleMap:
 
     Attributes
     ----------
+    pairs : Theta0Pairs
+        The measured steps.
     fitted : FittedMap
         With scatter that may depend on the angle and wear in time (of degree 0 where it was not
         asked for, or the order of the cycles is unknown).
@@ -204,6 +206,17 @@ class MeasuredCycleMap:
     forecast : WornForecast or None
         None where the order of the pushes is unknown, or the map's paths leave the measured
         orientations.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> pairs = Theta0Pairs(theta[:-1], theta[1:], path=theta)
+    >>> found = measured_cycle_map(pairs, harmonics=1, wear=False, runs=20)
+    >>> found.wears, round(found.late.slowest.theta, 1)
+    (False, 4.7)
     """
 
     pairs: Theta0Pairs
@@ -233,18 +246,25 @@ def measured_cycle_map(
 
     Parameters
     ----------
-    harmonics : int, optional
+    pairs : Theta0Pairs
+        The measured steps.
+    harmonics : int or None, optional
         The order; None chooses it, together with the degree of the wear, by cross-validation
         over blocks of successive cycles; the degree is that of least error where there is wear
         at all.
-    wear : bool, optional
+    wear : bool, default True
         False keeps the map the same in all cycles.
     runs : int, optional
         Paths of each forecast.
+    seed : int, default 0
+        Of the blocks and the paths.
+    progress : callable, optional
+        Called with the fraction done.
 
     Returns
     -------
     MeasuredCycleMap
+        The map, where it is slow, and what its paths do.
 
     Raises
     ------
@@ -252,6 +272,17 @@ def measured_cycle_map(
         For fewer than 20 pairs, and where they do not fix the map.
     ConvergenceError
         Where the scatter could not be fitted.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> pairs = Theta0Pairs(theta[:-1], theta[1:], path=theta)
+    >>> found = measured_cycle_map(pairs, harmonics=1, wear=False, runs=20)
+    >>> round(found.fitted.sigma, 2), found.late.fixed_points
+    (0.05, ())
     """
     if pairs.theta.size < FEWEST:
         raise InvalidInput(

@@ -48,21 +48,33 @@ class Audit:
     Attributes
     ----------
     name : str
-        Of the data.
+        That of the data.
     theta : tuple of float
         Its orientations, rad, in order.
     reports : tuple of BiasReport
-        Of the monitor after each, its chance of a false alarm being `alarm_rate`.
+        Of the monitor after each.
+    alarm_rate : float
+        The monitor's chance of a false alarm.
     ordered : bool
         Whether their order is known.
-    covered : tuple[tuple[float, float], ...]
+    covered : tuple of tuple[float, float]
         Arcs (from, to), rad, with no gap of 20 degrees.
     reset : ResetEffect or None
-        None where the data do not tell poses before and after pushes.
+        What the reset did; None where the data do not tell poses before and after pushes.
     others : int
         Pushes of other sets in the data, left out.
     posed : bool
         Whether poses after pushes are there, at least.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{137.5 * push % 360}\\n" for push in range(40))
+    ...     count = Path(place, "even.csv").write_text(text)
+    ...     found = audit(f"{place}/even.csv")
+    >>> found.report.alarm is None, found.is_good, found.others
+    (True, True, 0)
     """
 
     name: str
@@ -130,16 +142,29 @@ def audit(
     Parameters
     ----------
     data : str or Path or PushTable
-        a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
+        A path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
         sets pushed alike the one of most pushes is taken.
-    loop : CollectionLoop, optional
-        That made them, where it is known: the sense of angles is tested by it, else by whether
-        pushes alike move the object alike. Raises OtherConvention where it is another,
-        InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    loop : CollectionLoop or None, optional
+        The loop that made them, where it is known: the sense of angles is tested by it, else by
+        whether pushes alike move the object alike.
+    alarm_rate : float, optional
+        Chance, in (0, 1), that the monitor raises an alarm on a collection without bias.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     Audit
+        The monitor's reports, and what the data cover.
+
+    Raises
+    ------
+    OtherConvention
+        Where the sense of angles is another.
+    InvalidInput
+        For fewer than 10 pushes.
+    DataFileError
+        For a bad file.
 
     Examples
     --------

@@ -140,7 +140,7 @@ class RestEvidence:
 
 @dataclass(frozen=True)
 class Rest:
-    """Where θ0 rests, rad in [0, 2π), one direction for each push of the period.
+    """Where θ0 rests, one direction for each push of the period.
 
     Attributes
     ----------
@@ -148,9 +148,16 @@ class Rest:
         Push at which it began, counted from the first one fed, to within the window of the
         rule.
     directions : tuple of float
-        Where it is by now.
+        Where it is by now, rad in [0, 2π).
     towards : tuple of float
-        Where its last steps lead.
+        Where its last steps lead, rad in [0, 2π).
+
+    Examples
+    --------
+    >>> from cyclemap.resets import watch
+    >>> rest = watch([0.5] * 20)[-1].rest
+    >>> rest.began, [round(direction, 3) for direction in rest.directions]
+    (0, [0.5])
     """
 
     began: int
