@@ -17,7 +17,7 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views import style
-from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
+from cyclemap.views.experiment_page import draw_place_differences, draw_turn_differences, largest
 
 from .catalogue import MeasuredFolder
 

@@ -9,7 +9,7 @@ from cyclemap.cli.options import TableOptions, readable_data
 from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.resets.monitor.audit import audit
-from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
+from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
 
 
 def run_audit(

@@ -14,7 +14,7 @@ from cyclemap.collection.dynamic_loop import (
     isotropic_twin,
 )
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
+from cyclemap.views.experiment_page import difference_sentence, dynamics_page
 
 COLUMNS = (
     "law",

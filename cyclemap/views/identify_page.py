@@ -115,7 +115,7 @@ def draw_ellipses(axes: Axes, ellipses: Mapping[str, Array], measured: Array | N
         axes.plot(*measured.T, label="friction scans", **style.DOTS)
     for (name, ellipse), look in zip(ellipses.items(), style.LINES, strict=False):
         axes.plot(*ellipse.T, label=name, **look)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    style.cross(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
@@ -151,7 +151,7 @@ def draw_places(axes: Axes, errors: Array) -> None:
     axes.plot(x, y, label="pushes", **style.DOTS)
     around = half * np.stack([np.cos(map_panels.CIRCLE), np.sin(map_panels.CIRCLE)])
     axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    style.cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
 

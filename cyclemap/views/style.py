@@ -405,6 +405,11 @@ def arrow(
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
 
 
+def cross(axes: Axes, place: Any = (0.0, 0.0), colour: str = QUIET, **look: Any) -> None:
+    """A cross at a place of the data, (2,): a centre, or the origin."""
+    axes.plot(*place, "+", **{"color": colour, "markersize": 8.0, "zorder": 5, **look})
+
+
 def say(axes: Axes, words: str) -> None:
     """Words in the middle of a panel that has nothing to draw."""
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=QUIET)
