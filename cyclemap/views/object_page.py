@@ -69,9 +69,9 @@ def draw_rod(axes: Axes, place: Array, radius: float, **look: Any) -> None:
     axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
 
 
-def draw_way(axes: Axes, places: Array, mark: str = "-", **look: Any) -> None:
-    """A way, or marks, at places (n, 2), m, in millimetres."""
-    axes.plot(*(MM * places).T, mark, **look)
+def draw_way(axes: Axes, places: Array, *mark: str, **look: Any) -> None:
+    """A way, or marks of Matplotlib's, at places (n, 2), m, in millimetres."""
+    axes.plot(*(MM * places).T, *mark, **look)
 
 
 def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
