@@ -36,6 +36,7 @@ class UniformNoise:
     """
 
     halfwidth: float
+    sigma = None
 
     def __post_init__(self) -> None:
         width = finite_number("halfwidth", self.halfwidth)
@@ -136,6 +137,7 @@ class VonMises:
 
     kappa: float
     jump = 0.0
+    sigma = None
 
     def __post_init__(self) -> None:
         concentration = finite_number("kappa", self.kappa)

@@ -30,6 +30,10 @@ class Noise(Protocol):
         """Variance of one draw on the real line, radians²; inf where there is none."""
 
     @property
+    def sigma(self) -> float | None:
+        """The standard deviation of a normal law, radians; None of any other."""
+
+    @property
     def jump(self) -> float:
         """h where the density is even on [-h, h] and jumps to nothing there, radians; 0 where it is
         smooth.
@@ -57,6 +61,15 @@ class Noise(Protocol):
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Independent draws on the real line, radians."""
+
+
+def required_noise(noise: Noise | None) -> Noise:
+    """The noise, or InvalidInput where there is none."""
+    if not isinstance(noise, Noise):
+        raise InvalidInput(
+            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
+        )
+    return noise
 
 
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
@@ -203,6 +216,7 @@ class WrappedCauchy:
 
     r: float
     jump = 0.0
+    sigma = None
 
     def __post_init__(self) -> None:
         length = finite_number("r", self.r)

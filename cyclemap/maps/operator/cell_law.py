@@ -19,6 +19,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.noise.cells import Cells, cells_between
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
 
 NOISELESS_CELLS = 1_024
@@ -109,6 +110,10 @@ class CellDiscretisation:
             0.5 * order * width / np.pi
         )
 
+    def cycle(self, law: Any) -> Any:
+        """(n,): the masses after one cycle; or columns of several."""
+        return self.matrix @ law
+
     def refined(self) -> CellDiscretisation:
         """The same with twice as many cells."""
         return replace(self, count=2 * self.count)
@@ -144,6 +149,14 @@ class CellLaw(StationaryLaw):
     """
 
     basis: CellDiscretisation
+
+    @property
+    def smooth_basis(self) -> FourierDiscretisation:
+        """Refused: InvalidInput."""
+        raise InvalidInput(
+            f"the noise is {self.basis.noise!r}: this needs one with a smooth density, as "
+            "WrappedNormal has"
+        )
 
     @cached_property
     def variation(self) -> float:

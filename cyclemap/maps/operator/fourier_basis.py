@@ -71,6 +71,9 @@ class Discretisation(Protocol):
     def moments(self, order: int) -> Any:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
 
+    def cycle(self, law: Any) -> Any:
+        """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
+
     def refined(self) -> Self:
         """A finer basis, for errors."""
 

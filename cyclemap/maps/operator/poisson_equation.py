@@ -17,7 +17,6 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 from cyclemap.maps.quadrature import arc_rule
 
@@ -99,6 +98,11 @@ class FourierLaw(StationaryLaw):
     """The stationary law in Fourier modes, and how far it is from the true one."""
 
     basis: FourierDiscretisation
+
+    @property
+    def smooth_basis(self) -> FourierDiscretisation:
+        """The basis, for what needs a smooth density."""
+        return self.basis
 
     def density(self, theta: Array) -> Array:
         """The density per radian at angles, shape (m,)."""
@@ -268,7 +272,7 @@ class FourierLaw(StationaryLaw):
             )
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
-        if not isinstance(basis.noise, WrappedNormal):
+        if basis.noise.sigma is None:
             raise InvalidInput(
                 f"the noise is {basis.noise!r}: a diffusion constant is computed for "
                 "WrappedNormal; else sample_staircases tells how paths spread"

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
+from cyclemap.maps.operator.fourier_basis import Discretisation
 
 Complex = npt.NDArray[np.complex128]
 
@@ -245,7 +245,7 @@ def _error_bounds(
     same : (k, k), which values are copies of one: these move by the eigenvalues of their block, at
         most its row sums.
     """
-    if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
+    if finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.
         carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
         carried = np.ascontiguousarray(carried).view(np.complex128)

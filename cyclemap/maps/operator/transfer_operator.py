@@ -317,14 +317,9 @@ class TransferOperator:
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
-        if not isinstance(self.law, FourierLaw):
-            raise InvalidInput(
-                f"the noise is {self.noise!r}: metastable sets need a smooth density, as "
-                "WrappedNormal has"
-            )
-        spectrum = self._leading
+        basis, spectrum = self.law.smooth_basis, self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
-        chain = slow_chain(self.law.basis, spectrum, grid)
+        chain = slow_chain(basis, spectrum, grid)
         if chain is None:
             return ()
         errors = leaving_errors(chain, spectrum, grid)

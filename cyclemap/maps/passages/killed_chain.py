@@ -15,7 +15,7 @@ from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.quadrature import arc_rule
 
 Arc = tuple[float, float]
@@ -214,10 +214,7 @@ def killed_chain(
     """
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
-    if not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
-        )
+    noise = required_noise(noise)
     if noise.jump > 0.0:
         raise InvalidInput(
             f"{noise!r} has a density that jumps, which this method cannot resolve: take a "
