@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
@@ -35,7 +36,7 @@ class ParametricLift:
         it at once.
     derivative : ParametricFunction or None
         The same for F', or None: then differences.
-    breaks : Any
+    breaks : array_like
         radians, the same for the whole family, where F jumps or F' does.
     nondecreasing : Callable[..., Any] or None
         ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls;
@@ -60,7 +61,7 @@ class ParametricLift:
 
     lift: ParametricFunction
     derivative: ParametricFunction | None = None
-    breaks: Any = ()
+    breaks: ArrayLike = ()
     nondecreasing: Callable[..., Any] | None = None
     circle_map: Callable[..., CircleMap] | None = None
     max_error: float = 0.0
@@ -87,7 +88,7 @@ class ParametricLift:
             partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error
         )
 
-    def rises(self, *parameters: Any) -> Mask:
+    def rises(self, *parameters: ArrayLike) -> Mask:
         """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each,
         result (n,).
         """
@@ -201,7 +202,7 @@ class ParameterTangent:
     motions: tuple[Array, ...]
     break_rates: Array
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """∂F/∂p at ``theta`` (radians)."""
         base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
         total = np.zeros_like(base)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
@@ -52,7 +52,12 @@ class LyapunovExponents:
 
 
 def orbit_diagram(
-    family: Family, values: Any, *, cycles: int = 200, transient: int = 500, start: float = _START
+    family: Family,
+    values: ArrayLike,
+    *,
+    cycles: int = 200,
+    transient: int = 500,
+    start: float = _START,
 ) -> OrbitDiagram:
     """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient``
     cycles that are left out.
@@ -61,7 +66,7 @@ def orbit_diagram(
     ----------
     family : Family
         Parameter → CircleMap.
-    values : Any
+    values : array_like
         Shape (m,), in the order in which they are gone through: each orbit starts where the one
         before has ended (the first at ``start``, radians), so that an attractor is followed for
         as long as it lasts; through the values in reverse order the other branch of a
@@ -95,7 +100,7 @@ def orbit_diagram(
 
 def lyapunov_exponents(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number
@@ -106,7 +106,7 @@ class Response:
     far: ParameterTangent
 
     @one_thread
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
         moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()).T)

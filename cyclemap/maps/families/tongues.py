@@ -10,6 +10,7 @@ from math import gcd
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -406,7 +407,7 @@ def rotation_ratio(ratio: Any) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Any], second: Any, parameters: Range
+    family: Family, ratios: Sequence[Any], second: ArrayLike, parameters: Range
 ) -> TongueBoundaries:
     """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of
     ``second``.
@@ -415,7 +416,7 @@ def tongues(
     ----------
     family : Family
         Nowhere falling in its first parameter.
-    second : Any
+    second : array_like
         Shape (m,), in the order in which it is followed: each edge is sought near the line
         through the last two.
     parameters : Range

@@ -11,6 +11,7 @@ from math import floor
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
@@ -110,7 +111,7 @@ class PiecewiseCubic:
 
 
 def cubic_from_samples(
-    theta: Any, lifted: Any, slopes: Any, degree: int
+    theta: ArrayLike, lifted: ArrayLike, slopes: ArrayLike | None, degree: int
 ) -> tuple[PiecewiseCubic, Array, int]:
     """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample
     points.
@@ -130,7 +131,9 @@ def cubic_from_samples(
     return pieces, np.unique(base_angles(breaks)), given
 
 
-def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
+def _checked(
+    theta: ArrayLike, lifted: ArrayLike, slopes: ArrayLike | None
+) -> tuple[Array, Array, Array | None]:
     angles = finite_array("theta", theta, ndim=1)
     values = finite_array("lifted", lifted, ndim=1)
     given = None if slopes is None else finite_array("slopes", slopes, ndim=1)

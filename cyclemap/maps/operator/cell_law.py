@@ -243,7 +243,7 @@ class CellLaw(StationaryLaw):
         varies = min(2.0, abs(order) * float(np.max(self.basis.cells.width)))
         return self.mass_error + 0.5 * varies * self._within + INTEGRAL
 
-    def map_error(self, moments: Array, direct: Any = 0.0) -> float:
+    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """What is left of ``max_error`` where h depends on F itself."""
         return self.basis.map.max_error * float(np.max(np.abs(direct)))
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -169,7 +169,7 @@ class FourierLaw(StationaryLaw):
         found += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
         return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
-    def map_error(self, moments: Array, direct: Any = 0.0) -> float:
+    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
         ``max_error``.
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
@@ -155,7 +155,7 @@ class TransferOperator:
         return self.discretisation.size // 2
 
     @one_thread
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape);
         see ``error_bound``."""
         angles = finite_array("theta", theta)

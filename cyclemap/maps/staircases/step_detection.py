@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only
@@ -97,12 +97,12 @@ class Steps:
         return max(int(self.levels.size) - 1, 0)
 
 
-def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
+def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
     Parameters
     ----------
-    theta : Any
+    theta : array_like
         Shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts
         angles mod 2π where no cycle turns by half a turn).
 
