@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,7 +37,7 @@ class ParametricLift:
         The same for F', or None: then differences.
     breaks : array_like
         radians, the same for the whole family, where F jumps or F' does.
-    nondecreasing : Callable[..., Any] or None
+    nondecreasing : Callable[..., ArrayLike] or None
         ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls;
         None compares F at 65 angles instead, which sees only folds wider than that.
     circle_map : Callable[..., CircleMap] or None
@@ -62,7 +61,7 @@ class ParametricLift:
     lift: ParametricFunction
     derivative: ParametricFunction | None = None
     breaks: ArrayLike = ()
-    nondecreasing: Callable[..., Any] | None = None
+    nondecreasing: Callable[..., ArrayLike] | None = None
     circle_map: Callable[..., CircleMap] | None = None
     max_error: float = 0.0
 
@@ -110,7 +109,7 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
     return function(theta, *values)
 
 
-def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
+def _sine_lift(theta: Array, omega: Array | float, K: Array | float) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
     return np.asarray(image + TWO_PI * omega)
@@ -135,7 +134,7 @@ MOEBIUS_FAMILY = ParametricLift(
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
 
 
-def parametric_form(family: Any) -> ParametricLift | None:
+def parametric_form(family: Family) -> ParametricLift | None:
     """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
@@ -159,7 +158,7 @@ def family_member(family: Family, *parameters: float) -> CircleMap:
     return member
 
 
-def parameter_range(name: str, ends: Any) -> Range:
+def parameter_range(name: str, ends: Range) -> Range:
     """A range (low, high) of a parameter as two floats with low < high, or InvalidInput."""
     try:
         low, high = ends

@@ -437,7 +437,7 @@ def rotation_plane(
         ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
         takes some milliseconds, in which its folds are found, others far less
         (``rotation_numbers``). All else goes map by map (``rotation_number``).
-    first_values, second_values : Any
+    first_values, second_values : array_like
         Shape (m,) and (n,), strictly increasing or decreasing.
     tolerance : float, optional
         turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does

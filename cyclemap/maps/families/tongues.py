@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -335,14 +334,17 @@ class TongueBoundaries:
     folded: Mask
 
 
-def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
+Ratio = Fraction | int | Sequence[int]
+
+
+def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
     Parameters
     ----------
     family : Family
         Parameter → CircleMap of degree 1.
-    ratio : Any
+    ratio : Fraction, int or pair
         a Fraction, a whole number, or (p, q) in lowest terms.
     parameters : Range
         (low, high), with the whole tongue inside; the family is called only there.
@@ -391,7 +393,7 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
 
-def rotation_ratio(ratio: Any) -> Fraction:
+def rotation_ratio(ratio: Ratio) -> Fraction:
     """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
     q ≥ 1."""
     if isinstance(ratio, Fraction):
@@ -407,7 +409,7 @@ def rotation_ratio(ratio: Any) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Any], second: ArrayLike, parameters: Range
+    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
 ) -> TongueBoundaries:
     """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of
     ``second``.

@@ -19,6 +19,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.lift_checks import (
     SNAP,
+    Index,
     Lift,
     Scalar,
     base_angles,
@@ -65,7 +66,7 @@ class PiecewiseCubic:
         ]
         return bool(np.min(slopes) >= 0.0)
 
-    def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
+    def _locate(self, theta: Array) -> tuple[Index, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         base = theta - TWO_PI * turns
         piece = np.searchsorted(self.knots, base, side="right") - 1
@@ -226,7 +227,7 @@ def _pchip_slopes(x: Array, y: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 
-def _moved_along(rows: Array, step: Any) -> Array:
+def _moved_along(rows: Array, step: Array) -> Array:
     """Coefficients (4, ...) of the same cubics about places ``step`` (...) further along."""
     c0, c1, c2, c3 = rows
     value = ((c3 * step + c2) * step + c1) * step + c0
@@ -318,11 +319,11 @@ class BranchedLift:
             values[here], errors[here] = piece.derivative_and_error(own)
         return values, errors
 
-    def _owner(self, theta: Array) -> Any:
+    def _owner(self, theta: Array) -> Index:
         base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
         return np.searchsorted(self.starts, base, side="right") - 1
 
-    def _parts(self, theta: Array, owner: Any) -> Iterator[tuple[Piece, Array, Mask]]:
+    def _parts(self, theta: Array, owner: Index) -> Iterator[tuple[Piece, Array, Mask]]:
         """Each piece that owns some of the angles, those as its own, and where they are."""
         base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
         for i, piece in enumerate(self.pieces):

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.noise.cells import Cells, cells_between
 from cyclemap.maps.noise.noise import Noise
-from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
 
 NOISELESS_CELLS = 1_024
@@ -103,14 +102,13 @@ class CellDiscretisation:
             half * weights
         ).ravel()
 
-    def moments(self, order: int) -> Any:
+    def moments(self, order: int) -> Complex:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
         width, edges = self.cells.width, self.cells.edges
-        return np.exp(0.5j * order * (edges[1:] + edges[:-1])) * np.sinc(
-            0.5 * order * width / np.pi
-        )
+        turned = np.exp(0.5j * order * (edges[1:] + edges[:-1]))
+        return np.asarray(turned * np.sinc(0.5 * order * width / np.pi))
 
-    def cycle(self, law: Any) -> Any:
+    def cycle(self, law: Array) -> Array:
         """(n,): the masses after one cycle; or columns of several."""
         return self.matrix @ law
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -21,7 +20,7 @@ from cyclemap.maps.quadrature import arc_rule
 Arc = tuple[float, float]
 
 
-def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
+def arc_ends(arc: Arc, name: str, whole: bool = False) -> tuple[float, float]:
     """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0,
     2π].
     """
