@@ -402,6 +402,12 @@ class CircleMap:
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
 
 
+def require_map(circle_map: CircleMap) -> None:
+    """InvalidInput for anything else."""
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+
+
 def _remade(recipe: Recipe) -> CircleMap:
     maker, arguments, options = recipe
     return maker(*arguments, **options)

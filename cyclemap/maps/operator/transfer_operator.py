@@ -16,7 +16,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.cell_law import CellLaw, cell_law
@@ -101,8 +101,7 @@ def transfer_operator(
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if noise is not None and not isinstance(noise, Noise):
         raise InvalidInput(
             f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"

@@ -13,7 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.quadrature import arc_rule
 
@@ -211,8 +211,7 @@ def killed_chain(
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     noise = required_noise(noise)
     if noise.jump > 0.0:
         raise InvalidInput(
