@@ -144,12 +144,28 @@ class Prediction:
     """The cycle map of a surface to first order, from the fingerprint of the protocol and its
     anisotropy alone.
 
+    Parameters
+    ----------
+    fingerprint : Fingerprint
+        That of the protocol.
+    anisotropy : Anisotropy
+        That of the surface.
+
     Notes
     -----
     The first-order map is off by `turn_error(θ)`: the second-order term there, and the
     fingerprint's margin for what the second order leaves. That is an estimate, not a bound: of
     the directions of random surfaces (offset up to 0.2, ellipticity up to 0.12) on four
     protocols 96 % lay within their errors, and every verdict given was right.
+
+    Examples
+    --------
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, fingerprint
+    >>> found = fingerprint(CollectionLoop.mit())
+    >>> prediction = Prediction(found, Anisotropy(0.02, 0.0, 0.02, 0.0))
+    >>> prediction.verdict, round(math.degrees(prediction.mean_turn), 2)
+    ('drifts', 7.49)
     """
 
     fingerprint: Fingerprint
@@ -327,10 +343,17 @@ class Prediction:
 def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
+    Parameters
+    ----------
+    found : Fingerprint
+        The fingerprint of the protocol.
+    anisotropy : Anisotropy or EllipseFriction
+        That of the surface, or its friction.
+
     Returns
     -------
     Prediction
-        What a fingerprint predicts of a surface of this anisotropy, or of this friction.
+        The cycle map to first order, and its errors.
 
     Raises
     ------
@@ -340,8 +363,8 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
-    >>> from cyclemap.collection.loop import CollectionLoop
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint, predict
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> (direction,) = predict(fingerprint(loop), loop.material.friction).stable_directions
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
@@ -385,8 +408,26 @@ class CheckedDirection:
 
 @dataclass(frozen=True, eq=False)
 class PredictionCheck:
-    """The full map of a loop, its fixed points by angle, and every predicted direction beside what
-    it has.
+    """The full map of a loop beside what its fingerprint predicted.
+
+    Attributes
+    ----------
+    map : CircleMap
+        The full cycle map.
+    fixed_points : tuple of Orbit
+        Its fixed points, by angle.
+    directions : tuple of CheckedDirection
+        Every predicted direction beside what the full map has.
+
+    Examples
+    --------
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, check_prediction, fingerprint, predict
+    >>> loop = CollectionLoop.mit(material="plywood")
+    >>> prediction = predict(fingerprint(loop), loop.material.friction)
+    >>> check = check_prediction(prediction, loop, tolerance=1e-3)
+    >>> [round(math.degrees(orbit.points[0])) for orbit in check.stable_points]
+    [63]
     """
 
     map: CircleMap
@@ -405,26 +446,34 @@ def check_prediction(
     tolerance: float = 1e-5,
     progress: Callable[[float], None] | None = None,
 ) -> PredictionCheck:
-    """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it
-    beside a prediction.
+    """Compute the full map of a loop, a hundred cycles and more, and set it beside a prediction.
+
+    Parameters
+    ----------
+    prediction : Prediction
+        What was predicted.
+    loop : CollectionLoop
+        One of the protocol whose fingerprint predicted, on the surface that was predicted.
+    tolerance : float, default 1e-5
+        Error of the full map, rad.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     PredictionCheck
+        The full map, its fixed points, and the predicted directions beside them.
 
     Raises
     ------
     InvalidInput
         Where its friction has another anisotropy, or its floor a bow.
 
-    Notes
-    -----
-    The loop is one of the protocol whose fingerprint predicted, on the surface that was
-    predicted.
-
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, check_prediction
+    >>> from cyclemap.collection import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))
     >>> stable = check_prediction(prediction, loop, tolerance=1e-3).directions[0]

@@ -3,7 +3,7 @@ whole footprint.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,11 +12,26 @@ from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import Footprint
+from cyclemap.written import ANGLE
 
 
 @dataclass(frozen=True)
 class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
+
+    Parameters
+    ----------
+    mu_a : float
+        Semi-axis of the limit ellipse along the material's m axis, a friction coefficient,
+        positive.
+    mu_b : float
+        Semi-axis along the n axis, positive.
+    m0 : float, default 0.0
+        m coordinate of the ellipse's centre.
+    n0 : float, default 0.0
+        n coordinate of the ellipse's centre.
+    phi : float, default 0.0
+        Direction of the m axis from the surface's x axis, rad, counter-clockwise.
 
     Raises
     ------
@@ -36,8 +51,14 @@ class EllipseFriction:
     and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2
     v_n / s.
 
+    References
+    ----------
+    Ma, D. & Rodriguez, A. (2018), Friction variability in planar pushing data, IEEE Robotics and
+    Automation Letters 3(4), Eq. 1-2.
+
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)
     """
@@ -46,7 +67,7 @@ class EllipseFriction:
     mu_b: float
     m0: float = 0.0
     n0: float = 0.0
-    phi: float = 0.0
+    phi: float = field(default=0.0, metadata=ANGLE)
 
     def __post_init__(self) -> None:
         for name in ("mu_a", "mu_b"):
@@ -70,10 +91,19 @@ class EllipseFriction:
         return EllipseFriction(self.mu_a, self.mu_b, self.m0, self.n0, self.phi + angle)
 
     def dissipation(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Power lost per unit load: velocities (..., 2), m/s -> (...), m/s.
+        """Return the power lost per unit load.
 
-        `frame` (rad) is the angle of the frame in which the velocity is given, seen from the
-        surface.
+        Parameters
+        ----------
+        velocity : array_like, shape (..., 2)
+            m/s.
+        frame : float, default 0.0
+            Angle of the frame in which the velocity is given, seen from the surface, rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            h(v), m/s.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         return np.asarray(
@@ -81,11 +111,25 @@ class EllipseFriction:
         )
 
     def traction(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Traction coefficients (..., 2) at sliding velocities (..., 2), both in the frame at angle
-        `frame`.
+        """Return the traction coefficients at sliding velocities.
 
-        The force on the point is minus this, times the load. InvalidInput at rest, where friction
-        is not unique.
+        Parameters
+        ----------
+        velocity : array_like, shape (..., 2)
+            m/s, not zero.
+        frame : float, default 0.0
+            Angle of the frame in which velocity and traction are given, seen from the surface,
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            The force on the point is minus this, times the load.
+
+        Raises
+        ------
+        InvalidInput
+            At rest, where friction is not unique.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         s = np.hypot(self.mu_a * v_m, self.mu_b * v_n)
@@ -111,14 +155,21 @@ class EllipseFriction:
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
-    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they
-    were given.
+    """Return the friction a share of the way from a fresh surface to a worn one.
+
+    Parameters
+    ----------
+    fresh : EllipseFriction
+        Friction at share 0.
+    worn : EllipseFriction
+        Friction at share 1.
+    share : float
+        How much of the way is gone, 0 to 1.
 
     Returns
     -------
     EllipseFriction
-        The friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they were
-        given.
+        The friction in between; at the ends that which was given.
 
     Notes
     -----
@@ -129,6 +180,7 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, worn_friction
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0
     (0.353553, 0.3, 0.05)
@@ -157,6 +209,13 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 class LimitSurface:
     """Friction of a whole footprint, in its own frame, per unit load.
 
+    Parameters
+    ----------
+    footprint : Footprint
+        How the load is spread over the object.
+    friction : EllipseFriction
+        Friction of each point of the surface.
+
     Notes
     -----
     The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy,
@@ -168,9 +227,14 @@ class LimitSurface:
     turns by against the plate; it is accurate to 1e-10 of the mean load times the shapes'
     numbers, where those are above one.
 
+    References
+    ----------
+    Goyal, S., Ruina, A. & Papadopoulos, J. (1991), Planar sliding with dry friction, part 1: limit
+    surface and moment function, Wear 143.
+
     Examples
     --------
-    >>> from cyclemap.mechanics import Ellipse, PatchFootprint
+    >>> from cyclemap import Ellipse, EllipseFriction, LimitSurface, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
     >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R
     0.2
@@ -180,14 +244,36 @@ class LimitSurface:
     friction: EllipseFriction
 
     def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return D at twists (..., 3) (m/s, m/s, rad/s), in m/s; `frame` is the orientation of the
-        object, rad.
+        """Return the dissipation D per unit load.
+
+        Parameters
+        ----------
+        twist : array_like, shape (..., 3)
+            Vx, vy, omega of the frame's origin (m/s, m/s, rad/s).
+        frame : float, default 0.0
+            Orientation of the object, rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            D, m/s.
         """
         return self._evaluate(twist, frame)[..., 0]
 
     def wrench(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return grad D, (..., 3): (fx, fy) and the torque (m) about the frame's origin that keep
-        the object moving.
+        """Return the wrench that keeps the object moving, grad D.
+
+        Parameters
+        ----------
+        twist : array_like, shape (..., 3)
+            Vx, vy, omega of the frame's origin (m/s, m/s, rad/s).
+        frame : float, default 0.0
+            Orientation of the object, rad.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            (fx, fy) and the torque (m) about the frame's origin, per unit load.
         """
         return self._evaluate(twist, frame)[..., 1:4]
 

@@ -57,14 +57,16 @@ _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "s
 
 
 def material_names() -> tuple[str, ...]:
-    """Names of the built-in materials.
+    """Return the names of the built-in materials.
 
     Returns
     -------
     tuple of str
+        What `load_material` takes.
 
     Examples
     --------
+    >>> from cyclemap import material_names
     >>> "plywood" in material_names()
     True
     """
@@ -77,10 +79,15 @@ def material_names() -> tuple[str, ...]:
 def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
+    Parameters
+    ----------
+    name : str or Path
+        Name of a built-in material (`material_names`), or the path of a TOML file.
+
     Returns
     -------
     Material
-        A built-in material by name, or one from a TOML file (a path that ends in .toml).
+        The surface, checked.
 
     Raises
     ------
@@ -105,6 +112,7 @@ def load_material(name: str | Path) -> Material:
 
     Examples
     --------
+    >>> from cyclemap import load_material
     >>> load_material("plywood").friction.mu_a
     0.2545
     """
@@ -296,13 +304,19 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
 def material_toml(material: Material) -> str:
     """Return a material as TOML; `load_material` gives it back, angles and lengths to rounding.
 
+    Parameters
+    ----------
+    material : Material
+        What to write.
+
     Returns
     -------
     str
-        A material as TOML; `load_material` gives it back, angles and lengths to rounding.
+        The text of a TOML file.
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, Material, material_toml
     >>> print(material_toml(Material("slate", EllipseFriction(0.3, 0.2), inferred=True)))
     name = "slate"
     inferred = true

@@ -17,8 +17,27 @@ from cyclemap.errors import InvalidInput
 
 @dataclass(frozen=True)
 class Polygon:
-    """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins
-    at vertex i.
+    """A simple polygon, convex or not.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (k, 2)
+        At least three corners, m, counter-clockwise: side i begins at vertex i.
+
+    Attributes
+    ----------
+    array : ndarray, shape (k, 2)
+        The vertices, m.
+    area : float
+        Of the inside, m^2.
+    centroid : tuple[float, float]
+        Centre of the area, (x, y), m.
+    extent : float
+        Largest distance of a vertex from the centroid, m.
+    sides : int
+        How many sides it has.
+    is_convex : bool
+        Whether it is convex.
 
     Raises
     ------
@@ -26,13 +45,9 @@ class Polygon:
         For fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices
         that run clockwise: turned round, their sides would bear other numbers.
 
-    Notes
-    -----
-    From them: array (k, 2), m; area, m^2; centroid, m; extent, the largest distance from the
-    centroid, m; sides, how many; is_convex.
-
     Examples
     --------
+    >>> from cyclemap import Polygon
     >>> Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]).area
     2.0
     """
@@ -80,6 +95,7 @@ class Polygon:
     def bears(self, place: tuple[float, float]) -> bool:
         """Whether a load at a place rests on the polygon: whether it is inside the convex hull.
 
+        >>> from cyclemap import Polygon
         >>> Polygon([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]).bears((1.2, 1.2))
         True
         """
@@ -118,14 +134,37 @@ class Polygon:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """An ellipse about the frame's origin, semi-axes along x and y, m; a disc when they agree.
+    """An ellipse about the frame's origin; a disc when both semi-axes agree.
 
-    Notes
-    -----
-    From them: area, m^2, and extent, m, as of a polygon; the whole outline is side 0.
+    Parameters
+    ----------
+    semi_x : float
+        Semi-axis along x, m, positive.
+    semi_y : float
+        Semi-axis along y, m, positive.
+
+    Attributes
+    ----------
+    area : float
+        Of the inside, m^2.
+    extent : float
+        The longer semi-axis, m.
+    centroid : tuple[float, float]
+        (0, 0), the frame's origin.
+    sides : int
+        1: the whole outline is side 0.
+    is_convex : bool
+        True.
+
+    Raises
+    ------
+    InvalidInput
+        For a semi-axis that is not positive.
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import Ellipse
     >>> round(Ellipse(1.0, 2.0).area / math.pi, 12)
     2.0
     """

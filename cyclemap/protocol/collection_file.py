@@ -257,14 +257,17 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
 
     Parameters
     ----------
-    path : the file. What it does not say is MIT's; where its object is not, a `DoubtfulInput`
+    path : str or Path
+        The file. What it does not say is MIT's; where its object is not, a `DoubtfulInput`
         warning tells what that is.
-    surface : a material, or a material file, in place of the file's own; without either, isotropic
+    surface : str or Path or None, optional
+        A material, or a material file, in place of the file's own; without either, isotropic
         friction.
 
     Returns
     -------
     CollectionLoop
+        The loop, checked.
 
     Raises
     ------
@@ -274,11 +277,14 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.protocol import loop_from_file
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     text = collection_text(loop_from_settings({"push_mm": 80}))
+    ...     text = '[object]\\nshape = "rect1"\\n\\n[push]\\npush_mm = 80\\n'
     ...     count = Path(folder, "mine.toml").write_text(text)
-    ...     loop_from_file(f"{folder}/mine.toml").push.distance
-    0.08
+    ...     loop = loop_from_file(f"{folder}/mine.toml")
+    >>> loop.push.distance, loop.material.name
+    (0.08, 'isotropic')
     """
     settings = read_settings(path)
     material = load_material(surface or (path if names_surface(path) else "isotropic"))

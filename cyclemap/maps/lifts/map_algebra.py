@@ -193,11 +193,19 @@ _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 
 
 def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
-    """θ → outer(inner(θ)); its degree is the product of the two degrees.
+    """The composition of two maps, θ → outer(inner(θ)).
+
+    Parameters
+    ----------
+    outer : CircleMap
+        The map that comes second.
+    inner : CircleMap
+        The map that comes first; its degree times that of ``outer`` is the composite's.
 
     Returns
     -------
     CircleMap
+        θ → outer(inner(θ)).
 
     Raises
     ------
@@ -213,6 +221,7 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, compose
     >>> doubled = compose(CircleMap.blaschke([0, 0]), CircleMap.rigid(0.25))
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
@@ -223,15 +232,23 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
 
 
 def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
-    """Fⁿ, n ≥ 0; F⁰ is the identity. Breaks, derivative and ``max_error`` as in ``compose``, one
-    after the other.
+    """The n-th iterate Fⁿ of a map; F⁰ is the identity.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    n : int
+        How often it is applied, 0 or more.
 
     Returns
     -------
     CircleMap
+        Breaks, derivative and ``max_error`` as in ``compose``, one after the other.
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, nth_iterate
     >>> nth_iterate(CircleMap.blaschke([0, 0]), 5).degree
     32
     """
@@ -248,12 +265,19 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
 
 
 def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
-    """R∘F∘R⁻¹ with R the rotation by ``angle`` (radians): θ → F(θ - angle) + angle, the same map
-    seen turned.
+    """The same map seen turned, R∘F∘R⁻¹ with R a rotation: θ → F(θ - angle) + angle.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    angle : float
+        What R turns by, radians.
 
     Returns
     -------
     CircleMap
+        The conjugate map.
 
     Notes
     -----
@@ -262,6 +286,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, conjugate
     >>> round(float(conjugate(CircleMap.arnold(0.0, 0.5), 1.0)(1.0)), 12)
     1.0
     """
@@ -277,14 +302,23 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
-    """F + 2π·turns, another lift of the same circle map; a sampled map stays sampled.
+    """Another lift of the same circle map, F + 2π·turns.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    turns : int
+        Whole turns that are added.
 
     Returns
     -------
     CircleMap
+        The other lift; a sampled map stays sampled.
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, shifted
     >>> round(float(shifted(CircleMap.rigid(0.25), -1)(0.0)), 6)
     -4.712389
     """
@@ -309,11 +343,17 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
-    """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
+    """The inverse F⁻¹ of a monotone map of degree 1 or -1.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A monotone map of degree 1 or -1.
 
     Returns
     -------
     CircleMap
+        F⁻¹, continuous from the right; its derivative 1/F'(F⁻¹).
 
     Raises
     ------
@@ -330,6 +370,7 @@ def inverse(circle_map: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, inverse
     >>> map_there = CircleMap.arnold(0.2, 0.9)
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True
