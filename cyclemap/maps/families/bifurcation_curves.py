@@ -36,14 +36,14 @@ class BifurcationCurve:
     ----------
     kind : str
         As of ``Bifurcation``.
-    first, second : ndarray
-        Shape (m,).
-    points : ndarray
-        Shape (m, period), radians, continuous along it.
-    coefficient : ndarray
-        Shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient
-        (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at
-        border collisions.
+    first, second : ndarray, shape (m,)
+        The two parameters along the curve.
+    points : ndarray, shape (m, period)
+        Of the orbits, radians, continuous along the curve.
+    coefficient : ndarray, shape (m,)
+        Of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient (F^n)''²/4 +
+        (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at border
+        collisions.
     special : tuple of CodimensionTwo
         Its points of codimension two, in order.
     period, winding : int
@@ -54,6 +54,15 @@ class BifurcationCurve:
         the orbit meets a break), "lost" or "steps".
     residual : float
         The largest of the equations' residuals.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.families.continuation import saddle_nodes
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
+    >>> edge.kind, edge.ends, [point.kind for point in edge.special]
+    ('saddle-node', ('end of the plane', 'end of the plane'), [])
     """
 
     kind: str
@@ -256,24 +265,32 @@ class _CurveWalk:
 def follow_bifurcation(
     family: Family, start: Bifurcation, at: float, first: Range, second: Range
 ) -> BifurcationCurve:
-    """The curve of bifurcations through ``start``, followed both ways in the plane first × second.
+    """The curve of bifurcations through one of them, followed both ways in a plane of two
+    parameters.
 
     Parameters
     ----------
-    family : (p, q) → CircleMap, called only inside the plane.
-    start : a saddle-node, period doubling or border collision of p → family(p, at), as
+    family : callable
+        (p, q) → CircleMap, called only inside the plane.
+    start : Bifurcation
+        A saddle-node, period doubling or border collision of p → family(p, at), as
         ``bifurcations`` gives them.
-    at : the second parameter there.
-    first, second : (low, high) of the two parameters.
+    at : float
+        The second parameter there.
+    first, second : tuple[float, float]
+        (low, high) of the two parameters.
 
     Returns
     -------
-    The curve with its m points in order along it, and its points of codimension two.
+    BifurcationCurve
+        The m points in order along it, and its points of codimension two.
 
     Raises
     ------
-    InvalidInput for another kind of bifurcation, or where there is none; ConvergenceError where a
-    point of codimension two cannot be located.
+    InvalidInput
+        For another kind of bifurcation, or where there is none.
+    ConvergenceError
+        Where a point of codimension two cannot be located.
 
     Notes
     -----
@@ -285,6 +302,11 @@ def follow_bifurcation(
     more than its error: on maps that are sampled coarser than that none may be told. What happens
     twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points
     at which a curve ends, are measured; the others are of first order.
+
+    References
+    ----------
+    - Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
+    - Kuznetsov, Y. A. (2004), Elements of applied bifurcation theory, chapter 10.
 
     Examples
     --------
@@ -372,9 +394,23 @@ def bifurcation_curves(
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
     plane.
 
+    Parameters
+    ----------
+    family : callable
+        (p, q) → CircleMap, called only inside the plane.
+    first, second : tuple[float, float]
+        (low, high) of the two parameters.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    lines : int, optional
+        How many evenly spaced lines each way the plane is searched on.
+
     Returns
     -------
-    list[BifurcationCurve]
+    list of BifurcationCurve
+        Each once, in the order in which they are met.
 
     Notes
     -----
@@ -385,10 +421,9 @@ def bifurcation_curves(
     Examples
     --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> wavy = lambda p, K: CircleMap(lambda x: x + p - K * np.sin(x) - 0.1 * np.sin(2 * x))
-    >>> curves = bifurcation_curves(wavy, (-0.5, 0.5), (-0.4, 0.4))
-    >>> sorted((p.kind, round(p.first, 3) + 0.0, round(p.second, 3)) for curve in curves for p in curve.special)
-    [('cusp', 0.0, -0.2), ('cusp', 0.0, 0.2)]
+    >>> (edge,) = bifurcation_curves(CircleMap.arnold, (0.02, 0.3), (0.5, 0.9), lines=2)
+    >>> edge.kind, bool(np.allclose(edge.first, edge.second / (2.0 * np.pi)))  # the tongue 0/1
+    ('saddle-node', True)
     """
     ranges = parameter_range("first", first), parameter_range("second", second)
     count = whole_number("lines", lines, least=1)

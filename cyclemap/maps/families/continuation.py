@@ -216,14 +216,14 @@ class OrbitBranch:
 
     Attributes
     ----------
-    parameter : ndarray
-        Shape (m,).
-    points : ndarray
-        Shape (m, period), radians, continuous along the branch (any turn), in order of visit.
-    multiplier : ndarray
-        Shape (m,).
-    stable : Mask
-        Shape (m,), whether |multiplier| < 1.
+    parameter : ndarray, shape (m,)
+        Along the branch.
+    points : ndarray, shape (m, period)
+        Radians, continuous along the branch (any turn), in order of visit.
+    multiplier : ndarray, shape (m,)
+        Of the orbits.
+    stable : ndarray of bool, shape (m,)
+        Whether |multiplier| < 1.
     special : tuple of Bifurcation
         The bifurcations met, in order.
     period, winding : int
@@ -234,6 +234,13 @@ class OrbitBranch:
         is a loop), "lost" (no step converged) or "steps" (4,000 were made).
     residual : float
         The largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
+    >>> fold.period, fold.points.shape[1], bool(fold.stable.any() and not fold.stable.all())
+    (1, 1, True)
     """
 
     parameter: Array
@@ -256,18 +263,28 @@ def follow_orbit(
     period: int = 1,
     winding: int = 0,
 ) -> OrbitBranch:
-    """The branch of periodic orbits through ``start``, followed both ways within the parameters
-    (low, high).
+    """The branch of periodic orbits through one of them, followed both ways.
 
     Parameters
     ----------
+    family : callable
+        Parameter → CircleMap.
     start : Orbit or float
-        An orbit of the family's map at the parameter ``at`` (default: low), or an angle near a
-        point of one, then with its ``period`` and ``winding``.
+        An orbit of the family's map at the parameter ``at``, or an angle near a point of one
+        (radians), then with its ``period`` and ``winding``.
+    parameters : tuple[float, float]
+        (low, high), the range that the branch is followed in.
+    at : float or None, optional
+        The parameter of ``start``; None: low.
+    period : int, default 1
+        Of the orbit, cycles.
+    winding : int, default 0
+        Whole turns of the orbit in a period.
 
     Returns
     -------
     OrbitBranch
+        The orbits in order along it, and the bifurcations met.
 
     Raises
     ------
@@ -285,6 +302,10 @@ def follow_orbit(
     period doublings and branch points are where the multiplier passes ±1; border collisions
     where a point passes a break: beyond a kink the branch goes on, at a jump it ends. What
     happens twice within one step is missed.
+
+    References
+    ----------
+    Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
 
     Examples
     --------
@@ -378,16 +399,33 @@ def orbit_branches(
     *,
     resolution: int = RESOLUTION,
 ) -> list[OrbitBranch]:
-    """All branches of periodic orbits of this period and winding within the parameters (low, high).
+    """All branches of periodic orbits of one period and winding.
+
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that they are followed in.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        Orbits are listed at so many evenly spaced parameters, and one more.
 
     Returns
     -------
-    list[OrbitBranch]
+    list of OrbitBranch
+        Each once.
 
     Raises
     ------
     InvalidInput
-        As these two do, for instance where the map's iterate is the identity.
+        As ``periodic_orbits`` and ``follow_orbit`` do, for instance where the map's iterate is
+        the identity.
+    ConvergenceError
+        As these two do.
 
     Notes
     -----
@@ -445,12 +483,25 @@ def bifurcations(
     *,
     resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
-    """All bifurcations of the orbits of this period and winding within (low, high), sorted by
-    parameter.
+    """All bifurcations of the orbits of one period and winding.
+
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
 
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Notes
     -----
@@ -498,6 +549,16 @@ def saddle_nodes(
 
     Parameters
     ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
     proved : bool, optional
         Widen each bound until the maps at its two ends are proved to have different numbers of
         these orbits (``periodic_orbits`` with ``proved``): whatever smooth family joins the two, an
@@ -506,7 +567,8 @@ def saddle_nodes(
 
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Raises
     ------
@@ -562,9 +624,23 @@ def period_doublings(
 ) -> list[Bifurcation]:
     """The period doublings among ``bifurcations``: multiplier -1.
 
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
+
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Examples
     --------
@@ -588,17 +664,34 @@ def border_collisions(
     """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of
     the map.
 
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
+
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Examples
     --------
     >>> import numpy as np
     >>> def tent(p):
-    ...     return CircleMap(lambda x: x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), None, [0.0, np.pi])
-    >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
-    [(True, True)]
+    ...     def lift(x):
+    ...         return x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi)
+    ...     return CircleMap(lift, None, [0.0, np.pi])
+    >>> (collision,) = border_collisions(tent, (-1.0, 1.0))
+    >>> collision.folds, collision.parameter.holds(0.0)
+    (True, True)
     """
     found = bifurcations(family, parameters, period, winding, resolution=resolution)
     return [one for one in found if one.kind == "border-collision"]

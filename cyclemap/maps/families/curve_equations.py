@@ -44,10 +44,19 @@ class CodimensionTwo:
         orbit is on a break of the map).
     first, second : Estimate
         The parameters.
-    points : ndarray
+    points : ndarray, shape (period,)
         Of the orbit, radians in [0, 2π).
     period, winding : int
         Of the orbit.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
+    >>> [tip] = edge.special
+    >>> tip.kind, tip.first.holds(0.0), tip.second.holds(0.0)
+    ('tip', True, True)
     """
 
     kind: str

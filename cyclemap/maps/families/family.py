@@ -27,24 +27,23 @@ class ParametricLift:
     """A family of degree-1 lifts F(θ; p₁, p₂, ...) by one formula; called with numbers it gives the
     CircleMap.
 
-    Attributes
+    Parameters
     ----------
-    lift : ParametricFunction
+    lift : callable
         ``lift(theta, *parameters)``, radians to radians, never wrapped; broadcasts over theta,
         shape (..., n), and parameters, each a number or of shape (n,). Several threads may call
         it at once.
-    derivative : ParametricFunction or None
-        The same for F', or None: then differences.
-    breaks : array_like
-        radians, the same for the whole family, where F jumps or F' does.
-    nondecreasing : Callable[..., ArrayLike] or None
+    derivative : callable, optional
+        The same for F'; None: differences.
+    breaks : array_like, default ()
+        Radians, the same for the whole family, where F jumps or F' does.
+    nondecreasing : callable or None, optional
         ``nondecreasing(*parameters)``, a boolean array: where theory says that F never falls;
         None compares F at 65 angles instead, which sees only folds wider than that.
-    circle_map : Callable[..., CircleMap] or None
-        Makes the member at given numbers where a faster form than the formula exists; else
-        None.
-    max_error : float
-        a bound on |lift - truth| in radians, as of ``CircleMap``.
+    circle_map : callable or None, optional
+        Makes the member at given numbers where a faster form than the formula exists.
+    max_error : float, default 0.0
+        A bound on |lift - truth| in radians, as of ``CircleMap``.
 
     Raises
     ------

@@ -4,7 +4,7 @@ shows, and how a resting path announces it, by the share of an error that its cy
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -23,6 +23,7 @@ from cyclemap.maps.families.family import (
     parameter_tangent,
 )
 from cyclemap.maps.families.orbit_equations import Bifurcation
+from cyclemap.written import DIRECTION
 
 _AIRY = 2.338107410459767  # the first zero of Ai(-x)
 _BEND, _STEP = 1e-4, 1e-5  # radians, and of the range: for differences of F' and of F
@@ -40,6 +41,13 @@ class SlowFold:
         How many cycles after the parameter has passed it the path has left.
     parameter : float
         The parameter by then.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
+    >>> lost.fold.kind, round(lost.parameter - lost.fold.parameter, 7)
+    ('saddle-node', 3.56e-05)
     """
 
     fold: Bifurcation
@@ -50,25 +58,31 @@ class SlowFold:
 def slow_folds(
     family: Family, parameters: Range, rate: float = 1.0, winding: int = 0
 ) -> list[SlowFold]:
-    """Where a family whose parameter moves by ``rate`` a cycle loses fixed points, in the order in
-    which it does.
+    """Where a family whose parameter moves slowly loses fixed points, in the order in which it
+    does.
 
     Parameters
     ----------
-    family : p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter
+    family : callable
+        p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter
         and a rate of 1, whose quasi-static fixed points ``orbit_branches`` follows.
-    parameters : (low, high), in which folds are sought.
-    rate : change of the parameter a cycle, not 0.
-    winding : whole turns a cycle of the fixed points.
+    parameters : tuple[float, float]
+        (low, high), in which folds are sought.
+    rate : float, default 1.0
+        Change of the parameter a cycle, not 0.
+    winding : int, default 0
+        Whole turns a cycle of the fixed points.
 
     Returns
     -------
-    Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at which
-    two are born.
+    list of SlowFold
+        Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at
+        which two are born.
 
     Raises
     ------
-    InvalidInput for a rate of 0, and as ``saddle_nodes`` does.
+    InvalidInput
+        For a rate of 0, and as ``saddle_nodes`` does.
 
     Notes
     -----
@@ -77,6 +91,12 @@ def slow_folds(
     by Ω₀ rate^(2/3) (b² a)^(-1/3) (the 2/3 law of slow passage: Haberman 1979; Kuehn 2015, ch. 5).
     That holds for slow rates and without noise, which makes a path leave earlier; ``delay_cycles``
     is the leading order, next to which a few cycles over a are left out.
+
+    References
+    ----------
+    - Haberman, R. (1979), Slowly varying jump and transition phenomena associated with algebraic
+      bifurcation problems, SIAM Journal on Applied Mathematics 37.
+    - Kuehn, C. (2015), Multiple time scale dynamics, chapter 5.
 
     Examples
     --------
@@ -122,39 +142,53 @@ class RestMultiplier:
     Attributes
     ----------
     value : float
-        median-unbiased.
+        Median-unbiased estimate.
     lower, upper : float
         95 % interval, in [-1, 1]: at 1 the direction is being lost, or has been.
     cycles : int
         How many it comes from.
     theta : float
         Their mean direction, radians in [0, 2π).
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for kick in rng.normal(0.0, 0.02, 60):
+    ...     path.append(0.5 * path[-1] + kick)
+    >>> rest = rest_multiplier(path)
+    >>> rest.lower < rest.value < rest.upper < 1.0
+    True
     """
 
     value: float
     lower: float
     upper: float
     cycles: int
-    theta: float
+    theta: float = field(metadata=DIRECTION)
 
 
 def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None:
-    """The multiplier of the rest of the last cycles of a path, with its interval; None where they
-    do not rest.
+    """The multiplier of the direction about which the last cycles of a path rest, with its
+    interval.
 
     Parameters
     ----------
-    theta : shape (n,), radians, on the lift or not.
-    last : how many cycles are looked at, 20 or more.
+    theta : array_like, shape (n,)
+        Radians, on the lift or not.
+    last : int, optional
+        How many cycles are looked at, 20 or more.
 
     Returns
     -------
-    None also where there are fewer than 20 cycles. They rest where they spread over less than a
-    quarter of a turn about their mean; a spread of 1e-13 rad is rounding.
+    RestMultiplier or None
+        None where the cycles do not rest, and where there are fewer than 20. They rest where
+        they spread over less than a quarter of a turn about their mean; a spread of 1e-13 rad
+        is rounding.
 
     Raises
     ------
-    InvalidInput for angles that are not finite, and fewer than 20 ``last`` cycles.
+    InvalidInput
+        For angles that are not finite, and fewer than 20 ``last`` cycles.
 
     Notes
     -----
@@ -164,6 +198,12 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
     on either side, and its median (Andrews 1993), by 2,000 simulated paths for each of 81 λ from
     -0.95 to 1 and lines between. Normal kicks are taken that do not depend on the past, and a map
     that does not bend over the rest.
+
+    References
+    ----------
+    - Kendall, M. G. (1954), Note on bias in the estimation of autocorrelation, Biometrika 41.
+    - Andrews, D. W. K. (1993), Exactly median-unbiased estimation of first order
+      autoregressive/unit root models, Econometrica 61.
 
     Examples
     --------

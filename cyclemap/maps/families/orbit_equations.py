@@ -240,12 +240,12 @@ class Bifurcation:
         "border-collision" (a point of the orbit meets a break of the map) or "branch point"
         (multiplier 1 where branches cross).
     parameter : Estimate
-        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and what
-        ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope, not the
-        truth's, and period doublings and branch points move with the difference.
-    points : ndarray
-        Shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
-        collision the one on the break first.
+        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and
+        what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
+        not the truth's, and period doublings and branch points move with the difference.
+    points : ndarray, shape (period,)
+        Radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
+        on the break first.
     period, winding : int
         Of the orbit.
     multiplier, left_multiplier : float
@@ -253,6 +253,13 @@ class Bifurcation:
         the break.
     jump : bool
         Whether the break met is a jump of the map, where the branch ends, and not a kink.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, saddle_nodes
+    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
+    >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
+    ('saddle-node', True, True, 1.570796)
     """
 
     kind: str

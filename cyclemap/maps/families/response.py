@@ -46,18 +46,26 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
 
     Parameters
     ----------
-    family : p → CircleMap.
-    parameter : where the derivatives are taken.
-    noise : with a smooth density.
-    parameters : (low, high), with ``parameter`` inside: the family is called only there.
+    family : callable
+        p → CircleMap.
+    parameter : float
+        Where the derivatives are taken.
+    noise : Noise
+        With a smooth density.
+    parameters : tuple[float, float]
+        (low, high), with ``parameter`` inside: the family is called only there.
 
     Returns
     -------
-    The derivatives, each computed when it is asked for.
+    Response
+        The derivatives, each computed when it is asked for.
 
     Raises
     ------
-    InvalidInput for ``UniformNoise``, whose law has steps, and as ``transfer_operator`` does.
+    InvalidInput
+        For ``UniformNoise``, whose law has steps, and as ``transfer_operator`` does.
+    ConvergenceError
+        As ``transfer_operator`` does.
 
     Notes
     -----
@@ -66,6 +74,11 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
     Majda 2010; with noise all is smooth). ∂F/∂p comes from centred differences over 1/1000 and
     1/500 of the range, extrapolated; the bounds add what that changes, what a finer basis or more
     nodes change, and rounding: measured, the map's ``max_error`` left out.
+
+    References
+    ----------
+    Hairer, M. & Majda, A. J. (2010), A simple framework to justify linear response theory,
+    Nonlinearity 23.
 
     Examples
     --------
@@ -98,6 +111,13 @@ class Response:
         Its basis.
     near, far : ParameterTangent
         ∂F/∂p by differences over a step and over two.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal
+    >>> turning = response(CircleMap.rigid, 0.3, WrappedNormal(0.5), (0.0, 1.0))
+    >>> round(turning.rotation_number, 9), turning.expectation(np.cos).holds(0.0)
+    (1.0, True)
     """
 
     operator: TransferOperator

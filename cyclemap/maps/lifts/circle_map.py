@@ -54,27 +54,47 @@ class CircleMap:
 
     Parameters
     ----------
-    lift : callable, radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes
-        float64 arrays of any shape and gives float64 entry by entry.
-    derivative : such a callable for F', or None: then differences of fourth order that never reach
-        across a break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error``
-        tells.
-    breaks : angles (radians, any order, any turn) where F jumps or F' does. F is taken to be
+    breaks : array_like, default ()
+        Angles (radians, any order, any turn) where F jumps or F' does. F is taken to be
         continuous from the right there: ``F(b)`` should be the limit from above.
-    degree : how often the image runs round while θ runs round once; any whole number.
-    max_error : a bound on |lift - truth| in radians that the maker of the map claims; 0 for an
-        exact map.
+    degree : int, default 1
+        How often the image runs round while θ runs round once; any whole number.
+    max_error : float, default 0.0
+        A bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact
+        map.
+    lift : callable
+        Radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
+        of any shape and gives float64 entry by entry.
+    derivative : callable, optional
+        Such a callable for F'; None: differences of fourth order that never reach across a
+        break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error`` tells.
 
-    Attributes: ``breaks`` (sorted, in [0, 2π)), ``degree``, ``max_error``, ``samples`` (number of
-    sample points; 0 for a map given by formulas), ``formula`` (the lift as it was given). The value
-    never changes after construction.
+    Attributes
+    ----------
+    breaks : ndarray
+        Sorted, in [0, 2π).
+    degree : int
+        As given.
+    max_error : float
+        As given.
+    samples : int
+        Number of sample points; 0 for a map given by formulas.
+    formula : callable
+        The lift as it was given.
 
-    Raises InvalidInput when the lift is not a lift of that degree, jumps by more than π where no
-    break is given (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at
-    89 points and beside the breaks, in about 0.1 ms: faults between those points pass.
+    Raises
+    ------
+    InvalidInput
+        When the lift is not a lift of that degree, jumps by more than π where no break is given
+        (a wrapped lift does), is not finite, not float64 or not vectorised. Checked at 89
+        points and beside the breaks, in about 0.1 ms: faults between those points pass.
 
-    Example
-    -------
+    Notes
+    -----
+    The value never changes after construction.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> tilted = CircleMap(lambda x: x + 0.5 + 0.3 * np.cos(x), lambda x: 1 - 0.3 * np.sin(x))
     >>> round(float(tilted.turn(0.0)), 12)

@@ -16,8 +16,19 @@ from cyclemap.maps.noise.noise import folded, reduced
 
 @dataclass(frozen=True)
 class UniformNoise:
-    """Noise uniform on [-h, h] on the real line, h = ``halfwidth`` radians, any h > 0: κ_m =
-    sin(mh)/(mh).
+    """Noise uniform on [-h, h] on the real line: κ_m = sin(mh)/(mh).
+
+    Parameters
+    ----------
+    halfwidth : float
+        h, radians, above zero; wrapped round the circle the noise overlaps itself where h > π.
+
+    Attributes
+    ----------
+    variance : float
+        h²/3, radians².
+    jump : float
+        h, where the density jumps to nothing.
 
     Raises
     ------
@@ -26,8 +37,7 @@ class UniformNoise:
 
     Notes
     -----
-    Wrapped round the circle it overlaps itself where h > π. Its density jumps: ``slope`` raises
-    InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf.
+    Its density jumps: ``slope`` raises InvalidInput. The sum of |κ_m| diverges: ``tail`` is inf.
 
     Examples
     --------
@@ -118,16 +128,28 @@ _NODES = _NODES + 0.5
 
 @dataclass(frozen=True)
 class VonMises:
-    """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π], κ = ``kappa`` > 0: κ_m =
-    I_m(κ)/I₀(κ).
+    """Von Mises noise, density exp(κ cos x)/(2π I₀(κ)) on [-π, π]: κ_m = I_m(κ)/I₀(κ).
+
+    Parameters
+    ----------
+    kappa : float
+        The concentration κ, finite and above zero. Near normal of variance 1/κ where it is
+        large, near uniform where it is small.
+
+    Raises
+    ------
+    InvalidInput
+        Unless kappa is finite and above zero (an infinite one is no noise).
 
     Notes
     -----
     On the real line it is zero outside [-π, π] (its step there, exp(-κ)/(2π I₀), is left out of
-    ``slope``). Near normal of variance 1/κ where κ is large, near uniform where it is small.
-    Integrals of the density are Gauss-Legendre sums of positive terms, good to about 1e-13
-    relative, however far in the tail. Raises InvalidInput unless kappa is finite and above zero
-    (an infinite one is no noise). (Mardia & Jupp 2000, sec. 3.5.4.)
+    ``slope``). Integrals of the density are Gauss-Legendre sums of positive terms, good to about
+    1e-13 relative, however far in the tail.
+
+    References
+    ----------
+    Mardia, K. V. & Jupp, P. E. (2000), Directional statistics, section 3.5.4.
 
     Examples
     --------

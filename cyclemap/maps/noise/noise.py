@@ -24,6 +24,14 @@ class Noise(Protocol):
     Notes
     -----
     A further law is one more class with these methods.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, VonMises, WrappedNormal, transfer_operator
+    >>> noises = WrappedNormal(0.5), VonMises(4.0)
+    >>> laws = [transfer_operator(CircleMap.rigid(0.3), noise) for noise in noises]
+    >>> [round(law.rotation_number, 9) for law in laws]
+    [0.3, 0.3]
     """
 
     @property
@@ -82,13 +90,28 @@ _erfc = np.vectorize(
 
 @dataclass(frozen=True)
 class WrappedNormal:
-    """Normal noise of standard deviation ``sigma`` radians, wrapped round the circle: κ_m =
-    exp(-m²σ²/2).
+    """Normal noise, wrapped round the circle: κ_m = exp(-m²σ²/2).
 
-    Notes
-    -----
-    Raises InvalidInput unless sigma is above zero (a noiseless map needs no noise object).
-    (Mardia & Jupp, Directional Statistics, 2000, sec. 3.5.7.)
+    Parameters
+    ----------
+    sigma : float
+        Standard deviation σ, radians, above zero.
+
+    Attributes
+    ----------
+    variance : float
+        σ², radians².
+    jump : float
+        0: the density is smooth.
+
+    Raises
+    ------
+    InvalidInput
+        Unless sigma is above zero (a noiseless map needs no noise object).
+
+    References
+    ----------
+    Mardia, K. V. & Jupp, P. E. (2000), Directional statistics, section 3.5.7.
 
     Examples
     --------
@@ -196,7 +219,19 @@ def folded(low: Array | float, high: Array | float) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class WrappedCauchy:
-    """Cauchy noise wrapped round the circle, mean resultant length ``r`` in (0, 1): κ_m = r^|m|.
+    """Cauchy noise wrapped round the circle: κ_m = r^|m|.
+
+    Parameters
+    ----------
+    r : float
+        Mean resultant length, in (0, 1); its scale on the line is s = -ln r radians.
+
+    Attributes
+    ----------
+    variance : float
+        Infinite: a Cauchy law has none.
+    jump : float
+        0: the density is smooth.
 
     Raises
     ------
@@ -205,9 +240,14 @@ class WrappedCauchy:
 
     Notes
     -----
-    Its scale on the line is s = -ln r radians. (Mardia & Jupp 2000, sec. 3.5.7.) Möbius maps
-    send wrapped Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them the exact
-    check of a transfer operator.
+    Möbius maps send wrapped Cauchy laws to wrapped Cauchy laws (McCullagh 1996), which makes them
+    the exact check of a transfer operator.
+
+    References
+    ----------
+    - Mardia, K. V. & Jupp, P. E. (2000), Directional statistics, section 3.5.7.
+    - McCullagh, P. (1996), Möbius transformation and Cauchy parameter estimation, Annals of
+      Statistics 24.
 
     Examples
     --------

@@ -33,19 +33,25 @@ class Spectrum:
 
     Attributes
     ----------
-    values : Complex
-        (k,), complex.
-    error_bounds : ndarray
-        (k,), bounds on |error| to first order in the residuals of both vectors; inf where that
-        is more than a sixteenth of the distance to the next eigenvalue found, so that the first
+    values : ndarray of complex, shape (k,)
+        The eigenvalues.
+    error_bounds : ndarray, shape (k,)
+        Bounds on |error| to first order in the residuals of both vectors; inf where that is
+        more than a sixteenth of the distance to the next eigenvalue found, so that the first
         order tells nothing, or where the basis cannot tell. That none was overlooked is not
         proved.
-    condition : ndarray
-        (k,), ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a
-        change of the operator the eigenvalue moves; large near a defective one (Wilkinson
-        1965).
-    right, left : Complex
-        (n, k), the vectors' coefficients, wᵀv = 1.
+    condition : ndarray, shape (k,)
+        ‖w‖‖v‖/|wᵀv| ≥ 1, v and w the right and left vectors: how much faster than a change of
+        the operator the eigenvalue moves; large near a defective one (Wilkinson 1965).
+    right, left : ndarray of complex, shape (n, k)
+        The vectors' coefficients, wᵀv = 1.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> spectrum = transfer_operator(CircleMap.rigid(0.25), WrappedNormal(0.5)).spectrum(3)
+    >>> np.abs(spectrum.values).round(6).tolist()
+    [1.0, 0.882497, 0.882497]
     """
 
     values: Complex

@@ -30,34 +30,40 @@ def birkhoff_average(
     iterates: int = ITERATES,
     transient: int = 0,
 ) -> Estimate:
-    """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k =
-    1..N.
+    """The weighted mean of a function along one orbit.
 
     Parameters
     ----------
-    function : Lift, optional
+    circle_map : CircleMap
+        The map.
+    function : callable, optional
         Vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a
         cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
-    start : float, optional
-        radians;
+    start : float, default 0.0
+        Where the orbit starts, radians.
     iterates : int, optional
-        N, at least 16;
-    transient : int, optional
+        N, at least 16.
+    transient : int, default 0
         Cycles run before the averaging begins.
 
     Returns
     -------
     Estimate
+        The mean, with an estimated bound.
 
     Notes
     -----
-    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls
-    faster than any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke,
-    Nonlinearity 30, 2017.) On a chaotic orbit it is about that of a plain mean, 1/√N.
+    The weights are exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N. On a quasi-periodic orbit with
+    Diophantine rotation number of a smooth map the error falls faster than any power of 1/N; a
+    plain mean has 1/N. On a chaotic orbit it is about that of a plain mean, 1/√N.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first
-    and the last half of the orbit, which converge like the whole at half its length, plus
-    rounding.
+    The error bound is estimated, not proved: the larger distance from the means over the first and
+    the last half of the orbit, which converge like the whole at half its length, plus rounding.
+
+    References
+    ----------
+    Das, S., Saiki, Y., Sander, E. & Yorke, J. A. (2017), Quantitative quasiperiodicity,
+    Nonlinearity 30.
 
     Examples
     --------
@@ -165,6 +171,12 @@ class RotationNumber:
         The witness of ``locked``, else None.
     estimate : Estimate or None
         The weighted Birkhoff average with its estimated (not proved) error, None when locked.
+
+    Examples
+    --------
+    >>> found = rotation_number(CircleMap.arnold(0.5, 0.9))
+    >>> found.value, found.locked, found.estimate
+    (0.5, Fraction(1, 2), None)
     """
 
     value: float
@@ -177,8 +189,20 @@ class RotationNumber:
 
 @dataclass(frozen=True)
 class RotationInterval:
-    """All rotation numbers of a lift, [lower, upper] in turns a cycle, with the enclosures of both
-    ends.
+    """All rotation numbers of a lift.
+
+    Attributes
+    ----------
+    lower, upper : float
+        Ends of the interval, turns a cycle.
+    lower_number, upper_number : RotationNumber
+        Both ends, with their enclosures.
+
+    Examples
+    --------
+    >>> found = rotation_interval(CircleMap.arnold(0.3, 3.0))
+    >>> found.lower, found.upper
+    (0.0, 0.5)
     """
 
     lower: float
@@ -199,8 +223,14 @@ def rotation_number(
 
     Parameters
     ----------
-    tolerance : float, optional
-        turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
+    circle_map : CircleMap
+        A map of degree 1.
+    iterates : int, optional
+        How many cycles are followed at most.
+    max_period : int, optional
+        The longest period that locking is looked for with.
+    tolerance : float, default 0.0
+        Turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
         iterates are made.
     proved : bool, optional
         Make the bounds theorems by interval arithmetic (the extra ``proofs``), about the formula of
@@ -212,6 +242,7 @@ def rotation_number(
     Returns
     -------
     RotationNumber
+        With bounds, and whether it is locked.
 
     Raises
     ------
@@ -280,9 +311,26 @@ def rotation_interval(
     """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone
     envelopes.
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A map of degree 1.
+    iterates : int, optional
+        As of ``rotation_number``.
+    max_period : int, optional
+        As of ``rotation_number``.
+    tolerance : float, default 0.0
+        As of ``rotation_number``.
+
     Returns
     -------
     RotationInterval
+        Its ends, with their enclosures.
+
+    Raises
+    ------
+    InvalidInput
+        As ``rotation_number``.
 
     Notes
     -----
@@ -290,6 +338,13 @@ def rotation_interval(
     Gambaudo & Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of
     them. A nondecreasing lift gives one point. The enclosures of both ends, and what they
     cover, are as in ``rotation_number``.
+
+    References
+    ----------
+    - Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
+      endomorphismes de degré 1 du cercle, Comptes Rendus 299.
+    - Misiurewicz, M. (1986), Rotation intervals for a class of maps of the real line into itself,
+      Ergodic Theory and Dynamical Systems 6.
 
     Examples
     --------

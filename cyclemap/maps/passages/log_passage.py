@@ -51,9 +51,23 @@ def log10_passage_time(
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        As of ``mean_passage_time``.
+    noise : Noise
+        As of ``mean_passage_time``; beyond 1e300 cycles a ``WrappedNormal``.
+    start : float
+        Radians, inside the arc.
+    arc : tuple[float, float]
+        (start, end), counter-clockwise, radians.
+    lifted : bool, default False
+        As of ``mean_passage_time``.
+
     Returns
     -------
     Estimate
+        log10 of the mean number of cycles.
 
     Raises
     ------
@@ -66,15 +80,15 @@ def log10_passage_time(
 
     Notes
     -----
-    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound.
-    Beyond, for ``WrappedNormal`` only: T at the node visited most is the mean length of an
-    excursion from it over the chance of leaving in one, and T(start) is that times the chance
-    of reaching that node first. The chance of leaving is sought from transitions multiplied by
-    h(y)/h(x), h(x) nearly the chance of leaving from x before the next visit (Doob's
-    transform): along the likely ways out they are of order one. Sparse sweeps over the few
-    dozen moves that count solve it; a first h comes from twice as wide a noise, where σ² ln h
-    is nearly the same (large deviations). Where the path may stay elsewhere for thousands of
-    cycles, up to 6000 nodes are eliminated without subtraction instead.
+    Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond, for
+    ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from it
+    over the chance of leaving in one, and T(start) is that times the chance of reaching that node
+    first. The chance of leaving is sought from transitions multiplied by h(y)/h(x), h(x) nearly the
+    chance of leaving from x before the next visit (Doob's transform): along the likely ways out
+    they are of order one. Sparse sweeps over the few dozen moves that count solve it; a first h
+    comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations). Where the
+    path may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated without
+    subtraction instead.
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and
     2e-14 of ln T for rounding; measured, and without the map's ``max_error``.
