@@ -180,7 +180,7 @@ class _CurveWalk:
         length = float(self.direction @ (solved.at - here.at))
         tests = zip(self.equations.tests(here), self.equations.tests(solved), strict=True)
         for index, ((kind, before, off), (_, after, far)) in enumerate(tests):
-            if before * after >= 0.0 or abs(before) <= off or abs(after) <= far:
+            if not before * after < 0.0 or abs(before) <= off or abs(after) <= far:
                 continue
 
             def test(spot: CurveSpot, index: int = index) -> float:
