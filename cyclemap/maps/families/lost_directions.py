@@ -22,11 +22,11 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.families.orbit_equations import Bifurcation
+from cyclemap.maps.families.orbit_equations import Bifurcation, OrbitState
 from cyclemap.written import DIRECTION
 
 _AIRY = 2.338107410459767  # the first zero of Ai(-x)
-_BEND, _STEP = 1e-4, 1e-5  # radians, and of the range: for differences of F' and of F
+_STEP = 1e-5  # of the range: for differences of F
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +115,8 @@ def slow_folds(
     for fold in saddle_nodes(family, within, 1, winding):
         p, theta = float(fold.parameter), fold.points
         member = family_member(family, p)
-        bend = float(np.diff(member.derivative(theta[0] + np.array([-_BEND, _BEND])))[0]) / (
-            4.0 * _BEND
-        )
+        state = OrbitState(p, theta, member, member.derivative(theta))
+        bend = 0.5 * float(state.multiplier_gradient([])[0])
         push = float(parameter_tangent(family, p, _STEP, within)(theta)[0]) * speed
         if bend * push > 0.0:  # else two fixed points are born
             delay = _AIRY * (bend * push) ** (-1.0 / 3.0)
