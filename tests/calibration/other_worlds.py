@@ -77,17 +77,16 @@ def pushed_side(loop: cm.CollectionLoop, pose: Pose, push: WorldPush) -> SidePus
     way = np.array((math.cos(direction), math.sin(direction)))
     centre = local + travels[0] * way
     corners = outline.array
-    nearest = (math.inf, SidePush())
+    touched = []
     for side, first in enumerate(corners):
         along = corners[(side + 1) % len(corners)] - first
         fraction = float((centre - first) @ along / (along @ along))
+        inward = math.atan2(along[0], -along[1])
         off = float(np.hypot(*(centre - first - fraction * along)))
-        if 0.0 <= fraction <= 1.0 and off < nearest[0]:
-            inward = math.atan2(along[0], -along[1])
-            angle = math.remainder(direction - inward, math.tau)
-            nearest = (off, SidePush(side, fraction, angle, push.distance - float(travels[0])))
-    assert nearest[0] < 1.01 * radius
-    return nearest[1]
+        touched.append((off, side, fraction, math.remainder(direction - inward, math.tau)))
+    off, side, fraction, angle = min(touched)
+    assert off < 1.01 * radius and 0.0 <= fraction <= 1.0
+    return SidePush(side, fraction, angle, push.distance - float(travels[0]))
 
 
 def stable_directions(world: World, loop: cm.CollectionLoop) -> list[float]:
