@@ -22,11 +22,11 @@ from cyclemap.evidence.identification.surface_parameters import (
     field_factors,
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.mechanics import Material, Pose, QuasiStaticModel, Slider
+from cyclemap.mechanics import Material, Pose, QuasiStaticModel, SidePush, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
-from cyclemap.mechanics.first_touch import first_touches
+from cyclemap.mechanics.first_touch import first_contact, first_touches
 from cyclemap.mechanics.foundation import FloorField
 from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint
 from cyclemap.mechanics.quasi_static import run_strokes
@@ -72,6 +72,15 @@ def frame_shift(material: Material, plate: str) -> Place:
         if frame.plate == plate:
             return frame.x, frame.y
     return _WORLD
+
+
+def push_from_contact(
+    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose, contact: int = 0
+) -> MeasuredPush:
+    """Return a measured push whose rod, of a radius in m, went from its first touch on."""
+    place, way = first_contact(slider, push, radius)
+    tips = (start.to_world(*place), start.to_world(*(place + push.distance * way)))
+    return MeasuredPush(start, end, *tips, contact=contact)
 
 
 def predicted_ends(

@@ -649,8 +649,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("predicted = predicted + gone * (turn_worn - predicted)", "predicted = predicted"),
-            ("jacobian *= 1.0 - by_share", "jacobian *= 1.0"),
+            ("predicted += weight * (between @ turned)", "predicted += between @ turned"),
+            (
+                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
+                "jacobian[:, columns] += between @ by_names",
+            ),
         ],
     ),
     "evidence/tables/measured_cycle_map.py": (

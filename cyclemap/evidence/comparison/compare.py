@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from cyclemap.evidence.comparison.cycle_agreement import (
     orientation_agreement,
     staircase_agreement,
 )
-from cyclemap.evidence.comparison.prediction import Prediction, as_prediction
+from cyclemap.evidence.comparison.prediction import Prediction, Predictor, as_prediction
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     push_agreements,
@@ -35,7 +34,7 @@ from cyclemap.evidence.orientations.collection_null import (
 )
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.maps import Noise, StaircaseSummary, predict_staircase
+from cyclemap.maps import CircleMap, DriftingMap, Noise, StaircaseSummary, predict_staircase
 
 # A collection shorter than this has no steps or modes worth a test.
 FEWEST_CYCLES = 10
@@ -86,7 +85,7 @@ class Comparison:
 
 
 def compare(
-    prediction: Any,
+    prediction: Predictor,
     data: PushTable | Theta0Pairs | str | Path,
     *,
     noise: Noise | None = None,
@@ -142,7 +141,9 @@ def compare(
     (True, True, 1)
     """
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
-    loop = prediction if callable(getattr(prediction, "circle_map", None)) else None
+    loop = None
+    if not isinstance(prediction, CircleMap | DriftingMap) and hasattr(prediction, "circle_map"):
+        loop = prediction
     collection = collection_data(
         data,
         loop,

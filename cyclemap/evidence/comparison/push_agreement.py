@@ -187,33 +187,32 @@ def mean_distances(
     """How far pushes end from the prediction on average, place (m) and turn (rad), and from
     isotropic friction's.
     """
-    measured, *both = (
-        np.concatenate([getattr(one, name) for one in sets])
-        for name in ("measured", "predicted", "isotropic")
+    measured = _joined(sets, "measured")
+    predicted, isotropic = (
+        np.abs(_joined(sets, name) - measured) for name in ("predicted", "isotropic")
     )
-    off = [np.abs(predicted - measured) for predicted in both]
-    first, other = (
-        (float(np.mean(np.hypot(*one[:, 1:].T))), float(np.mean(one[:, 0]))) for one in off
-    )
-    return first, other
+    return _mean_distance(predicted), _mean_distance(isotropic)
+
+
+def _mean_distance(off: Array) -> tuple[float, float]:
+    turn, x, y = off.T
+    return float(np.mean(np.hypot(x, y))), float(np.mean(turn))
+
+
+def _joined(sets: Sequence[PushAgreement], name: str) -> Array:
+    return np.concatenate([getattr(pushes, name) for pushes in sets])
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:
-    """The quantities of all sets taken together; () without any."""
-    if not sets:
-        return ()
-    measured, predicted = (
-        np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted")
-    )
-    known = [(one.count, one.sampled) for one in sets if one.sampled is not None]
-    most = max((len(some) for _, some in known), default=0)
-    known = [(count, some) for count, some in known if len(some) == most]
-    shifts = (
-        np.average([some for _, some in known], axis=0, weights=[count for count, _ in known])
-        if known
-        else None
-    )
-    return _quantities(measured, predicted, shifts)
+    """The quantities of all sets, of which there is one at least, taken together."""
+    known = [(pushes.count, pushes.sampled) for pushes in sets if pushes.sampled is not None]
+    most = max((len(sampled) for _, sampled in known), default=0)
+    complete = [(count, sampled) for count, sampled in known if len(sampled) == most]
+    shifts = None
+    if complete:
+        counts, samples = zip(*complete, strict=True)
+        shifts = np.average(samples, axis=0, weights=counts)
+    return _quantities(_joined(sets, "measured"), _joined(sets, "predicted"), shifts)
 
 
 def quantity_agreement(

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_array, whole_number
+from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Function, Labels, Values
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD,
     FLOOR_NAMES,
+    FRICTION_NAMES,
     PLATE_NAMES,
     SURFACE,
     Parameter,
@@ -44,33 +45,27 @@ Rows = tuple[Array, Array]
 # Radians (extents) asked of a stroke: measured pushes come out within 1e-3 mm and .003 degrees of
 # exact ones.
 ACCURACY = 1e-3
-TIP_OFFSET = (
+TIP_OFFSET = tuple(
     Parameter(
-        "tip_offset_x",
-        "shift of the robot's frame against the camera's, along x",
-        "m",
-        -0.01,
-        0.01,
-        0.0,
-        1e-3,
-    ),
-    Parameter(
-        "tip_offset_y",
-        "shift of the robot's frame against the camera's, along y",
-        "m",
-        -0.01,
-        0.01,
-        0.0,
-        1e-3,
-    ),
+        f"tip_offset_{axis}",
+        f"shift of the robot's frame against the camera's, along {axis}",
+        *("m", -0.01, 0.01, 0.0, 1e-3),
+    )
+    for axis in "xy"
 )
 # What wears of a surface comes first.
 WORN = (*SURFACE.names[1:5], *FLOOR_NAMES)
-PUSH_UNKNOWNS = (*WORN, *PLATE_NAMES, "pusher_friction")
-DRAG_UNKNOWNS = (*WORN, *PLATE_NAMES, "pin_friction_radius")
-CYCLE_UNKNOWNS = (*PUSH_UNKNOWNS, "pin_friction_radius")
+CYCLE_UNKNOWNS = (*WORN, *PLATE_NAMES, "pusher_friction", "pin_friction_radius")
+_WORN_PARAMETERS = tuple(
+    replace(
+        SURFACE[name],
+        name=f"worn_{name}",
+        description=f"{SURFACE[name].description}, at the end of the data",
+    )
+    for name in WORN
+)
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
-NODES = 48
+NODES = 47
 CYCLE_ACCURACY = 1e-6
 
 
@@ -130,8 +125,7 @@ def push_end_block(
 
     kinds = {"x": "push place (m)", "y": "push place (m)", "theta": "push turn (rad)"}
     own = (*(() if target is None else FIELD), *shifts)
-    of_surface = PUSH_NAMES, PUSH_UNKNOWNS
-    return _stroke_block("push ends", pushes, slider, ends, kinds, of_surface, own)
+    return _stroke_block("push ends", pushes, slider, ends, kinds, PUSH_NAMES, own)
 
 
 def rods_set(first: int, count: int) -> tuple[Parameter, ...]:
@@ -182,9 +176,8 @@ def drag_turn_block(
         return predicted_drag_ends(model, strokes, values["pin_friction_radius"], target)
 
     own = () if target is None else FIELD
-    of_surface = DRAG_NAMES, DRAG_UNKNOWNS
     kinds = {"theta": "drag turn (rad)"}
-    return _stroke_block("drag-backs", drags, slider, ends, kinds, of_surface, own)
+    return _stroke_block("drag-backs", drags, slider, ends, kinds, DRAG_NAMES, own)
 
 
 def _stroke_block(
@@ -193,19 +186,20 @@ def _stroke_block(
     slider: Slider,
     ends: Callable[[QuasiStaticModel, Labels, Values], StrokeEnds],
     kinds: Mapping[str, str],
-    of_surface: tuple[tuple[str, ...], tuple[str, ...]],
+    names: tuple[str, ...],
     own_parameters: tuple[Parameter, ...],
 ) -> DataBlock:
     """The block of strokes of an object; strokes of one contact are a group.
 
     ends : model, indices of strokes, values -> where they end. kinds : what is measured of a pose,
-        and its noise. of_surface : parameters of the mechanics by which these ends are
-        differentiated first, and the unknowns that stand for them; by own ones then.
+        and its noise. names : parameters of the mechanics, the friction law's first, by which these
+        ends are differentiated before the own ones.
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")
     rows = [("x", "y", "theta").index(coordinate) for coordinate in kinds]
-    names, unknowns = of_surface
+    # The motion does not depend on the mean friction.
+    unknowns = (*SURFACE.names[1:5], *names[len(FRICTION_NAMES) :])
     parameters = (*unknowns, *(parameter.name for parameter in own_parameters))
     measured = np.array([(stroke.end.x, stroke.end.y, stroke.end.theta) for stroke in strokes])
 
@@ -280,7 +274,6 @@ def cycle_pair_block(
     turn: ArrayLike,
     groups: Labels,
     share: ArrayLike | None = None,
-    nodes: int = NODES,
 ) -> DataBlock:
     """Return the block of measured turns of whole cycles, set against the cycle map of a loop.
 
@@ -288,7 +281,7 @@ def cycle_pair_block(
     ----------
     loop : CollectionLoop
         Who is pushed where, and how it is brought back; surface, rod, shapes and ring are the
-        unknowns'.
+        unknowns'. Its map must be smooth: it is a trigonometric polynomial through 47 cycles.
     theta : array_like, shape (n,)
         Orientation before a push, rad.
     turn : array_like, shape (n,)
@@ -299,9 +292,6 @@ def cycle_pair_block(
         How worn the surface was, 0 fresh to 1 at the end of the data; the turn is then blended
         linearly between the two, its ends having an ellipse and a floor each, the worn one's
         `worn_...`.
-    nodes : int, optional
-        Angles at which cycles are computed; between them a trigonometric polynomial, so the map
-        must be smooth.
 
     Returns
     -------
@@ -326,53 +316,43 @@ def cycle_pair_block(
     if angles.size == 0 or measured.shape != angles.shape:
         told = f"{angles.size} orientations and {measured.size} turns"
         raise InvalidInput(f"{told}: give one turn for each, one at least")
-    count, gone, worn = (
-        whole_number("nodes", nodes, least=9),
-        np.zeros(angles.size),
-        list[Parameter](),
-    )
+    gone = np.zeros(angles.size) if share is None else finite_array("share of wear", share, ndim=1)
+    if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
+        raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
+    # How much each surface counts, and its own parameters in the order of CYCLE_UNKNOWNS.
+    surfaces = [(1.0 - gone, CYCLE_UNKNOWNS)]
+    own_parameters: tuple[Parameter, ...] = ()
     if share is not None:
-        gone = finite_array("share of wear", share, ndim=1)
-        if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
-            raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-        fresh, late = (SURFACE[name] for name in WORN), "at the end of the data"
-        worn = [
-            replace(x, name=f"worn_{x.name}", description=f"{x.description}, {late}") for x in fresh
-        ]
-    count += count % 2 - 1
-    places = 2.0 * np.pi * np.arange(count) / count
-    between, parameters = (
-        interpolation(angles, count),
-        (*CYCLE_UNKNOWNS, *(one.name for one in worn)),
-    )
+        own_parameters = _WORN_PARAMETERS
+        worn_names = tuple(parameter.name for parameter in own_parameters)
+        surfaces.append((gone, (*worn_names, *CYCLE_UNKNOWNS[len(WORN) :])))
+    parameters = tuple(dict.fromkeys(name for _, names in surfaces for name in names))
+    places = 2.0 * np.pi * np.arange(NODES) / NODES
+    between = interpolation(angles, NODES)
 
-    def at_nodes(values: Values, late: bool) -> Rows:
-        """Turns at the nodes on the fresh or the worn surface, and their derivatives by
-        CYCLE_UNKNOWNS.
-        """
-        own = {**values, **{name: values[f"worn_{name}"] for name in WORN}} if late else values
-        runs, by_unknowns = cycles_by_unknowns(SurfaceParameters.from_values(own), loop, places)
+    def at_nodes(values: Values, names: tuple[str, ...]) -> Rows:
+        """Turns at the nodes on a surface, and their derivatives by its parameters."""
+        known = zip(CYCLE_UNKNOWNS, names, strict=True)
+        surface = SurfaceParameters.from_values({plain: values[own] for plain, own in known})
+        runs, by_unknowns = cycles_by_unknowns(surface, loop, places)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
     def function(values: Values) -> Rows:
-        predicted, by_fresh = (between @ part for part in at_nodes(values, False))
-        jacobian = np.hstack([by_fresh, np.zeros((angles.size, len(worn)))])
-        if worn:
-            turn_worn, by_worn = (between @ part for part in at_nodes(values, True))
-            predicted = predicted + gone * (turn_worn - predicted)
-            kept, changing, by_share = len(CYCLE_UNKNOWNS), len(WORN), gone[:, np.newaxis]
-            jacobian *= 1.0 - by_share
-            jacobian[:, changing:kept] += by_share * by_worn[:, changing:]
-            jacobian[:, kept:] = by_share * by_worn[:, :changing]
+        predicted, jacobian = np.zeros(angles.size), np.zeros((angles.size, len(parameters)))
+        for weight, names in surfaces:
+            turned, by_names = at_nodes(values, names)
+            columns = [parameters.index(name) for name in names]
+            predicted += weight * (between @ turned)
+            jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)
         return predicted - measured, jacobian
 
     def curve(values: Values, around: Array, late: bool) -> Array:
-        return interpolation(around, count) @ at_nodes(values, late)[0]
+        return interpolation(around, NODES) @ at_nodes(values, surfaces[late][1])[0]
 
     motions = np.column_stack([angles, measured])
     kinds = np.repeat("cycle turn (rad)", angles.size)
     return DataBlock(
-        "cycles", parameters, function, groups, kinds, tuple(worn), motions=motions, curve=curve
+        "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
     )
 
 

@@ -28,7 +28,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, UnreadableFile, column_value
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
@@ -252,7 +252,8 @@ def replay_pushes(
         reasons = ", ".join(f"{count} {why}" for why, count in left.items())
         raise InvalidInput(f"{path}: nothing is selected: {reasons}")
     replayer = _Replayer(loop)
-    replayer.check(found)
+    of_known = found.table["object"].isin([*replayer.sliders])
+    check_pushes(replace(found, table=found.table[of_known]), loop)
     left_out = [
         *found.unreadable,
         *(UnreadableFile(Path(file), _A_SCAN) for file in found.scans["path"].unique()),
@@ -284,13 +285,6 @@ class _Replayer:
         self.loop = replace(loop, accuracy=ACCURACY)
         self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
         self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
-
-    def check(self, pushes: PushTable) -> None:
-        """Test how the data were read by the pushes of each object, as `check_pushes` does."""
-        for name, slider in self.sliders.items():
-            own = pushes.table[pushes.table["object"] == name]
-            plain = CollectionLoop.mit("isotropic", slider=slider, footprint=None)
-            check_pushes(replace(pushes, table=own), plain)
 
     def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, Any], Replay]:
         """Return the row of a push, and its replay; raises CycleMapError where there is none."""
