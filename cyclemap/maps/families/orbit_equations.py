@@ -253,12 +253,11 @@ class Bifurcation:
         the break.
     jump : bool
         Whether the break met is a jump of the map, where the branch ends, and not a kink.
-    residual : float
-        The largest residual of the equations of the orbit and of the condition.
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, saddle_nodes
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, saddle_nodes
     >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
     >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
     ('saddle-node', True, True, 1.570796)
@@ -272,7 +271,6 @@ class Bifurcation:
     multiplier: float
     left_multiplier: float
     jump: bool
-    residual: float
 
     @property
     def theta(self) -> float:
@@ -400,7 +398,6 @@ def recorded(
         equations.winding,
         *(multipliers or (at.multiplier, at.multiplier)),
         jump,
-        float(np.max(np.abs(residual))),
     )
 
 

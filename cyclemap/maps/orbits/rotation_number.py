@@ -14,7 +14,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
@@ -67,12 +67,13 @@ def birkhoff_average(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, birkhoff_average
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
     (True, True)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if function is None and circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
@@ -175,6 +176,7 @@ class RotationNumber:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.5, 0.9))
     >>> found.value, found.locked, found.estimate
     (0.5, Fraction(1, 2), None)
@@ -201,6 +203,7 @@ class RotationInterval:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.3, 3.0))
     >>> found.lower, found.upper
     (0.0, 0.5)
@@ -275,6 +278,7 @@ def rotation_number(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.1, 0.9))
     >>> found.locked, found.proof is not None
     (Fraction(0, 1), True)
@@ -349,6 +353,7 @@ def rotation_interval(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))
@@ -367,8 +372,7 @@ _Budget = tuple[
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
