@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import actions_report, measured_report, steps_report
 from cyclemap.cli.options import RunOptions
@@ -16,7 +14,7 @@ from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page
-from cyclemap.written import Json, degrees, direction_deg, written
+from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
@@ -35,35 +33,23 @@ def run_strategy_portrait(
     turns, measured = map_turns(maps), None if pairs is None else pairs.path
     law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, asked)
-    mean_turn, above = float((theta[-1] - theta[0]) / (len(theta) - 1)), law.density > 0.5 / math.pi
-    peaks = np.flatnonzero(
-        (law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above
-    )
+    mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
     told: Json = {
-        "strategy": {
-            "recipe": recipe(strategy),
-            "order": strategy.order,
-            "needs": list(strategy.needs),
-        },
-        "map": [
-            {
-                "action": action,
-                "max_error_deg": degrees(one.max_error),
-                "mean_turn_deg": degrees(float(turn.mean())),
-            }
-            for action, one, turn in zip(actions_report(strategy, loop), maps, turns, strict=True)
-        ],
+        "strategy": {"recipe": recipe(strategy), **json_of(strategy, "order", "needs")},
+        "map": rows(
+            action=actions_report(strategy, loop),
+            max_error_deg=[degrees(cycle_map.max_error) for cycle_map in maps],
+            mean_turn_deg=degrees(turns.mean(axis=1)),
+        ),
         "fixed_points": [],
         "fixed_points_reason": _EACH,
         "rotation_number": {
-            "value": written(mean_turn / (2.0 * math.pi)),
-            "lower": None,
-            "upper": None,
-            "locked": None,
+            "value": mean_turn / (2.0 * math.pi),
+            **dict.fromkeys(("lower", "upper", "locked")),
         },
         "stationary": {
             "noise_deg": degrees(sigma),
-            "peaks_deg": [direction_deg(math.radians(peak)) for peak in peaks.tolist()],
+            "peaks_deg": [*map(direction_deg, law.peaks)],
             "spectral_gap": written(1.0 - factor),
             "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
             "tv_from_uniform": written(law.total_variation),
