@@ -2,7 +2,7 @@
 
 import math
 import sys
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -79,7 +79,8 @@ def test_intervals_of_a_dozen_pushes_are_those_of_linear_regression() -> None:
     reach = math.sqrt(2.0 * stats.f.ppf(0.95, 2, 36 - 7))
     angles = np.linspace(0.0, 2.0 * np.pi, 2001)
     circle = reach * np.stack([np.cos(angles), np.sin(angles)])
-    intervals = found.offset, np.log(found.ratio) / 2.0
+    offset, ratio = (astuple(interval) for interval in (found.offset, found.ratio))
+    intervals = offset, np.log(ratio) / 2.0
     for part, interval in zip((slice(0, 2), slice(2, 4)), intervals, strict=True):
         root = np.linalg.cholesky(covariance[part, part])
         lengths = np.hypot(*((planted + moved)[part, None] + root @ circle))
