@@ -44,7 +44,7 @@ class SlowFold:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps import CircleMap, slow_folds
     >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
     >>> lost.fold.kind, round(lost.parameter - lost.fold.parameter, 7)
     ('saddle-node', 3.56e-05)
@@ -100,7 +100,8 @@ def slow_folds(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, slow_folds
     >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
     >>> lost.fold.parameter.holds(0.9 / (2 * np.pi)), round(lost.delay_cycles)
     (True, 356)
@@ -151,6 +152,8 @@ class RestMultiplier:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 60):
     ...     path.append(0.5 * path[-1] + kick)
@@ -206,6 +209,8 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng = np.random.default_rng(0)
     >>> path = [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 200):
