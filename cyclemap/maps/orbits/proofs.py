@@ -126,7 +126,10 @@ def proved_rotation(
         bounds = proof.orbit_turns(iterates) if rises else proof.all_turns()
         low, high = next(bounds, (None, None))
         if low is None or high is None:
-            raise ConvergenceError("no proof: no iterate of the lift can be bounded")
+            raise ConvergenceError(
+                f"no proof: Fⁿ - id, n ≤ {_LONGEST_FOLDED}, meets whole turns so nearly, as at a "
+                "tangency, that it cannot be bounded: prove on either side of it"
+            )
         for lower, upper in bounds:
             low, high = max(low, lower), min(high, upper)
             if high - low <= width:

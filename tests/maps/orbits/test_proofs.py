@@ -173,6 +173,13 @@ def test_rotation_numbers_lie_within_bounds_that_are_theorems():
     # 1/4 of a turn is no float: a hair below it, and never a quarter.
     quarter = rotation_number(CircleMap.rigid(0.25), iterates=100, proved=True)
     assert (quarter.locked, quarter.upper) == (None, 0.25)
+    refused(
+        rotation_number,
+        CircleMap(lambda x: x - 1.0 + np.sin(x)),
+        proved=True,
+        kind=ConvergenceError,
+        told="as at a tangency",
+    )
     angles = np.linspace(0.0, TWO_PI, 80, endpoint=False)
     refused(
         rotation_number,
