@@ -12,7 +12,7 @@ from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import OUTCOMES, draw_measured
+from cyclemap.views.map_panels import OUTCOMES, draw_measured, draw_outcome
 from cyclemap.views.sentences import angle
 from cyclemap.views.staircase_panels import draw_staircase
 
@@ -100,13 +100,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     """The largest set of pushes over θ0, measured and predicted."""
     largest = found.pushes[0]
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
-        symbol, label, scale = OUTCOMES[quantity.name]
-        draw_measured(axes, largest.theta, scale * largest.measured[:, column])
+        draw_outcome(axes, largest.theta, largest.measured[:, column], quantity.name)
+        symbol, _, scale = OUTCOMES[quantity.name]
         predicted = {**style.DOTS, "color": style.PREDICTED, "markeredgewidth": 0.0, "alpha": 1.0}
         theta, values = np.degrees(largest.theta) % 360.0, scale * largest.predicted[:, column]
         axes.plot(theta, values, label="predicted", **{**predicted, "markersize": 2.2})
-        style.degree_axis(axes)
-        axes.set_ylabel(label)
         spread = f"std {quantity.std_percent:.1f} %"
         style.entitle(axes, f"{symbol}: RMSE {quantity.percent:.1f} %, {spread}")
 

@@ -72,7 +72,7 @@ def identify_page(
     count = min(len(panels), MOST_PANELS) + 1
     columns = count if count <= 3 else 2 if count == 4 else 3
     rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
-    placed = style.panels(figure, style.rows_of(*rows), room)
+    placed = style.panels(figure, style.rows_of(*rows), room, keys=2)
     intervals = placed.pop(columns - 1)
     _draw_intervals(intervals, found)
     for axes, (name, draw) in zip(placed, panels, strict=False):

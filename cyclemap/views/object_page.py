@@ -92,11 +92,11 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     draw_rod(axes, rod, loop.pusher.radius)
     axes.plot([], [], "o", color=INK, label=f"rod, radius {MM * loop.pusher.radius:.3g} mm")
     style.arrow(axes, MM * rod, MM * end, FORCE)
-    told = f"push, {MM * loop.push.distance:.4g} mm at side {loop.push.side}"
-    axes.plot([], [], color=FORCE, label=told)
+    length = f"{MM * loop.push.distance:.4g} mm"
+    axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
     ring = np.array(loop.slider.hitch)
-    told = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
-    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=told)
+    place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
+    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=place)
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
     style.square_window(axes, MM * np.vstack(corners))
