@@ -184,8 +184,7 @@ def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
     rows.
     """
-    figure = style.new_figure(11.4, 5.2)
-    plane, rows = style.panels(figure, "ab", width_ratios=(1.75, 1.0))
+    figure, (plane, rows) = style.page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
     _draw_plane(plane, result)
     planes = result.plane
     rows.axhline(0.0, **style.ZERO)

@@ -26,7 +26,6 @@ ISOTROPIC = "isotropic friction under even pressure"
 @style.picture_style()
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    figure = style.new_figure()
     many = len(found.pushes) > MOST_SETS
     sets = f"; {len(found.pushes)} sets of pushes, " if len(found.pushes) > 1 else ""
     drawn = ("all are drawn" if many else "the largest is drawn") if sets else ""
@@ -34,9 +33,8 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
     noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
     foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}{drawn}"
-    room = style.write_page(figure, headline(name, found), told, foot)
-    rows = (found.cycle is not None) + bool(found.pushes)
-    panels = style.panels(figure, style.rows_of(*(3,) * rows), room)
+    layout = style.rows_of(*(3,) * ((found.cycle is not None) + bool(found.pushes)))
+    figure, panels = style.page(layout, headline(name, found), told, foot)
     if found.cycle is not None:
         _draw_cycles(panels[:3], found, curve)
     if found.pushes:
@@ -62,8 +60,8 @@ def residual_page(found: Comparison) -> Figure | None:
     if not left:
         return None
     layout = ("a", "ab", "ab;cd", "ab;cd")[len(left) - 1]
-    figure = style.new_figure(7.0 if layout == "a" else 9.0, 2.7 * len(layout.split(";")))
-    panels = style.panels(figure, layout)
+    size = (7.0 if layout == "a" else 9.0, 2.7 * len(layout.split(";")))
+    figure, panels = style.page(layout, size=size)
     for axes, (label, theta, off) in zip(panels, left, strict=False):
         axes.axhline(0.0, **style.ZERO)
         draw_measured(axes, theta, off)

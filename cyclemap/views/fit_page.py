@@ -57,17 +57,17 @@ def fit_page(fit: SetFit) -> Figure:
         raise InvalidInput(
             f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
         )
-    figure = style.new_figure(16.0, 9.6)
     foot = (
         "laws are Fourier series of θ0, their order by cross-validation over blocks of "
         "successive pushes unless given"
     )
     title = f"Fitted to {fit.pushes.name}"
-    room = style.write_page(figure, title, set_sentences(fit), foot)
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
-    axes = iter(style.panels(figure, style.rows_of(*map(len, rows)), room, keys=2))
+    layout, words = style.rows_of(*map(len, rows)), set_sentences(fit)
+    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    axes = iter(placed)
     for row in rows:
         for name, draw in row:
             draw(panel := next(axes))

@@ -42,10 +42,9 @@ def object_page(checked: CheckedCollection) -> Figure:
         f"{'Wrong' if finding.wrong else 'Likely wrong'}: {finding.words}."
         for finding in checked.findings
     ]
-    figure = style.new_figure(11.0, 6.2 + 0.2 * len(words))
-    name = "Collection" if loop is None else loop.slider.name
-    room = style.write_page(figure, f"{name}, to scale", words)
-    setup, cycle = style.panels(figure, "ab", room, keys=2)
+    title = f"{'Collection' if loop is None else loop.slider.name}, to scale"
+    size = (11.0, 6.4 + 0.2 * len(words))
+    figure, (setup, cycle) = style.page("ab", title, words, size=size, keys=3)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)

@@ -68,10 +68,9 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
 def probe_page(found: Probe) -> Figure:
     """Draw each outcome over the orientation,
     with what the harmonics and the ellipse make of it."""
-    figure = style.new_figure(12.0, 4.8)
     answer, *words = probe_sentences(found)
     foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
-    panels = style.panels(figure, "abc", style.write_page(figure, answer, words, foot))
+    figure, panels = style.page("abc", answer, words, foot, size=(12.0, 4.8))
     made = found.mimic.cycles(CIRCLE)
     mimicked = np.column_stack([made.push_displacement, made.push_turn])
     # The mean motion is free in the fit: it is what the object rests on, not the direction.

@@ -151,9 +151,7 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    figure = style.new_figure()
-    room = style.write_page(figure, words[0], words[1:])
-    path, recorded, pushes, last = style.panels(figure, "ac;bd", room)
+    figure, (path, recorded, pushes, last) = style.page("ac;bd", words[0], words[1:])
     if measured is not None:
         path.plot(np.degrees(measured) % 360.0, label="measured", **style.DOTS)
     dots: style.Look = {"color": PREDICTED, "markersize": 2, "label": "predicted", "zorder": 3}
