@@ -17,6 +17,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
 # overflow.
@@ -64,6 +65,8 @@ class Anisotropy:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
+    >>> from cyclemap.collection import Anisotropy
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction
     (0.2041, 0.5)
@@ -72,9 +75,9 @@ class Anisotropy:
     """
 
     offset: float
-    offset_direction: float
+    offset_direction: float = field(metadata=DIRECTION)
     ellipticity: float
-    ellipse_direction: float
+    ellipse_direction: float = field(metadata=DIRECTION)
 
     def __post_init__(self) -> None:
         for name in ("offset", "ellipticity"):
@@ -202,6 +205,8 @@ class TurnResponse:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import TurnResponse
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
     >>> both.offset_amplitude, both.offset_phase
     (2.0, 0.0)
@@ -209,16 +214,16 @@ class TurnResponse:
     (1.0, -1.570796)
     """
 
-    turn: float
-    gradient: Array
-    hessian: Array
-    bow: Array = field(default_factory=lambda: np.zeros(2))
-    offset_amplitude: float = field(init=False)
-    offset_phase: float = field(init=False)
-    ellipse_amplitude: float = field(init=False)
-    ellipse_phase: float = field(init=False)
-    bow_amplitude: float = field(init=False)
-    bow_phase: float = field(init=False)
+    turn: float = field(metadata=ANGLE)
+    gradient: Array = field(metadata=UNWRITTEN)
+    hessian: Array = field(metadata=UNWRITTEN)
+    bow: Array = field(default_factory=lambda: np.zeros(2), metadata=UNWRITTEN)
+    offset_amplitude: float = field(init=False, metadata=ANGLE)
+    offset_phase: float = field(init=False, metadata=ANGLE)
+    ellipse_amplitude: float = field(init=False, metadata=ANGLE)
+    ellipse_phase: float = field(init=False, metadata=ANGLE)
+    bow_amplitude: float = field(init=False, metadata=ANGLE)
+    bow_phase: float = field(init=False, metadata=ANGLE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "turn", finite_number("turn", self.turn))
@@ -271,6 +276,8 @@ class Fingerprint:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint
     >>> found = fingerprint(CollectionLoop.mit())
     >>> round(math.degrees(found.push.turn), 2), round(math.degrees(found.drag.turn), 2)
     (74.52, -66.52)
@@ -279,8 +286,8 @@ class Fingerprint:
     push: TurnResponse
     drag: TurnResponse
     hessian_error: float
-    remainder: float
-    bow_remainder: float = 0.0
+    remainder: float = field(metadata={"name": "remainder_per_rad"})
+    bow_remainder: float = field(default=0.0, metadata=ANGLE)
 
     @cached_property
     def cycle(self) -> TurnResponse:
@@ -334,6 +341,8 @@ def fingerprint(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint
     >>> found = fingerprint(CollectionLoop.mit()).cycle
     >>> round(math.degrees(found.turn), 3)
     8.002

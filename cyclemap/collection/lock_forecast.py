@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # A run has locked in where so many successive pushes stay within this (rad) of each other.
 REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
@@ -30,21 +31,57 @@ LEVEL = 0.9
 
 
 @dataclass(frozen=True)
+class LikelyDirection:
+    """A direction about which runs lock in.
+
+    Attributes
+    ----------
+    theta : float
+        The direction, rad.
+    share : float
+        Of the runs.
+    within : float
+        Of it 90 % of these rest, rad.
+    """
+
+    theta: float = field(metadata=DIRECTION)
+    share: float
+    within: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True)
+class SeenOrientations:
+    """How many of 36 orientations will have been seen: the median and a 90 % interval."""
+
+    median: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
 class LockForecast:
     """What a number of pushes will bring, over samples of what is believed and runs with the noise
     of a cycle.
 
-    cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions
-        : about which, rad, in what share of the runs, and within what of it 90
-        % of these rest, rad. orientations : how many of 36 will have been seen, in the median, and the ends of a 90
-        % interval. samples : of what is believed.
+    Attributes
+    ----------
+    cycles : int
+        The pushes.
+    chance : float
+        That 50 successive ones of them stay within 30 degrees.
+    directions : tuple of LikelyDirection
+        About which, the likeliest first.
+    orientations : SeenOrientations
+        How many of 36 orientations will have been seen.
+    samples : int
+        How many samples of what is believed.
     """
 
     cycles: int
-    chance: float
-    directions: tuple[tuple[float, float, float], ...]
-    orientations: tuple[float, float, float]
-    samples: int
+    chance: float = field(metadata={"name": "chance_of_lock_in"})
+    directions: tuple[LikelyDirection, ...]
+    orientations: SeenOrientations = field(metadata={"name": "orientations_of_36"})
+    samples: int = field(metadata=UNWRITTEN)
 
 
 def lock_forecast(
@@ -125,11 +162,12 @@ def forecast_from_turns(
     directions = []
     for number, centre in enumerate(centres.tolist()):
         own = away[np.argmin(away, axis=1) == number, number]
-        directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
-    directions.sort(key=lambda one: -one[1])
-    low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
+        within = float(np.quantile(own, LEVEL))
+        directions.append(LikelyDirection(centre, own.size / len(resting), within))
+    directions.sort(key=lambda direction: -direction.share)
+    ends = np.quantile(seen, (0.5, 0.5 - LEVEL / 2.0, 0.5 + LEVEL / 2.0)).tolist()
     return LockForecast(
-        cycles, float(resting.mean()), tuple(directions), (middle, low, high), len(turns)
+        cycles, float(resting.mean()), tuple(directions), SeenOrientations(*ends), len(turns)
     )
 
 

@@ -3,7 +3,7 @@ staircase alone.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.written import ANGLE
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -69,9 +70,9 @@ _CUBIC_NODES = 24
 class TurnStatistics:
     """The turn f(θ) - θ over the whole circle (rad), and the slope f'(θ)."""
 
-    mean: float
-    minimum: float
-    maximum: float
+    mean_turn: float = field(metadata=ANGLE)
+    min_turn: float = field(metadata=ANGLE)
+    max_turn: float = field(metadata=ANGLE)
     min_slope: float
     max_slope: float
 
@@ -120,6 +121,8 @@ class Portrait:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop, portrait
     >>> loop = CollectionLoop.mit("plywood")
     >>> result = portrait(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> [round(float(np.degrees(orbit.points[0])), 1) for orbit in result.stable_points]
@@ -248,6 +251,7 @@ def portrait(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop, portrait
     >>> result = portrait(CollectionLoop.mit("plywood"), sigma=0.2, cycles=50, tolerance=1e-3)
     >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
     (Fraction(0, 1), 2, (51,))
@@ -349,9 +353,9 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
-        mean=float(weight @ turn / FULL_TURN),
-        minimum=float(turn.min()),
-        maximum=float(turn.max()),
+        mean_turn=float(weight @ turn / FULL_TURN),
+        min_turn=float(turn.min()),
+        max_turn=float(turn.max()),
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
@@ -380,6 +384,8 @@ class StaircaseForecast:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, staircase_forecast
     >>> loop = CollectionLoop.mit("isotropic")
     >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> forecast.prediction.zones, round(float(np.degrees(forecast.prediction.mean_turn)), 2)
@@ -445,6 +451,7 @@ def staircase_forecast(
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, staircase_forecast
     >>> loop = CollectionLoop.mit("plywood")
     >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> round(float(forecast.log10_residences[0]), 1)

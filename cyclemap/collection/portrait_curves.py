@@ -40,9 +40,14 @@ class TurnCurve:
 class Cobweb:
     """A window on the graph of the map, and paths of the cobweb in it.
 
-    low, high : rad, the window on θ (lifted). pieces : (θ, f(θ)) of the map in the window, each
-        (n,) rad.
-    paths : corners (m, 2) of each cobweb, rad, on the same lift.
+    Attributes
+    ----------
+    low, high : float
+        The window on θ (lifted), rad.
+    pieces : tuple of tuple[ndarray, ndarray]
+        (θ, f(θ)) of the map in the window, each (n,), rad.
+    paths : tuple of ndarray
+        Corners (m, 2) of each cobweb, rad, on the same lift.
     """
 
     low: float
@@ -104,7 +109,7 @@ def cobweb(portrait: Portrait) -> Cobweb:
         *portrait.gathering_jumps,
     ]
     centre = places[0] if places else float(theta[np.argmin(np.abs(turn))])
-    largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
+    largest = max(abs(portrait.turns.min_turn), abs(portrait.turns.max_turn))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
     low, high = centre - half, centre + half
     # Every lift of the jumps and of the unstable points in the window.

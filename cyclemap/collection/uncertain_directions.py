@@ -10,7 +10,7 @@ sample is run.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
 from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.written import ANGLE, DIRECTION
 
 Array = NDArray[np.float64]
 
@@ -61,15 +62,16 @@ class DirectionInterval:
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> (direction,) = found.directions
     >>> direction.lower < direction.theta < direction.upper, direction.share
     (True, 1.0)
     """
 
-    theta: float | None
-    lower: float
-    upper: float
+    theta: float | None = field(metadata=DIRECTION)
+    lower: float = field(metadata=ANGLE)
+    upper: float = field(metadata=ANGLE)
     share: float
 
 
@@ -97,6 +99,7 @@ class DirectionUncertainty:
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.is_posterior, found.chance, found.samples
     (False, 1.0, 2)
@@ -105,9 +108,9 @@ class DirectionUncertainty:
     source: str
     method: str
     samples: int
-    locks: int
+    locks: int = field(metadata={"name": "samples_that_lock"})
     directions: tuple[DirectionInterval, ...]
-    first_order_error: float | None = None
+    first_order_error: float | None = field(default=None, metadata=ANGLE)
 
     @property
     def is_posterior(self) -> bool:
@@ -178,6 +181,8 @@ def direction_uncertainty(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.source, found.locks, [round(math.degrees(row.theta)) for row in found.directions]
     ('axis ratio', 2, [63])

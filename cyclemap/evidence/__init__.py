@@ -36,7 +36,7 @@ measured_plan, MeasuredPlan, filled_text : what that table tells once it is fill
 
 Comparing
 ---------
-compare, Comparison, Verdict : a prediction beside data, question by question
+compare, Comparison : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated
     collections
@@ -59,7 +59,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
+    from cyclemap.evidence.comparison.compare import Comparison, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -151,7 +151,7 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["Comparison", "Verdict", "compare"]
+__all__ = ["Comparison", "compare"]
 __all__ += [
     "WrenchTwists",
     "collected_blocks",

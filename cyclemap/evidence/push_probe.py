@@ -14,7 +14,7 @@ import subprocess
 import weakref
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -64,6 +64,15 @@ class Harmonic:
     upper: float
 
 
+@dataclass(frozen=True)
+class Interval:
+    """A number and its 95 % interval."""
+
+    value: float
+    lower: float
+    upper: float
+
+
 @dataclass(frozen=True, eq=False)
 class Probe:
     """What a set of pushes from all around tells.
@@ -84,15 +93,17 @@ class Probe:
         Standard deviation of what no harmonic explains.
     anisotropy : Anisotropy
         Of the friction ellipse under `loop` that mimics them.
-    ratio : tuple[float, float, float]
-        Its axes' ratio, 1 or more: (value, lower, upper) with 95 % confidence.
-    offset : tuple[float, float, float]
-        Its centre over the mean radius: (value, lower, upper) with 95 % confidence.
+    ratio : Interval
+        Its axes' ratio, 1 or more.
+    offset : Interval
+        Its centre over the mean radius.
     explained : float
         Share of the pushes' dependence on orientation that it accounts for.
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe
     >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-6)
     >>> def alike(theta):
     ...     cycle = loop.cycle(theta)
@@ -108,8 +119,8 @@ class Probe:
     p_value: float
     noise: Array
     anisotropy: Anisotropy
-    ratio: tuple[float, float, float]
-    offset: tuple[float, float, float]
+    ratio: Interval = field(metadata={"name": "axis_ratio"})
+    offset: Interval
     explained: float
 
     @property
@@ -167,12 +178,14 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> def plywood(theta):
     ...     cycle = loop.cycle(theta)
     ...     return (*cycle.push_displacement, cycle.push_turn)
     >>> found = probe(plywood, CollectionLoop.mit("isotropic", accuracy=1e-6), 24)
-    >>> found.found, round(found.ratio[0], 3)
+    >>> found.found, round(found.ratio.value, 3)
     (True, 1.085)
     """
     number = whole_number("pushes of a probe", count, least=FEWEST)
@@ -221,12 +234,15 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe_pushes
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> theta = np.linspace(0.0, 6.0, 24)
     >>> cycles = loop.cycles(theta)
     >>> change = np.column_stack([cycles.push_displacement, cycles.push_turn])
     >>> found = probe_pushes(theta, change, CollectionLoop.mit("isotropic", accuracy=1e-6))
-    >>> found.found, round(found.ratio[0], 2)
+    >>> found.found, round(found.ratio.value, 2)
     (True, 1.08)
     """
     angles, moved = (
@@ -259,10 +275,10 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
         _p_value(moved, fits, noise, order),
         Anisotropy.of_components(values),
     )
-    value, lower, upper = (
-        math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)
+    # The logarithm of the axes' ratio is twice the length of the second harmonic's vector.
+    ratio = Interval(
+        *(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
     )
-    offset = _length(values[:2], covariance[:2, :2], free)
     return Probe(
         loop,
         angles,
@@ -271,8 +287,8 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
         p_value,
         noise,
         vector,
-        (value, lower, upper),
-        offset,
+        ratio,
+        Interval(*_length(values[:2], covariance[:2, :2], free)),
         explained,
     )
 
@@ -369,6 +385,8 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import simulated_push
     >>> loop = CollectionLoop.mit()
     >>> push = simulated_push(loop, lambda theta, start, end: (*end, theta))
     >>> [round(part, 5) for part in push(0.3)]      # an object that goes to where the rod ends
@@ -408,6 +426,7 @@ def command_push(command: Sequence[str]) -> Push:
     Examples
     --------
     >>> import sys
+    >>> from cyclemap.evidence import command_push
     >>> answer = "print('{\\"dx_mm\\": 40, \\"dy_mm\\": -70, \\"dtheta_deg\\": 75}', flush=True)"
     >>> push = command_push([sys.executable, "-c", f"import sys\\nfor line in sys.stdin: {answer}"])
     >>> [round(float(moved), 3) for moved in push(0.5)]

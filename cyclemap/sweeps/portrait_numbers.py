@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
@@ -83,6 +83,7 @@ class Quantity:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import Quantity
     >>> Quantity("mean_turn", "rad", "mean turn of a cycle").written_name
     'mean_turn_deg'
     """
@@ -205,7 +206,7 @@ class SweptPoint:
 
     Examples
     --------
-    >>> from cyclemap.sweeps import SweepPlan
+    >>> from cyclemap import SweepPlan
     >>> point = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3)}).point(1)
     >>> point.number, dict(point.swept), point.material.name
     (1, {'mu_a': 0.3}, 'plywood')
@@ -231,6 +232,7 @@ class PointOutcome:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import PointOutcome
     >>> PointOutcome({"mean_turn": 0.14}).refusal
     ''
     """
@@ -270,6 +272,7 @@ class PortraitNumbers:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import PortraitNumbers
     >>> [quantity.name for quantity in PortraitNumbers(("rotation",)).quantities][-3:]
     ['rotation_upper', 'locked_winding', 'locked_period']
     """
@@ -452,9 +455,7 @@ _FOUND: dict[str, Callable[[_Work], Values]] = {
     },
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
-    "turns": lambda work: dict(
-        zip((one.name for one in GROUPS["turns"]), astuple(turn_statistics(work.map)), strict=True)
-    ),
+    "turns": lambda work: asdict(turn_statistics(work.map)),
     "stationary": _stationary_values,
     "staircase": _staircase_values,
 }

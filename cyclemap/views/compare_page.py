@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
-from cyclemap.evidence.comparison.compare import MOST_SETS, Comparison
+from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.views import map_panels, style
 from cyclemap.views.map_panels import OUTCOMES, draw_measured, draw_outcome
 from cyclemap.views.sentences import angle
 from cyclemap.views.staircase_panels import draw_staircase
+from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts
 
 # Fewer medians make no line.
 FEWEST_MEDIANS = 12
@@ -109,7 +110,7 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
 
 def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     """Many sets: every push predicted over measured, beside the line where both are equal."""
-    ((_, quantities),) = found.told_pushes
+    ((_, quantities),) = told_sets(found)
     measured = np.concatenate([pushes.measured for pushes in found.pushes])
     predicted = np.concatenate([pushes.predicted for pushes in found.pushes])
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
@@ -122,7 +123,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
 
 def headline(name: str, found: Comparison) -> str:
     """How many of the questions that could be answered agree."""
-    answered = [one for one in found.verdicts if one.agrees is not None]
+    answered = [one for one in verdicts(found) if one.agrees is not None]
     kept = sum(one.agrees is True for one in answered)
     if not answered:
         return f"{name} beside the data"
@@ -159,7 +160,7 @@ def summary_sentence(found: Comparison) -> str:
     """The questions by their answer, in a line or two."""
     groups = {"Agree": True, "Do not agree": False, "Open": None}
     listed = {
-        word: [one.question for one in found.verdicts if one.agrees is answer]
+        word: [one.question for one in verdicts(found) if one.agrees is answer]
         for word, answer in groups.items()
     }
     return " ".join(

@@ -259,7 +259,8 @@ def order_sentence(found: MeasuredCycleMap) -> str:
     if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
         wear = f", wear unknown ({few})"
     quiet, loud = (
-        f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest)
+        f"{angle(place.scatter, 2)} at {angle(place.theta, 0)}"
+        for place in (found.quietest, found.loudest)
     )
     scatter = f"scatter {angle(law.sigma, 2)}" + (
         "" if law.log_variance.size == 1 else f", from {quiet} to {loud}"

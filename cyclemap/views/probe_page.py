@@ -34,8 +34,8 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
         return (
             f"No sign that pushes depend on their direction, in {found.theta.size} pushes (p = "
             f"{found.p_value:.2g}).",
-            f"Anisotropy that could hide behind the {noise}: axes up to {found.ratio[2]:.4g} : 1, "
-            f"a centre up to {found.offset[2]:.2g} of the mean radius off (95 % confidence).",
+            f"Anisotropy that could hide behind the {noise}: axes up to {found.ratio.upper:.4g} : 1, "
+            f"a centre up to {found.offset.upper:.2g} of the mean radius off (95 % confidence).",
         )
     if found.stable:
         where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
@@ -47,19 +47,19 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
         f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, "
         f"{len(found.theta)} pushes)."
     )
-    if found.ratio[1] > MOST_RATIO:
+    if found.ratio.lower > MOST_RATIO:
         return (
             depend,
-            f"A friction ellipse would need axes {found.ratio[0]:.3g} : 1, and no floor that was "
+            f"A friction ellipse would need axes {found.ratio.value:.3g} : 1, and no floor that was "
             "measured has them beyond 1.7 : 1: this cannot be friction. Look at object, push, "
             "units and --angles of the data.",
         )
     return (
         depend,
-        f"A friction ellipse with axes {found.ratio[0]:.4g} : 1 ({found.ratio[1]:.4g} to "
-        f"{found.ratio[2]:.4g}), longer along {angle(found.anisotropy.ellipse_direction)}, its "
-        f"centre {found.offset[0]:.2g} of the mean radius off ({found.offset[1]:.2g} to "
-        f"{found.offset[2]:.2g}), explains {found.explained:.0%} of that; {noise}.",
+        f"A friction ellipse with axes {found.ratio.value:.4g} : 1 ({found.ratio.lower:.4g} to "
+        f"{found.ratio.upper:.4g}), longer along {angle(found.anisotropy.ellipse_direction)}, its "
+        f"centre {found.offset.value:.2g} of the mean radius off ({found.offset.lower:.2g} to "
+        f"{found.offset.upper:.2g}), explains {found.explained:.0%} of that; {noise}.",
         f"A push-and-drag-back collection on such a surface locks in {locks}.",
     )
 

@@ -123,22 +123,23 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
     if forecast is None:
         return ""
     likely = []
-    for theta, share, within in forecast.directions:
-        if share >= 0.01:
+    for direction in forecast.directions:
+        if direction.share >= 0.01:
             place = (
                 "any direction"
-                if within > 0.5 * math.pi
-                else f"{angle(theta, 0)} ± {angle(within, 0)}"
+                if direction.within > 0.5 * math.pi
+                else f"{angle(direction.theta, 0)} ± {angle(direction.within, 0)}"
             )
-            likely.append(f"{place} ({share:.0%})")
+            likely.append(f"{place} ({direction.share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
-    middle, low, high = forecast.orientations
+    seen = forecast.orientations
     locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
-    seen = (
-        f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
+    told = (
+        f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen "
+        f"({seen.lower:.0f} to {seen.upper:.0f})"
     )
     lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
-    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
+    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {told}."
 
 
 def _ends(one: DirectionInterval) -> str:
@@ -272,7 +273,7 @@ def lock_sentence(portrait: Portrait) -> str:
         if value
         else "over many cycles it gets nowhere"
     )
-    least, most = angle(turns.minimum), angle(turns.maximum)
+    least, most = angle(turns.min_turn), angle(turns.max_turn)
     turned = least if least == most else f"{least} to {most}"
     return f"Without noise a cycle turns the object by {turned}; {pace}."
 

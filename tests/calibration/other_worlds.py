@@ -14,8 +14,8 @@ from cyclemap.mechanics import DynamicModel, Ellipse, Pose, SidePush, WorldPush
 from cyclemap.mechanics.contact_curve import contact_curve
 from cyclemap.mechanics.first_touch import first_contact, first_touches
 
-# Of the rod in the dynamic simulation, m/s: five times MIT's, so that inertia shows.
-FAST = 0.1
+# Of the rod in the dynamic simulation, m/s: twice that of most of MIT's pushes.
+SPEED = 0.02
 # Orientations at which a world's own map is measured.
 MAPPED = 24
 
@@ -52,8 +52,8 @@ class DynamicWorld:
 
     @cached_property
     def model(self) -> DynamicModel:
-        """The simulation at a rod that is fast."""
-        return DynamicLoop(self.loop, speed=FAST).model
+        """The simulation at the speed of its rod."""
+        return DynamicLoop(self.loop, speed=SPEED).model
 
     def push(self, pose: Pose, push: WorldPush) -> Pose:
         side = pushed_side(self.loop, pose, push)
@@ -77,17 +77,16 @@ def pushed_side(loop: cm.CollectionLoop, pose: Pose, push: WorldPush) -> SidePus
     way = np.array((math.cos(direction), math.sin(direction)))
     centre = local + travels[0] * way
     corners = outline.array
-    nearest = (math.inf, SidePush())
+    touched = []
     for side, first in enumerate(corners):
         along = corners[(side + 1) % len(corners)] - first
         fraction = float((centre - first) @ along / (along @ along))
+        inward = math.atan2(along[0], -along[1])
         off = float(np.hypot(*(centre - first - fraction * along)))
-        if 0.0 <= fraction <= 1.0 and off < nearest[0]:
-            inward = math.atan2(along[0], -along[1])
-            angle = math.remainder(direction - inward, math.tau)
-            nearest = (off, SidePush(side, fraction, angle, push.distance - float(travels[0])))
-    assert nearest[0] < 1.01 * radius
-    return nearest[1]
+        touched.append((off, side, fraction, math.remainder(direction - inward, math.tau)))
+    off, side, fraction, angle = min(touched)
+    assert off < 1.01 * radius and 0.0 <= fraction <= 1.0
+    return SidePush(side, fraction, angle, push.distance - float(travels[0]))
 
 
 def stable_directions(world: World, loop: cm.CollectionLoop) -> list[float]:

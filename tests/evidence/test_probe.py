@@ -40,14 +40,14 @@ def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
     planted = probe_pushes(
         THETA, pushes(1.03, phi) + NOISE * random.normal(size=(72, 3)), ISOTROPIC
     )
-    assert planted.found and planted.ratio[1] <= 1.03 <= planted.ratio[2] < 1.04
+    assert planted.found and planted.ratio.lower <= 1.03 <= planted.ratio.upper < 1.04
     assert math.cos(2.0 * (planted.anisotropy.ellipse_direction - phi)) > 0.9
-    assert planted.offset[1] < 0.002
+    assert planted.offset.lower < 0.002
     none = probe_pushes(THETA, pushes(1.0, 0.0) + NOISE * random.normal(size=(72, 3)), ISOTROPIC)
     assert (
         not none.found
-        and none.ratio[1] == 1.0
-        and none.ratio[2] < 1.01
+        and none.ratio.lower == 1.0
+        and none.ratio.upper < 1.01
         and "No sign" in probe_sentences(none)[0]
     )
 
@@ -117,8 +117,8 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
 
     found = probe(push, ISOTROPIC, 36)
     assert found.found and found.explained > 0.999
-    assert found.ratio[0] == pytest.approx(0.2545 / 0.2346, abs=1e-4)
-    assert found.offset[0] == pytest.approx(
+    assert found.ratio.value == pytest.approx(0.2545 / 0.2346, abs=1e-4)
+    assert found.offset.value == pytest.approx(
         math.hypot(0.0325, 0.0082) / math.sqrt(0.2545 * 0.2346), abs=1e-4
     )
     assert np.degrees(found.stable) == pytest.approx([63.2], abs=0.3)
@@ -155,7 +155,7 @@ def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_t
     for theta in (0.0, 1.0, 3.0, 6.0):
         cycle = plywood.cycle(theta)
         assert push(theta) == pytest.approx((*cycle.push_displacement, cycle.push_turn), abs=1e-12)
-    assert probe(push, ISOTROPIC, 24).ratio[0] == pytest.approx(0.2545 / 0.2346, abs=1e-4)
+    assert probe(push, ISOTROPIC, 24).ratio.value == pytest.approx(0.2545 / 0.2346, abs=1e-4)
 
 
 def test_what_no_ellipse_can_mimic_is_found_and_said_to_be_unexplained() -> None:

@@ -371,10 +371,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
-            (
-                "twice = width / 12.0 * (at[0] + 4.0 * left",
-                "twice = width / 12.0 * (at[0] + 2.0 * left",
-            ),
+            # Weights that do not add up halve without end: they are noticed by the time alone.
+            ("return first[0] + second[0], first[1]", "return 2.0 * first[0], first[1]"),
         ],
     ),
     "maps/staircases/staircase.py": (
@@ -639,13 +637,21 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
         ],
     ),
+    "evidence/predicted_strokes.py": (
+        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+        [
+            ("for push in pushes]) / model.unit - travel", "for push in pushes]) / model.unit"),
+            ("longer = normal / (normal @ toward)", "longer = normal"),
+        ],
+    ),
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("way = length / model.unit - travel", "way = length / model.unit"),
-            ("longer = normal / (normal @ toward)", "longer = normal"),
-            ("predicted = predicted + gone * (turn_worn - predicted)", "predicted = predicted"),
-            ("jacobian *= 1.0 - by_share", "jacobian *= 1.0"),
+            ("predicted += weight * (between @ turned)", "predicted += between @ turned"),
+            (
+                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
+                "jacobian[:, columns] += between @ by_names",
+            ),
         ],
     ),
     "evidence/tables/measured_cycle_map.py": (

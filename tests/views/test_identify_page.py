@@ -67,7 +67,7 @@ def found() -> Identification:
     ]
     theta = rng.uniform(0.0, 20.0, 12)
     loop = CollectionLoop.mit("isotropic")
-    cycles = cycle_pair_block(loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12), 9)
+    cycles = cycle_pair_block(loop, theta, 0.1 + 0 * theta, np.arange(12), np.linspace(0, 1, 12))
     blocks = [
         friction_scan_block(scans(), WEIGHT),
         cycles,

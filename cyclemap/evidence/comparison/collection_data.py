@@ -20,15 +20,15 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.predicted_strokes import loop_of_session
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
-from cyclemap.mechanics import SidePush, material_names
+from cyclemap.mechanics import SidePush, Slider, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -74,11 +74,22 @@ class PushSet:
 class CollectionData:
     """What a comparison takes from the data.
 
-    pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers
-        of their pushes and the longest path without a gap; None without any. left_out
-        : pushes, by reason. loop : that makes these cycles: the one given, brought to what
-        the data tell of push and object. unreadable : files. reading : how angles and axes were read, and how well
-        motions bear that out, in words.
+    Attributes
+    ----------
+    pushes : tuple of PushSet
+        The sets with end poses.
+    pairs : Theta0Pairs or None
+        The cycles of the set that has most, with the numbers of their pushes and the longest
+        path without a gap; None without any.
+    left_out : mapping of str to int
+        Pushes, by reason.
+    loop : CollectionLoop or None
+        That makes these cycles: the one given, brought to what the data tell of push and
+        object.
+    unreadable : int
+        Files that could not be read.
+    reading : tuple of str
+        How angles and axes were read, and how well motions bear that out, in words.
     """
 
     pushes: tuple[PushSet, ...]
@@ -288,7 +299,9 @@ def _push_sets(
         posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
         facts = rows.facts
         if facts["object"] not in loops:
-            loops[facts["object"]] = loop_from_settings({"shape": facts["object"]}, loop)
+            loops[facts["object"]] = loop_of_session(
+                loop, Slider.mit(facts["object"], loop.slider.hitch)
+            )
         loop_of_set = loops[facts["object"]]
         far = rows.lengths(length, loop_of_set)
         kept = posed & np.isfinite(far)
@@ -319,7 +332,7 @@ def _cycles(
     rows = sets[counts.index(most)]
     if loop is not None:
         if rows.facts["object"] not in (None, file_stem(loop.slider.name)):
-            loop = loop_from_settings({"shape": rows.facts["object"]}, loop)
+            loop = loop_of_session(loop, Slider.mit(rows.facts["object"], loop.slider.hitch))
         far = float(np.median(rows.lengths(length, loop)))
         if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
             left_out[f"cycles: {NO_LENGTH}"] += most

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values, linear_block
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
@@ -130,57 +130,65 @@ def friction_scan_block(
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.evidence import SurfaceParameters, friction_scan_block
     >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
     >>> even = SurfaceParameters(math.log(0.25)).values()
     >>> residual, _ = friction_scan_block(scans, 8.0).residuals(even)
     >>> bool(np.allclose(residual, 0.0, atol=1e-5))
     True
     """
-    from scipy.linalg import expm, expm_frechet
-
     positive_number("weight", weight)
     direction, *forces = scan_columns(scans)
     measured = np.stack(forces, axis=-1).ravel()
-    # Directions that differ by full turns are one.
-    step = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
-    found, number = np.unique(
-        np.remainder(step, round(2.0 * math.pi / _SAME_DIRECTION)), return_inverse=True
-    )
-    groups = (
-        np.arange(len(measured)) if len(found) < FEWEST_GROUPS else np.repeat(number.reshape(-1), 2)
-    )
-
+    groups = np.arange(len(measured))
+    alike = _alike_directions(direction)
+    if alike.max() + 1 >= FEWEST_GROUPS:
+        groups = np.repeat(alike, 2)
     way = np.stack([np.cos(direction), np.sin(direction)], axis=-1)
     left = np.stack([-way[:, 1], way[:, 0]], axis=-1)
     turn = weight * np.stack([way, left], axis=1)
-    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
 
     def function(values: Values) -> tuple[Array, Array]:
-        # With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's
-        # shape matrix is mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u
-        # / sqrt(u A u)): smooth in all, a circle included.
-        surface = SurfaceParameters.from_values(values)
-        traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
-        exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
-        push = way @ expm(exponent)
-        size = np.sqrt(np.sum(push * way, axis=1))[:, None]
-        columns = [traction]
-        for unit in (by_x, by_y):
-            moved = way @ expm_frechet(exponent, unit, compute_expm=False)
-            columns.append(
-                mean
-                * (moved - push * np.sum(moved * way, axis=1)[:, None] / (2.0 * size**2))
-                / size
-            )
-        columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
+        traction, by_ellipse = _traction(SurfaceParameters.from_values(values), way)
         force = np.einsum("nij,nj->ni", turn, traction).ravel()
-        return force - measured, np.einsum(
-            "nij,njk->nik", turn, np.stack(columns, axis=-1)
-        ).reshape(-1, len(ELLIPSE))
+        jacobian = np.einsum("nij,njk->nik", turn, by_ellipse)
+        return force - measured, jacobian.reshape(-1, len(ELLIPSE))
 
-    return DataBlock(
-        "friction scans", ELLIPSE, function, groups, np.repeat(SCAN_KIND, measured.size)
-    )
+    kinds = np.repeat(SCAN_KIND, measured.size)
+    return DataBlock("friction scans", ELLIPSE, function, groups, kinds)
+
+
+def _alike_directions(direction: Array) -> Labels:
+    """Numbers from 0 of directions (n,), rad; those that differ by full turns are one."""
+    steps = np.round(np.remainder(direction, 2.0 * math.pi) / _SAME_DIRECTION)
+    turn = round(2.0 * math.pi / _SAME_DIRECTION)
+    return np.unique(np.remainder(steps, turn), return_inverse=True)[1].reshape(-1)
+
+
+def _traction(surface: SurfaceParameters, way: Array) -> tuple[Array, Array]:
+    """The traction of points that slide along unit vectors (n, 2), and its derivatives by ELLIPSE
+    (n, 2, 5).
+
+    With E = ((ellipticity_x, ellipticity_y), (ellipticity_y, -ellipticity_x)) the ellipse's shape
+    matrix is mean^2 expm(E) = mean^2 A, and the traction along u is mean (offset + A u / sqrt(u A
+    u)): smooth in all, a circle included.
+    """
+    from scipy.linalg import expm, expm_frechet
+
+    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
+    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+    exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
+    push = way @ expm(exponent)
+    square = np.sum(push * way, axis=1, keepdims=True)
+    columns = [traction]
+    for unit in (by_x, by_y):
+        moved = way @ expm_frechet(exponent, unit, compute_expm=False)
+        along = np.sum(moved * way, axis=1, keepdims=True)
+        columns.append(mean * (moved - push * along / (2.0 * square)) / np.sqrt(square))
+    columns += [np.broadcast_to(mean * unit, way.shape) for unit in np.eye(2)]
+    return traction, np.stack(columns, axis=-1)
 
 
 def friction_ellipse_from_scans(
@@ -215,6 +223,8 @@ def friction_ellipse_from_scans(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import friction_ellipse_from_scans
     >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
     >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
     >>> round(friction_ellipse_from_scans(scans, 8.0).friction().mu_a, 5)
@@ -243,6 +253,7 @@ class WrenchTwists:
 
     Examples
     --------
+    >>> from cyclemap.evidence import WrenchTwists
     >>> data = WrenchTwists([[0.0, 2.0, 0.0]], [[0.0, 0.01, 0.0]])
     >>> data.twist.shape
     (1, 3)
@@ -347,7 +358,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Slider
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap import Slider
+    >>> from cyclemap.evidence import SurfaceParameters, WrenchTwists, wrench_twist_block
     >>> square, twist = Slider.mit("rect1"), [[0.0, 0.01, 0.0]]
     >>> block = wrench_twist_block(WrenchTwists([[0.0, 0.25 * square.weight, 0.0]], twist), square)
     >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25)).values())
@@ -382,10 +396,17 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
-    ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the
-        rod's slip over the
-    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the
-        rod stuck.
+    Attributes
+    ----------
+    ratio : ndarray, shape (m,)
+        Sum of tangential over sum of normal force, positive where friction goes with the rod's
+        slip over the object.
+    push : ndarray of int, shape (m,)
+        Number of the push.
+    samples : int
+        In all pieces.
+    sticking : int
+        Samples in which the rod stuck.
     """
 
     ratio: Array
@@ -410,15 +431,13 @@ def force_ratio_block(sliding: SlidingForces) -> DataBlock:
     """
     if not sliding.ratio.size:
         raise InvalidInput("no push slides: the forces do not tell the friction of rod and object")
-    measured = np.array(sliding.ratio)
-
-    def function(values: Values) -> tuple[Array, Array]:
-        return values["pusher_friction"] - measured, np.ones((len(measured), 1))
-
+    count = sliding.ratio.size
     single = len(np.unique(sliding.push)) == 1
-    groups = np.arange(len(measured)) if single else sliding.push
-    return DataBlock(
-        "force ratios", ("pusher_friction",), function, groups, np.repeat(RATIO_KIND, measured.size)
+    groups = np.arange(count) if single else sliding.push
+    kinds = np.repeat(RATIO_KIND, count)
+    parameters = ("pusher_friction",)
+    return linear_block(
+        "force ratios", parameters, np.ones((count, 1)), np.array(sliding.ratio), groups, kinds
     )
 
 

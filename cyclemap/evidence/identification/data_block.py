@@ -105,6 +105,8 @@ class DataBlock:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock
     >>> def function(values):
     ...     return values["slope"] - np.ones(2), np.ones((2, 1))
     >>> line = DataBlock("line", ("slope",), function, groups=[0, 1], kinds="m")
@@ -146,11 +148,24 @@ class DataBlock:
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return predicted minus measured values (n,) and their derivatives (n, k), columns in
-        order of `parameters`.
+        """Return predicted minus measured values, and their derivatives.
 
-        `values` holds at least this block's parameters by name. Raises ConvergenceError for what is
-        not finite.
+        Parameters
+        ----------
+        values : Values
+            At least this block's parameters by name.
+
+        Returns
+        -------
+        residuals : ndarray, shape (n,)
+            In the data's own units.
+        derivatives : ndarray, shape (n, k)
+            Columns in order of `parameters`.
+
+        Raises
+        ------
+        ConvergenceError
+            For what is not finite.
         """
         residual, jacobian = self.function(self.own_values(values))
         if residual.shape != self.groups.shape or jacobian.shape != (
@@ -164,6 +179,14 @@ class DataBlock:
                 f"block {self.name!r} has residuals or derivatives that are not finite"
             )
         return residual, jacobian
+
+    def columns_by(self, names: Sequence[str], jacobian: Array) -> Array:
+        """Return derivatives (n, k) by names of those by the block's parameters, 0 by others."""
+        columns = np.zeros((len(jacobian), len(names)))
+        for index, name in enumerate(names):
+            if name in self.parameters:
+                columns[:, index] = jacobian[:, self.parameters.index(name)]
+        return columns
 
     def subset(self, keep: ArrayLike) -> DataBlock:
         """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
@@ -280,11 +303,7 @@ class JointProblem:
         for block in self.blocks:
             residual, jacobian = block.residuals(values)
             residuals.append(residual)
-            by_free = np.zeros((len(block.groups), len(self.space)))
-            for index, name in enumerate(block.parameters):
-                if name in self.space.names:
-                    by_free[:, self.space.names.index(name)] = jacobian[:, index]
-            jacobians.append(by_free)
+            jacobians.append(block.columns_by(self.space.names, jacobian))
         return np.concatenate(residuals), np.concatenate(jacobians)
 
     def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
@@ -321,13 +340,26 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     width = np.array(
         [positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names]
     )
+    kinds = np.repeat(PRIOR_KIND, len(names))
+    return linear_block(
+        "priors", names, np.diag(1.0 / width), centre / width, np.arange(len(names)), kinds
+    )
+
+
+def linear_block(
+    name: str,
+    parameters: tuple[str, ...],
+    jacobian: Array,
+    measured: Array,
+    groups: Labels,
+    kinds: Kinds,
+) -> DataBlock:
+    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times its parameters."""
 
     def function(values: Values) -> tuple[Array, Array]:
-        return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
+        return jacobian @ [values[key] for key in parameters] - measured, jacobian
 
-    return DataBlock(
-        "priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names))
-    )
+    return DataBlock(name, parameters, function, groups, kinds)
 
 
 def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock:
@@ -354,15 +386,10 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
         ]
     )
     kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
-    usual = np.concatenate([np.zeros(len(names)), np.full(believed, _USUAL_SPREAD)])
-    groups = np.arange(usual.size) // len(FLOOR_NAMES)
-    parameters = (*names, *FLOOR_NAMES)
-
-    def function(values: Values) -> tuple[Array, Array]:
-        return jacobian @ [values[name] for name in parameters] + usual, jacobian
-
     kinds = np.concatenate([kinds, np.tile(SESSION_KINDS, _BELIEVED_SESSIONS)])
-    return DataBlock("sessions", parameters, function, groups, kinds)
+    usual = np.concatenate([np.zeros(len(names)), np.full(believed, -_USUAL_SPREAD)])
+    groups = np.arange(usual.size) // len(FLOOR_NAMES)
+    return linear_block("sessions", (*names, *FLOOR_NAMES), jacobian, usual, groups, kinds)
 
 
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.push_noise import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
+from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -201,8 +202,8 @@ class Estimate:
     standard_error: float
     identifiable: bool
     at_bound: str
-    lower_open: bool
-    upper_open: bool
+    lower_open: bool = field(metadata=UNWRITTEN)
+    upper_open: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,6 +233,8 @@ class Identification:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock, identify
     >>> ratios = np.array([0.19, 0.21, 0.2, 0.2])
     >>> def law(values):
     ...     return values["pusher_friction"] - ratios, np.ones((4, 1))
@@ -365,6 +368,8 @@ def identify(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock, identify
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
     >>> def law(values):

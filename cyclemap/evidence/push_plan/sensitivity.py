@@ -25,7 +25,6 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     interpolation,
     push_end_block,
 )
-from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.pushes.push_noise import SET_OFF
@@ -48,9 +47,14 @@ _ASKED = 60
 class Beliefs:
     """Samples of what is believed of the unknowns, all alike likely, and their covariance.
 
-    loop : about which is asked. values : a row of numbers by name for each of the s samples that
-        are looked at.
-    covariance (k, k) : of UNKNOWNS, over all samples.
+    Attributes
+    ----------
+    loop : CollectionLoop
+        About which is asked.
+    values : tuple of dict of str to float
+        A row of numbers by name for each of the s samples that are looked at.
+    covariance : ndarray, shape (k, k)
+        Of UNKNOWNS, over all samples.
     """
 
     loop: CollectionLoop
@@ -94,14 +98,14 @@ def push_sensitivity(
         residual, jacobian = block.residuals({**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0})
         ends.append(starts + residual.reshape(-1, 3))
         shifted = jacobian.reshape(len(pushes), 3, -1)[..., -2:]
-        by = _by_unknowns(block, jacobian, len(pushes))
+        by = block.columns_by(UNKNOWNS, jacobian).reshape(len(pushes), 3, -1)
         plain.append(by / noise[:3, None])
         derivatives.append(over_noise(by, shifted, noise[:3]))
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
     turns = [
-        _by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3]
+        back.columns_by(UNKNOWNS, back.residuals(values)[1])[:, np.newaxis] / noise[3]
         for values in known.values
     ]
     first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
@@ -118,25 +122,22 @@ def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
     return np.asarray(np.linalg.solve(np.linalg.cholesky(covariance), by))
 
 
-def _by_unknowns(block: DataBlock, jacobian: Array, count: int) -> Array:
-    """Derivatives (count, rows, k) by UNKNOWNS,
-    nought by those that the block does not depend on."""
-    names = [name for name in block.parameters if name in UNKNOWNS]
-    whole = np.zeros((len(jacobian), len(UNKNOWNS)))
-    whole[:, [UNKNOWNS.index(name) for name in names]] = jacobian[
-        :, [block.parameters.index(name) for name in names]
-    ]
-    return whole.reshape(count, -1, len(UNKNOWNS))
-
-
 @dataclass(frozen=True, eq=False)
 class Target:
     """What is asked for, in each of s samples.
 
-    gradient (s, m, k) : of the m numbers asked for, by UNKNOWNS. loss : their variances (..., s, m)
-        -> (...), what is to be made small, averaged over the samples. words : their variances (s,
-        m) -> numbers by name, of what will be known, as people ask for it (rad, m). chance : share
-        of the samples that lock in; None where that is not asked.
+    Attributes
+    ----------
+    gradient : ndarray, shape (s, m, k)
+        Of the m numbers asked for, by UNKNOWNS.
+    loss : callable
+        Their variances (..., s, m) -> (...), what is to be made small, averaged over the
+        samples.
+    words : callable
+        Their variances (s, m) -> numbers by name, of what will be known, as people ask for it
+        (rad, m).
+    chance : float or None
+        Share of the samples that lock in; None where that is not asked.
     """
 
     gradient: Array

@@ -20,6 +20,7 @@ from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
+from cyclemap.written import ANGLE
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
@@ -82,6 +83,8 @@ class Theta0Pairs:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> theta = np.array([0.0, 0.4, 0.9, 1.5])
     >>> Theta0Pairs(theta[:-1], theta[1:], path=theta).turn.round(3).tolist()
     [0.4, 0.5, 0.6]
@@ -200,6 +203,8 @@ def read_theta0_pairs(
     Examples
     --------
     >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> from cyclemap.evidence import read_theta0_pairs
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = pathlib.Path(place, "slate.csv").write_text("theta0_deg\\n0\\n10\\n25\\n")
     ...     pairs = read_theta0_pairs(f"{place}/slate.csv")
@@ -416,6 +421,8 @@ class TurnBins:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).count.tolist()
     [4, 4, 4]
@@ -439,6 +446,8 @@ class AngleHistogram:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import angle_histogram
     >>> histogram = angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2)
     >>> round(float(np.sum(histogram.density * np.diff(histogram.edges))), 9)
     1.0
@@ -465,6 +474,8 @@ class MapAgreement:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> agreement = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.2).agreement
     >>> agreement.pairs, round(agreement.rms, 6)
@@ -472,9 +483,9 @@ class MapAgreement:
     """
 
     pairs: int
-    rms: float
+    rms: float = field(metadata=ANGLE)
     bins: int
-    bin_rms: float
+    bin_rms: float = field(metadata=ANGLE)
 
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
@@ -494,6 +505,8 @@ def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).median.round(6).tolist()
     [0.3, 0.3, 0.3]
@@ -522,6 +535,8 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import angle_histogram
     >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
     array([0.5, 0.5])
     """
@@ -558,6 +573,8 @@ class MeasuredOverlay:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> overlay = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.3)
     >>> round(overlay.agreement.rms, 9), overlay.pairs.theta.size
@@ -587,6 +604,8 @@ def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> Meas
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.sin(theta))
     >>> round(measured_overlay(pairs, lambda theta: 0.3 + 0.1 * np.sin(theta)).agreement.rms, 9)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -11,11 +12,10 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
-from cyclemap.mechanics.first_touch import first_touches
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3
@@ -138,27 +138,21 @@ def push_along(
     """
     travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
     done, touched, left = 0.0, False, False
-    for start, end in pairwise(corners):
-        length = math.hypot(*(end - start))
+    for (x, y), (end_x, end_y) in pairwise(corners.tolist()):
+        length = math.hypot(end_x - x, end_y - y)
         if length == 0.0:
             continue
-        place, direction = (
-            (float(start[0]), float(start[1])),
-            math.atan2(*(end - start)[::-1].tolist()),
-        )
-        if rod_gap(model, pose, place)[0] < -_ROUNDING:
-            there = f"({place[0]:.4f}, {place[1]:.4f}) m"
+        if rod_gap(model, pose, (x, y))[0] < -_ROUNDING:
+            there = f"({x:.4f}, {y:.4f}) m"
             raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
-        rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touches(
-            model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta])
-        )[0]
+        stroke = WorldPush((x, y), math.atan2(end_y - y, end_x - x), length)
         left = touched
-        if touch[0] * model.unit < length:
-            push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
-            course, at = push.trajectory, done + max(float(touch[0]), 0.0) * model.unit
-            travels += [np.array([at]), at + course.path]
-            poses += [poses[-1][-1:], course.pose]
+        with suppress(RodMissesObject):
+            push = model.push(pose, stroke, _SAMPLE_SPACING)
+            # Strokes of the engine begin where the rod touches.
+            at = done + length - model.unit * push.course.strokes.length
+            travels += [np.array([at]), at + push.trajectory.path]
+            poses += [poses[-1][-1:], push.trajectory.pose]
             pose, touched, left = push.end, True, push.ended == "left"
         done += length
         travels.append(np.array([done]))
@@ -201,7 +195,8 @@ class Replay:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> from cyclemap import EllipseFriction, QuasiStaticModel, Slider
+    >>> from cyclemap.evidence import PushRecord, replay_push
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
@@ -303,7 +298,8 @@ def replay_push(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> from cyclemap import EllipseFriction, QuasiStaticModel, Slider
+    >>> from cyclemap.evidence import PushRecord, replay_push
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]

@@ -5,7 +5,7 @@ was fitted to.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
 )
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.written import ANGLE
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
@@ -51,13 +52,18 @@ _POOLED, _COMPARED = 20_000, 40
 
 @dataclass(frozen=True, eq=False)
 class TurnPace:
-    """The full turns (k,) of a measured path, in order, each beside its prediction.
+    """The full turns of a measured path, in order, each beside its prediction.
 
-    start : the cycle in which each began. measured : the
-        pushes that it took. predicted, lower, upper : median and central 95 % of the pushes that
-        the worn map takes for the same turn,
-        begun in the same cycle at the same angle; inf where too many paths took longer than they
-        were followed.
+    Attributes
+    ----------
+    start : ndarray, shape (k,)
+        The cycle in which each began.
+    measured : ndarray, shape (k,)
+        The pushes that it took.
+    predicted, lower, upper : ndarray, shape (k,)
+        Median and central 95 % of the pushes that the worn map takes for the same turn, begun
+        in the same cycle at the same angle; inf where too many paths took longer than they were
+        followed.
     """
 
     start: Array
@@ -121,6 +127,14 @@ def turn_pace(
 
 
 @dataclass(frozen=True)
+class ScatterPlace:
+    """An orientation, rad, and how much cycles scatter there, rad."""
+
+    theta: float = field(metadata=ANGLE)
+    scatter: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True)
 class TurnPlace:
     """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever
     the place.
@@ -129,8 +143,8 @@ class TurnPlace:
     of a slow passage.
     """
 
-    theta: float
-    turn: float
+    theta: float = field(metadata=ANGLE)
+    turn: float = field(metadata=ANGLE)
     lower: float
     upper: float
     cycles: float | None = None
@@ -141,11 +155,20 @@ class MapState:
     """The fitted map at one cycle: what attracts, and where it is slow, as far as orientations were
     measured.
 
-    fixed_points : of the map, stable and unstable, where the interval of the turn excludes 0
-        on either side with opposite signs. passages : bottlenecks where the interval excludes
-        0. undecided : the least turn of each arc where the interval holds 0 and no sign changes for
-        certain: the map may have fixed points there, or none.
-    slowest : where |turn| is least. cycle : NaN where the cycles have no numbers.
+    Attributes
+    ----------
+    cycle : float
+        The cycle; NaN where the cycles have no numbers.
+    fixed_points : tuple of Orbit
+        Of the map, stable and unstable, where the interval of the turn excludes 0 on either
+        side with opposite signs.
+    passages : tuple of TurnPlace
+        Bottlenecks where the interval excludes 0.
+    undecided : tuple of TurnPlace
+        The least turn of each arc where the interval holds 0 and no sign changes for certain:
+        the map may have fixed points there, or none.
+    slowest : TurnPlace
+        Where |turn| is least.
     """
 
     cycle: float
@@ -159,16 +182,32 @@ class MapState:
 class WornForecast:
     """Paths of the worn map beside the measured one.
 
-    first_cycle : from here on full turns are counted. measured_turns : climbed from there to the
-        end; left_out_turns : those in cycles that the fit left out (gaps and flagged jumps); turns
-        : (runs,) of paths from the same place.
-    measured : (m,) rad, the measured path at every cycle, gaps filled in straight. run : (m,) rad,
-        one path of the map from the measured start. lower, upper : (m,) rad, between which 95 % of
-        such paths lie in each cycle.
-    measured_histogram, histogram : of θ0 over all cycles. total_variation, wasserstein (rad) :
-        between these two.
-    run_distances : (up to 40,) rad, the Wasserstein distance of each path from all of them: what
-        chance makes.
+    Attributes
+    ----------
+    first_cycle : float
+        From here on full turns are counted.
+    measured_turns : float
+        Climbed from there to the end.
+    left_out_turns : float
+        Those in cycles that the fit left out (gaps and flagged jumps).
+    turns : ndarray, shape (runs,)
+        Of paths from the same place.
+    measured : ndarray, shape (m,)
+        The measured path at every cycle, rad, gaps filled in straight.
+    run : ndarray, shape (m,)
+        One path of the map from the measured start, rad.
+    lower, upper : ndarray, shape (m,)
+        Between which 95 % of such paths lie in each cycle, rad.
+    measured_histogram, histogram : AngleHistogram
+        Of θ0 over all cycles.
+    total_variation : float
+        Between these two.
+    wasserstein : float
+        Between these two, rad.
+    run_distances : ndarray, shape (up to 40,)
+        The Wasserstein distance of each path from all of them, rad: what chance makes.
+    pace : TurnPace
+        The full turns of the measured path, each beside its prediction.
     """
 
     first_cycle: float
@@ -182,7 +221,7 @@ class WornForecast:
     measured_histogram: AngleHistogram
     histogram: AngleHistogram
     total_variation: float
-    wasserstein: float
+    wasserstein: float = field(metadata=ANGLE)
     run_distances: Array
     pace: TurnPace
 
@@ -198,9 +237,9 @@ class MeasuredCycleMap:
     fitted : FittedMap
         With scatter that may depend on the angle and wear in time (of degree 0 where it was not
         asked for, or the order of the cycles is unknown).
-    quietest, loudest : tuple[float, float]
-        (rad, rad) where the pairs within 10 degrees scatter least and most about it, and their
-        root mean square.
+    quietest, loudest : ScatterPlace
+        Where the pairs within 10 degrees scatter least and most about it, by their root mean
+        square.
     early, late : MapState
         The map an eighth of the run from its ends.
     forecast : WornForecast or None
@@ -209,6 +248,8 @@ class MeasuredCycleMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
@@ -221,8 +262,8 @@ class MeasuredCycleMap:
 
     pairs: Theta0Pairs
     fitted: FittedMap
-    quietest: tuple[float, float]
-    loudest: tuple[float, float]
+    quietest: ScatterPlace = field(metadata={"name": "least_scatter"})
+    loudest: ScatterPlace = field(metadata={"name": "most_scatter"})
     early: MapState
     late: MapState
     forecast: WornForecast | None
@@ -275,6 +316,8 @@ def measured_cycle_map(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
@@ -308,7 +351,8 @@ def measured_cycle_map(
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
     size = np.sqrt(near[told] @ off**2 / crowd[told])
     quietest, loudest = (
-        (float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size))
+        ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
+        for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)

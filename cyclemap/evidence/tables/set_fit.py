@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,12 +46,20 @@ _MARGIN = 3.0
 class MotionLaw:
     """The law of one quantity (Δθ in rad, Δx or Δy in m) over θ0, or why there is none.
 
-    quantity : "dtheta", "dx" or "dy". theta, value : (n,), the pushes it was fitted to, in order of
-        recording.
-    law : with its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
+    Attributes
+    ----------
+    quantity : str
+        "dtheta", "dx" or "dy".
+    theta, value : ndarray, shape (n,)
+        The pushes it was fitted to, in order of recording.
+    law : PeriodicLaw or None
+        With its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
         says why.
-    cross_validated_rmse : root mean square error at pushes that such laws were fitted without: NaN
-        where too few, inf where the others do not fix the law.
+    cross_validated_rmse : float
+        Root mean square error at pushes that such laws were fitted without: NaN where too few,
+        inf where the others do not fix the law.
+    problem : str or None
+        Why there is no law; None where there is.
     """
 
     quantity: str
@@ -90,6 +97,8 @@ class SetLaws:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -142,6 +151,8 @@ def set_laws(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -230,7 +241,8 @@ class TurnHistogram:
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 100)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(100)
@@ -306,7 +318,8 @@ def turn_histogram(
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 400)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(400)
@@ -317,56 +330,49 @@ def turn_histogram(
     angles, values = paired_arrays("value", theta, value)
     centre, noise = law(angles), law.noise(angles)
     reach = _MARGIN * noise
-    low, high = (
-        min(np.min(values), np.min(centre - reach)),
-        max(np.max(values), np.max(centre + reach)),
-    )
+    low = min(np.min(values), np.min(centre - reach))
+    high = max(np.max(values), np.max(centre + reach))
     if not high - low > 1e-12 * max(abs(low), abs(high)):
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
-    measured = np.histogram(values, edges)[0]
-    grid = np.linspace(edges[0], edges[-1], _FINER * bins + 1)
-    spread, alone, seen = (
-        _mixture(grid, centre, noise),
-        _empirical(grid, centre),
-        _empirical(grid, values),
-    )
-    in_bins = [cumulative[::_FINER] for cumulative in (seen, spread, alone)]
-    observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
-    # Total variations of sets simulated from the law, each against its own refitted law of the same
-    # order.
-    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::_FINER]
+    grid = np.linspace(low, high, _FINER * bins + 1)
+    seen, alone = _empirical(grid, values), _empirical(grid, centre)
+    spread = _mixture(grid, centre, noise)
+    total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
+    null = np.empty(whole_number("runs", runs, least=1))
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
-    solve = (
-        weighted_least_squares(columns, centre, noise**-2)[1]
-        @ (columns / noise[:, np.newaxis] ** 2).T
-    )
+    refit = _refit(angles, law)
     for run in range(null.size):
         made = centre + noise * rng.standard_normal(angles.size)
-        refitted = columns @ (solve @ made)
-        size = np.sqrt(np.sum(((made - refitted) / noise) ** 2) / free)
-        null[run] = _bin_distance(
-            _empirical(bounds, made), _mixture(bounds, refitted, size * noise)
-        )
-    predicted, bare_counts = (
-        read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:]
-    )
-    apart, bare_apart = (
-        float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone)
-    )
-    chance = monte_carlo_p_value(observed, null)
+        refitted, size = refit(made)
+        null[run] = _bin_distance(_empirical(edges, made), _mixture(edges, refitted, size * noise))
     return TurnHistogram(
-        read_only(edges),
-        measured,
-        predicted,
-        bare_counts,
-        observed,
-        bare,
-        apart,
-        bare_apart,
-        chance,
+        edges=read_only(edges),
+        measured=np.histogram(values, edges)[0],
+        predicted=read_only(values.size * np.diff(spread[::_FINER])),
+        law_alone=read_only(values.size * np.diff(alone[::_FINER])),
+        total_variation=total_variation,
+        law_alone_total_variation=_bin_distance(seen[::_FINER], alone[::_FINER]),
+        distance=float(np.trapezoid(np.abs(seen - spread), grid)),
+        law_alone_distance=float(np.trapezoid(np.abs(seen - alone), grid)),
+        chance=monte_carlo_p_value(total_variation, null),
     )
+
+
+def _refit(theta: Array, law: PeriodicLaw) -> Callable[[Array], tuple[Array, float]]:
+    """What a law of the same order, fitted to values at the same orientations, makes of these (n,),
+    and the size of its scatter over that of the given law.
+    """
+    noise = law.noise(theta)
+    columns, free = fourier_columns(theta, law.harmonics), theta.size - law.coefficients.size
+    inverse = weighted_least_squares(columns, law(theta), noise**-2)[1]
+    solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
+
+    def refitted(values: Array) -> tuple[Array, float]:
+        fitted = columns @ (solve @ values)
+        return fitted, float(np.sqrt(np.sum(((values - fitted) / noise) ** 2) / free))
+
+    return refitted
 
 
 def _empirical(grid: Array, values: Array) -> Array:
@@ -415,6 +421,8 @@ class SetFit:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -468,6 +476,8 @@ def fit_set(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -482,18 +492,22 @@ def fit_set(
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
     report(0.4)
-    cycle_map, problem = None, "no push has a known next θ0" if pushes.pairs is None else None
-    if pushes.pairs is not None:
-        options: dict[str, Any] = {"harmonics": harmonics, "wear": wear, "seed": seed}
+    cycle_map = rest = None
+    problem: str | None = "no push has a known next θ0"
+    pairs = pushes.pairs
+    if pairs is not None:
         try:
             cycle_map = measured_cycle_map(
-                pushes.pairs, **options, progress=lambda share: report(0.4 + 0.6 * share)
+                pairs,
+                harmonics=harmonics,
+                wear=wear,
+                seed=seed,
+                progress=lambda share: report(0.4 + 0.6 * share),
             )
+            problem = None
         except (InvalidInput, ConvergenceError) as error:
             problem = str(error)
+        if pairs.path is not None and not pairs.moved:
+            rest = rest_multiplier(pairs.path)
     report(1.0)
-    pairs = pushes.pairs
-    rest = (
-        None if pairs is None or pairs.path is None or pairs.moved else rest_multiplier(pairs.path)
-    )
     return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem, rest)

@@ -57,8 +57,7 @@ class BifurcationCurve:
 
     Examples
     --------
-    >>> from cyclemap.maps.families.continuation import saddle_nodes
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
     >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
     >>> edge.kind, edge.ends, [point.kind for point in edge.special]
@@ -94,7 +93,7 @@ class _CurveWalk:
     ending: tuple[Array, Array] | None = (
         None  # where the curve is about to end, scaled, and what that may be off
     )
-    extrapolated: Array | None = None  # where it was about to end by the last three solutions
+    extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
 
     def walked(self) -> _CurveWalk:
         """The walk, once it has ended."""
@@ -118,8 +117,8 @@ class _CurveWalk:
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, 2.0 * _SMALLEST))
-            self.special.append(self.equations.placed(names[self.reason], spot, at, 2.0 * error))
+            at, error = self.ending or (spot.at[-2:], np.full(2, _SMALLEST))
+            self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
 
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
@@ -251,15 +250,13 @@ class _CurveWalk:
         at = np.sum(
             [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
         )
-        change = np.abs(
-            at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated)
-        )
         self.blocked, self.step = reason, min(self.step, 0.5 * distance)
-        if self.ending is None or np.max(change) < np.max(
-            self.ending[1]
-        ):  # the one that changed least
-            self.ending = at, change + 1e-12
-        self.extrapolated = at
+        # Two neighbouring extrapolations may agree by chance: three are compared.
+        known = [*(self.extrapolated or [recent[-1].at[-2:]]), at]
+        change = np.sum(np.abs(np.diff(known, axis=0)), axis=0) + 1e-12
+        if self.ending is None or np.max(change) < np.max(self.ending[1]):
+            self.ending = at, change
+        self.extrapolated = known[-2:]
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
             self._stop()
 
@@ -312,8 +309,8 @@ def follow_bifurcation(
 
     Examples
     --------
-    >>> from cyclemap.maps.families.continuation import saddle_nodes
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
     >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
     >>> edge.ends, bool(np.max(np.abs(edge.first - edge.second / (2 * np.pi))) < 1e-14)
@@ -344,7 +341,9 @@ def _followed(
         if side:
             images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
         hops = np.round((images - np.roll(points, -1)) / TWO_PI)
-        equations = CurveEquations(family, hops, start.winding, start.kind, ranges, side)
+        equations = CurveEquations(
+            family, hops, start.winding, start.kind, ranges, side, start.jump
+        )
         guess = np.append(points, at) / equations.scales
         along = equations.direction(equations.spot(guess))
         begin = equations.solved(guess, along)
@@ -420,7 +419,8 @@ def bifurcation_curves(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, bifurcation_curves
     >>> (edge,) = bifurcation_curves(CircleMap.arnold, (0.02, 0.3), (0.5, 0.9), lines=2)
     >>> edge.kind, bool(np.allclose(edge.first, edge.second / (2.0 * np.pi)))  # the tongue 0/1
     ('saddle-node', True)

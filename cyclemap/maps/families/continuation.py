@@ -10,7 +10,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import (
     Family,
     Range,
@@ -236,7 +237,7 @@ class OrbitBranch:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, follow_orbit
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
     >>> fold.period, fold.points.shape[1], bool(fold.stable.any() and not fold.stable.all())
     (1, 1, True)
@@ -308,7 +309,7 @@ def follow_orbit(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, follow_orbit
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
     >>> [b.kind for b in fold.special], fold.ends
     (['saddle-node', 'saddle-node'], ('closed', 'closed'))
@@ -435,6 +436,7 @@ def orbit_branches(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, orbit_branches
     >>> [branch.ends for branch in orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.5, 1.5))]
     [('end of the range', 'end of the range')]
     """
@@ -511,6 +513,7 @@ def bifurcations(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, bifurcations
     >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
     >>> [b.kind for b in found]
     ['period-doubling', 'saddle-node']
@@ -532,6 +535,9 @@ def bifurcations(
     return sorted(kept, key=lambda found: float(found.parameter))
 
 
+_WIDEST = 1e-6  # of the range: the bound of a saddle-node that is worth a proof
+
+
 def saddle_nodes(
     family: Family,
     parameters: Range,
@@ -539,6 +545,7 @@ def saddle_nodes(
     winding: int = 0,
     *,
     resolution: int = RESOLUTION,
+    proved: bool = False,
 ) -> list[Bifurcation]:
     """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
 
@@ -554,21 +561,60 @@ def saddle_nodes(
         Whole turns of the orbits in a period.
     resolution : int, optional
         As of ``orbit_branches``.
+    proved : bool, optional
+        Widen each bound until the maps at its two ends are proved to have different numbers of
+        these orbits (``periodic_orbits`` with ``proved``): whatever smooth family joins the two, an
+        orbit with multiplier 1 lies between. For maps given by formulas; that no saddle-node is
+        missing is not proved.
 
     Returns
     -------
     list of Bifurcation
         Sorted by parameter.
 
+    Raises
+    ------
+    ConvergenceError
+        With ``proved`` where the numbers do not differ, as where one pair of orbits is born while
+        another vanishes.
+
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap import CircleMap, saddle_nodes
     >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
     >>> birth.parameter.holds(0.2 * np.pi)
     True
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "saddle-node"]
+    within = parameter_range("parameters", parameters)
+    found = bifurcations(family, within, period, winding, resolution=resolution)
+    folds = [each for each in found if each.kind == "saddle-node"]
+    return [_proved_fold(family, fold, within) for fold in folds] if proved else folds
+
+
+def _proved_fold(family: Family, fold: Bifurcation, within: Range) -> Bifurcation:
+    centre = float(fold.parameter)
+    half = max(fold.parameter.error_bound, EPS * (within[1] - within[0]))
+    while half <= _WIDEST * (within[1] - within[0]):
+        ends = [float(np.clip(centre + side * half, *within)) for side in (-1.0, 1.0)]
+        try:
+            counts = [_proved_count(family_member(family, end), fold) for end in ends]
+        except ConvergenceError:  # still a tangency to what intervals can tell
+            counts = [0, 0]
+        if counts[0] != counts[1]:
+            off = np.nextafter(max(centre - ends[0], ends[1] - centre), np.inf)
+            return replace(fold, parameter=Estimate(centre, off))
+        half *= 4.0
+    raise ConvergenceError(
+        f"no proof: on both sides of the saddle-node at {centre:.12g} there are as many orbits of "
+        f"period {fold.period}, or they cannot be told apart"
+    )
+
+
+def _proved_count(member: CircleMap, fold: Bifurcation) -> int:
+    # Of other degrees the winding depends on which point comes first.
+    winding = fold.winding if member.degree == 1 else None
+    return len(periodic_orbits(member, fold.period, winding, proved=True))
 
 
 def period_doublings(
@@ -602,6 +648,7 @@ def period_doublings(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, period_doublings
     >>> [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.0, 3.0))
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
@@ -642,6 +689,7 @@ def border_collisions(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, border_collisions
     >>> def tent(p):
     ...     def lift(x):
     ...         return x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi)

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
@@ -52,6 +52,8 @@ class ParametricLift:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import ParametricLift
     >>> two_waves = ParametricLift(lambda x, shift, size: x + shift + size * np.sin(2 * x))
     >>> round(float(two_waves(0.5, 0.2).turn(np.pi / 4)), 12)
     0.7
@@ -59,8 +61,8 @@ class ParametricLift:
 
     lift: ParametricFunction
     derivative: ParametricFunction | None = None
-    breaks: Any = ()
-    nondecreasing: Callable[..., Any] | None = None
+    breaks: ArrayLike = ()
+    nondecreasing: Callable[..., ArrayLike] | None = None
     circle_map: Callable[..., CircleMap] | None = None
     max_error: float = 0.0
 
@@ -86,7 +88,7 @@ class ParametricLift:
             partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error
         )
 
-    def rises(self, *parameters: Any) -> Mask:
+    def rises(self, *parameters: ArrayLike) -> Mask:
         """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each,
         result (n,).
         """
@@ -108,7 +110,7 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
     return function(theta, *values)
 
 
-def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
+def _sine_lift(theta: Array, omega: Array | float, K: Array | float) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
     return np.asarray(image + TWO_PI * omega)
@@ -133,7 +135,7 @@ MOEBIUS_FAMILY = ParametricLift(
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
 
 
-def parametric_form(family: Any) -> ParametricLift | None:
+def parametric_form(family: Family) -> ParametricLift | None:
     """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
@@ -157,7 +159,7 @@ def family_member(family: Family, *parameters: float) -> CircleMap:
     return member
 
 
-def parameter_range(name: str, ends: Any) -> Range:
+def parameter_range(name: str, ends: Range) -> Range:
     """A range (low, high) of a parameter as two floats with low < high, or InvalidInput."""
     try:
         low, high = ends
@@ -200,7 +202,7 @@ class ParameterTangent:
     motions: tuple[Array, ...]
     break_rates: Array
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """∂F/∂p at ``theta`` (radians)."""
         base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
         total = np.zeros_like(base)
@@ -212,6 +214,15 @@ class ParameterTangent:
         if np.any(carried):
             # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
             total = total - self.member.derivative(base, 1) * carried
+        return np.asarray(total)
+
+    def of_slopes(self, theta: Array, bend: Array) -> Array:
+        """∂F'/∂p at ``theta`` (radians) beside the breaks, where F'' is ``bend``."""
+        base = np.mod(theta, TWO_PI)
+        total = -self._carried(base, self.break_rates) * bend
+        for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
+            slopes = member.derivative(base + self._carried(base, motion))
+            total += weight / self.step * slopes
         return np.asarray(total)
 
     def _carried(self, theta: Array, motion: Array) -> Array:

@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
@@ -54,7 +55,8 @@ class RotationNumbers:
 
     Examples
     --------
-    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> import numpy as np
+    >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.6], 0.5)
     >>> bool(np.all(found.upper - found.lower <= 2.0 * found.tolerance)), found.period.tolist()
     (True, [0, 0])
@@ -70,7 +72,7 @@ class RotationNumbers:
 
 def rotation_numbers(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     tolerance: float = 1e-3,
     threads: int | None = None,
 ) -> RotationNumbers:
@@ -111,7 +113,7 @@ def rotation_numbers(
 
     Examples
     --------
-    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
     >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
     ([0, 2, 0], True)
@@ -333,6 +335,7 @@ class RotationPlane:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, rotation_plane
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.value.round(3).tolist(), bool(plane.folded.any())
     ([[0.0, 0.0], [0.5, 0.5]], False)
@@ -438,8 +441,8 @@ def _folded_numbers(
 
 def rotation_plane(
     family: Callable[..., CircleMap],
-    first_values: Any,
-    second_values: Any,
+    first_values: ArrayLike,
+    second_values: ArrayLike,
     tolerance: float = 1e-3,
     progress: Callable[[float], None] | None = None,
     executor: Executor | None = None,
@@ -483,6 +486,7 @@ def rotation_plane(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, rotation_plane
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.winding.tolist()
     ([[1, 1], [2, 2]], [[0, 0], [1, 1]])
@@ -568,7 +572,7 @@ def _cell(
     return _Cell(folds, known.value, known.lower, known.upper, *locked)
 
 
-def _axis(name: str, values: Any) -> Array:
+def _axis(name: str, values: ArrayLike) -> Array:
     axis = finite_array(name, values, ndim=1)
     if axis.size == 0:
         raise InvalidInput(f"{name} is empty: give at least one value")

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -291,7 +291,8 @@ class Tongue:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongue
     >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
     >>> locked.ratio, locked.left_kind, locked.width.holds(0.9 / np.pi)
     (Fraction(0, 1), 'saddle-node', True)
@@ -333,7 +334,7 @@ class TongueBoundaries:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, tongues
     >>> edges = tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5))
     >>> edges.right.round(6).tolist(), bool(edges.folded.any())
     ([[0.063662, 0.127324]], False)
@@ -348,7 +349,10 @@ class TongueBoundaries:
     folded: Mask
 
 
-def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
+Ratio = Fraction | int | Sequence[int]
+
+
+def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
     Parameters
@@ -397,7 +401,8 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongue
     >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
     >>> locked.right.holds(0.9 / (2 * np.pi)), locked.right.error_bound < 1e-14
     (True, True)
@@ -413,7 +418,7 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
 
-def rotation_ratio(ratio: Any) -> Fraction:
+def rotation_ratio(ratio: Ratio) -> Fraction:
     """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
     q ≥ 1."""
     if isinstance(ratio, Fraction):
@@ -429,7 +434,7 @@ def rotation_ratio(ratio: Any) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Any], second: Any, parameters: Range
+    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
 ) -> TongueBoundaries:
     """The edges of several tongues of a family over a second parameter.
 
@@ -461,7 +466,8 @@ def tongues(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongues
     >>> edges = tongues(CircleMap.arnold, [0, (1, 2)], [0.4, 0.8], (-0.5, 1.0))
     >>> exact = np.array([0.4, 0.8]) / (2 * np.pi)
     >>> bool(np.all(np.abs(edges.right[0] - exact) <= edges.right_error[0]))

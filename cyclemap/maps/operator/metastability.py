@@ -4,7 +4,7 @@ eigenvectors.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from cyclemap.maps.estimate import EPS, MATRIX, Estimate
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.spectrum import Spectrum
+from cyclemap.written import DIRECTION
 
 _REAL = 1e-9  # an eigenvalue with a smaller imaginary part is real
 _SLOW = 10.0  # cycles that a slow departure from the stationary law takes at least to fall by e
@@ -43,7 +44,8 @@ class MetastableSet:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta))
     >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
     >>> [round(well.share, 3) for well in held]
@@ -51,7 +53,7 @@ class MetastableSet:
     """
 
     arcs: Array
-    peak: float
+    peak: float = field(metadata=DIRECTION)
     share: Estimate
     leaving: Estimate
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import positive_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.scan import INSET, Cells, iterate, monotone_cells, preimages
 from cyclemap.maps.orbits.periodic_points import (
@@ -54,6 +53,7 @@ class Basin:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, basins
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.orbit.period, only.undecided < 1e-6, round(only.measure, 9)
     (1, True, 1.0)
@@ -121,12 +121,12 @@ def basins(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, basins
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.arcs.round(6).tolist(), round(only.measure, 9)
     ([[2.368808, 8.651993]], 1.0)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     longest, share = (
         whole_number("max_period", max_period, least=1),
         positive_number("left_over", left_over),

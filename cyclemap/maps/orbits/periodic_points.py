@@ -15,7 +15,7 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
@@ -65,13 +65,10 @@ class PeriodicPoints:
         Index of the point that F maps each point to; -1 where that point is not in the list.
     period : int
         n, of the iterate, cycles.
-    residual : float
-        The largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
-        allows: about 1 or less when every point is as good as double precision lets it be. 0
-        without points.
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_points
     >>> found = periodic_points(CircleMap.arnold(0.5, 0.9), 2)
     >>> found.theta.round(4).tolist(), found.kind.tolist()
     ([0.0, 1.9831, 3.1416, 4.3001], ['stable', 'unstable', 'stable', 'unstable'])
@@ -87,7 +84,6 @@ class PeriodicPoints:
     error_bound: Array
     image: Whole
     period: int
-    residual: float
 
     @property
     def count(self) -> int:
@@ -150,13 +146,13 @@ def periodic_points(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_points
     >>> doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
     >>> found = periodic_points(doubling, 12)
     >>> found.count, int((found.prime_period == 12).sum())
     (4095, 4020)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     if slope_error and not proved:
@@ -178,8 +174,6 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     """The points that double precision finds, judged by their slopes on both sides."""
     scan = diagonal_scan(circle_map, n)
     roots = _all_roots(circle_map, scan, n)
-    allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
-    residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
     right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
@@ -195,7 +189,7 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
     return PeriodicPoints(
-        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual
+        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n
     )
 
 
@@ -220,7 +214,7 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
         np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
     ).astype("<U16")
     return PeriodicPoints(
-        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n, 0.0
+        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n
     )
 
 
@@ -412,6 +406,7 @@ class Orbit:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_orbits
     >>> orbits = periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)
     >>> [(orbit.kind, orbit.winding, round(orbit.multiplier, 4)) for orbit in orbits]
     [('stable', 1, 0.19), ('unstable', 1, 1.8513)]
@@ -473,6 +468,7 @@ def fixed_points(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, fixed_points
     >>> [(round(float(p.points[0]), 6), p.kind) for p in fixed_points(CircleMap.arnold(0.0, 0.5))]
     [(0.0, 'stable'), (3.141593, 'unstable')]
     """
@@ -524,6 +520,7 @@ def periodic_orbits(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_orbits
     >>> [orbit.winding for orbit in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
     """
@@ -576,6 +573,8 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, crossings_by_jump
     >>> saw = CircleMap(lambda x: x - 0.5 + np.mod(x, 2 * np.pi) / np.pi, None, [0.0])
     >>> len(crossings_by_jump(saw)), crossings_by_jump(CircleMap.arnold(0.1, 0.9))
     (1, [])

@@ -14,9 +14,10 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
 ITERATES = 40_000
 
@@ -66,12 +67,13 @@ def birkhoff_average(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, birkhoff_average
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
     (True, True)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if function is None and circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
@@ -156,22 +158,6 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 
 
 @dataclass(frozen=True)
-class LockingProof:
-    """Two angles that prove ρ = p/q of a nondecreasing lift.
-
-    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
-        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
-
-    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
-    lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
-    """
-
-    ratio: Fraction
-    below: float
-    above: float
-
-
-@dataclass(frozen=True)
 class RotationNumber:
     """A rotation number in turns a cycle.
 
@@ -190,6 +176,7 @@ class RotationNumber:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.5, 0.9))
     >>> found.value, found.locked, found.estimate
     (0.5, Fraction(1, 2), None)
@@ -216,6 +203,7 @@ class RotationInterval:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.3, 3.0))
     >>> found.lower, found.upper
     (0.0, 0.5)
@@ -233,6 +221,7 @@ def rotation_number(
     iterates: int = ITERATES,
     max_period: int = MAX_PERIOD,
     tolerance: float = 0.0,
+    proved: bool = False,
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
@@ -247,6 +236,12 @@ def rotation_number(
     tolerance : float, default 0.0
         Turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
         iterates are made.
+    proved : bool, optional
+        Make the bounds theorems by interval arithmetic (the extra ``proofs``), about the formula of
+        an exact, smooth lift as for ``periodic_points``, rounding and folds included. Of a lift
+        that is proved to rise, F' > 0, they come from its orbit from 0, about 0.2 ms an iterate,
+        and ``locked`` from the two angles of ``proof``; of any other from Fⁿ(θ) - θ at all θ, n ≤
+        6, and ``locked`` is None.
 
     Returns
     -------
@@ -283,6 +278,7 @@ def rotation_number(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.1, 0.9))
     >>> found.locked, found.proof is not None
     (Fraction(0, 1), True)
@@ -291,6 +287,8 @@ def rotation_number(
     (0.26253675589882, True)
     """
     budget = _budget(circle_map, iterates, max_period, tolerance)
+    if proved:
+        return _proved_rotation(circle_map, budget)
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
@@ -355,6 +353,7 @@ def rotation_interval(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))
@@ -373,8 +372,7 @@ _Budget = tuple[
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
@@ -422,6 +420,17 @@ def _monotone_rotation(
         if high - low <= 2.0 * tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
+
+
+def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
+    iterates, max_period, tolerance = budget
+    searched = rotation_number(
+        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
+    )
+    low, high = proved_rotation(circle_map, iterates, 2.0 * tolerance, searched.proof)
+    if low < high:
+        return _unlocked(circle_map, *_floats(low, high), iterates)
+    return RotationNumber(float(low), *_floats(low, low), low, searched.proof)
 
 
 class _PushedOrbit:

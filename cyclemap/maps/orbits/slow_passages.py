@@ -10,8 +10,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, is_continuous, is_rising, monotone_cells
 from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
 
@@ -57,6 +56,7 @@ class SlowPassage:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, slow_passages
     >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
     >>> round(ghost.gap, 6), round(ghost.curvature, 6), round(ghost.width, 4)
     (0.042478, 0.45, 0.3072)
@@ -122,12 +122,12 @@ def slow_passages(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, slow_passages
     >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
     >>> round(ghost.theta, 6), ghost.direction, round(ghost.passage_cycles, 3)
     (1.570796, 1, 22.723)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)

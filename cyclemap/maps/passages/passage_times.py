@@ -12,7 +12,7 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.passages.cell_passage import cell_passage
 from cyclemap.maps.passages.killed_chain import (
     Arc,
@@ -91,7 +91,8 @@ def mean_passage_time(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, mean_passage_time
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> time = mean_passage_time(stuck, WrappedNormal(0.1 * np.pi), 0.77278, (0.0, np.pi / 2))
     >>> round(time, 3), time.error_bound < 1e-9
@@ -101,8 +102,9 @@ def mean_passage_time(
     inside = required_inside(start, ends)
     exits = outside_of(ends, lifted)
     rewards = np.zeros(len(exits))
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        return cell_passage(circle_map, noise.jump, inside, (ends,), exits, lifted, 1.0, rewards)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        return cell_passage(circle_map, jump, inside, (ends,), exits, lifted, 1.0, rewards)
     make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
     return _certified(make, inside, 1.0, rewards, "mean passage time")
 
@@ -145,7 +147,7 @@ def hitting_probability(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, hitting_probability
     >>> still, noise = CircleMap.rigid(0.0), WrappedNormal(0.3)
     >>> even = hitting_probability(still, noise, 0.0, (1.0, 2.0), (-2.0, -1.0))
     >>> round(even, 9), even.holds(0.5)
@@ -158,8 +160,9 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     goals = np.array([1.0, 0.0])
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        chance = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        chance = cell_passage(circle_map, jump, theta, rest, (a, b), False, 0.0, goals)
     else:
         make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
         chance = _certified(make, theta, 0.0, goals, "hitting probability")
@@ -233,7 +236,7 @@ def survival_probabilities(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, survival_probabilities
     >>> stuck, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)
     >>> chances = survival_probabilities(stuck, noise, 0.77, (0.0, 1.5), 2)
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])

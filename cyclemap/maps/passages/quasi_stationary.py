@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
@@ -43,7 +43,7 @@ class QuasiStationary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary
     >>> held = quasi_stationary(CircleMap.rigid(0.0), WrappedNormal(0.3), (-1.0, 1.0))
     >>> held.below.holds(0.5), bool(held.density(0.0) > held.density(0.9))
     (True, True)
@@ -55,7 +55,7 @@ class QuasiStationary:
     _chain: KilledChain = field(repr=False)
     _mass: Array = field(repr=False)
 
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The distribution's density, per radian, at angles of the arc, any shape: one cycle on
         from its nodes.
         """
@@ -110,7 +110,7 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary
     >>> slips = quasi_stationary(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), (-0.8, 2.37))
     >>> round(1.0 / slips.escape_rate, 3), slips.above > 0.999
     (3575.286, True)

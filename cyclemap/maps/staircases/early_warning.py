@@ -3,15 +3,16 @@ on its way to 1."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.maps.estimate import ANGLE
+from cyclemap.written import DIRECTION
 
 LAST = 100
 _LEAST = 20
@@ -40,6 +41,8 @@ class RestMultiplier:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 60):
     ...     path.append(0.5 * path[-1] + kick)
@@ -52,10 +55,10 @@ class RestMultiplier:
     lower: float
     upper: float
     cycles: int
-    theta: float
+    theta: float = field(metadata=DIRECTION)
 
 
-def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
+def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None:
     """The multiplier of the direction about which the last cycles of a path rest, with its
     interval.
 
@@ -95,6 +98,8 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng = np.random.default_rng(0)
     >>> path = [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 200):

@@ -5,7 +5,7 @@ one that wears.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,7 @@ from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
@@ -63,20 +64,20 @@ class SlowZone:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> (zone,) = predict_staircase(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)).zones
     >>> zone.kind, round(zone.centre, 4), zone.whole_turn
     ('stable', 0.7728, True)
     """
 
-    centre: float
-    arc: tuple[float, float]
+    centre: float = field(metadata=DIRECTION)
+    arc: tuple[float, float] = field(metadata=ANGLE)
     kind: str
     residence_cycles: Estimate
-    winding: int = 0
-    visits_a_cycle: float | None = None
-    visit_cycles: float | None = None
-    visit_spread: float | None = None
+    winding: int = field(default=0, metadata=UNWRITTEN)
+    visits_a_cycle: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_cycles: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_spread: float | None = field(default=None, metadata=UNWRITTEN)
 
     @property
     def whole_turn(self) -> bool:
@@ -114,15 +115,15 @@ class StaircaseSummary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> found = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.3))
     >>> round(found.mean_turn, 6), found.step, found.zones
     (0.628319, None, ())
     """
 
-    mean_turn: float
+    mean_turn: float = field(metadata=ANGLE)
     mean_residence_cycles: float | None
-    step: float | None
+    step: float | None = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...]
 
     @property
@@ -176,7 +177,7 @@ def predict_staircase(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> found = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
     >>> [zone.kind for zone in found.zones], round(found.step, 6)
     (['ghost'], 6.283185)
@@ -338,7 +339,7 @@ class DriftSummary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> drift = predict_drift(worn, WrappedNormal(1.0), 100, points=2)
     >>> drift.cycles.tolist(), [round(summary.mean_turn, 4) for summary in drift.summaries]
@@ -396,7 +397,7 @@ def predict_drift(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)
     20.0

@@ -4,7 +4,7 @@ each.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
+from cyclemap.written import CYCLES
 
 _FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
 
@@ -23,27 +24,38 @@ class VisitComparison:
     """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was
     seen or predicted.
 
-    zone : the zone; exits : visits whose end was seen.
-    mean, standard_error : measured mean length of a visit. For a zone that is escaped from
-        ("stable", "jump") the exposure (cycles seen inside, censored visits and the one that the
-        path begins in too) over the exits, the maximum-likelihood value of an exponential law, its
-        error mean/√exits; for a ghost the Kaplan-Meier mean.
-    spread : measured standard deviation of the complete visits.
-    predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
-    mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent
-        with the predicted mean and spread: a renewal process of gamma-distributed visits, mid-p
-        value. Over some 15 visits it is measured to reject a true prediction at the 5 % level in
-        3.5 % of runs (a ghost) and in 6.3 % (a stable point).
+    Attributes
+    ----------
+    zone : SlowZone
+        The zone.
+    exits : int
+        Visits whose end was seen.
+    mean, standard_error : float or None
+        Measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
+        exposure (cycles seen inside, censored visits and the one that the path begins in too)
+        over the exits, the maximum-likelihood value of an exponential law, its error
+        mean/√exits; for a ghost the Kaplan-Meier mean.
+    spread : float or None
+        Measured standard deviation of the complete visits.
+    predicted : float or None
+        The zone's ``visit_cycles``.
+    ratio : float or None
+        mean/predicted.
+    mean_p_value : float or None
+        Two-sided, of so few or so many exits in that exposure if visits are independent with
+        the predicted mean and spread: a renewal process of gamma-distributed visits, mid-p
+        value. Over some 15 visits it is measured to reject a true prediction at the 5 % level
+        in 3.5 % of runs (a ghost) and in 6.3 % (a stable point).
     """
 
     zone: SlowZone
     exits: int
-    mean: float | None
-    standard_error: float | None
+    mean: float | None = field(metadata=CYCLES)
+    standard_error: float | None = field(metadata=CYCLES)
     spread: float | None
-    predicted: float | None
+    predicted: float | None = field(metadata=CYCLES)
     ratio: float | None
-    mean_p_value: float | None
+    mean_p_value: float | None = field(metadata={"name": "p_value"})
 
 
 @dataclass(frozen=True)
@@ -76,8 +88,8 @@ class StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, find_steps, predict_staircase
-    >>> from cyclemap.maps import sample_staircase
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 2_000)
@@ -91,7 +103,7 @@ class StepComparison:
     length_error: float | None
     predicted_length: float | None
     ratio: float | None
-    net_steps: float | None
+    net_steps: float | None = field(metadata={"name": "steps"})
     expected_steps: float | None
     net_error: float | None
     pace_p_value: float | None
@@ -128,11 +140,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> from cyclemap.maps.staircases.slow_zones import predict_staircase
-    >>> from cyclemap.maps.staircases.staircase import sample_staircase
-    >>> from cyclemap.maps.staircases.step_detection import find_steps
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 20_000)

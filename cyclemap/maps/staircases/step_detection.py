@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
+from cyclemap.written import ANGLE
 
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
@@ -53,6 +54,8 @@ class Steps:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import find_steps
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> steps = find_steps(stairs)
     >>> steps.count, steps.levels.tolist(), steps.climb
@@ -68,7 +71,7 @@ class Steps:
     visit_dwell: Whole
     visit_zone: Whole
     cycles: int
-    climb: float
+    climb: float = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...] = ()
 
     def __post_init__(self) -> None:
@@ -105,7 +108,7 @@ class Steps:
         return max(int(self.levels.size) - 1, 0)
 
 
-def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
+def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
     Parameters
@@ -154,6 +157,8 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import find_steps
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> found = find_steps(stairs)
     >>> found.lengths.tolist(), found.heights.tolist(), found.censored.tolist()

@@ -5,7 +5,7 @@ and what to change.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
+from cyclemap.written import DIRECTION
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
@@ -30,9 +31,14 @@ _NEAR = np.radians(10.0)
 class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
-    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
-    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a
-        reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
+    Attributes
+    ----------
+    push_turn, reset_turn : ndarray, shape (n,)
+        Of each push and of what followed it until the next, rad.
+    undone : float
+        Share of the mean turn of a push that the reset takes back; 1: all of it.
+    slope : float
+        Of a reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
     """
 
     push_turn: Array
@@ -69,6 +75,8 @@ class Audit:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     text = "theta0_deg\\n" + "".join(f"{137.5 * push % 360}\\n" for push in range(40))
     ...     count = Path(place, "even.csv").write_text(text)
@@ -81,10 +89,10 @@ class Audit:
     theta: tuple[float, ...]
     reports: tuple[BiasReport, ...]
     alarm_rate: float
-    ordered: bool
-    covered: tuple[tuple[float, float], ...]
+    ordered: bool = field(metadata={"name": "order_known"})
+    covered: tuple[tuple[float, float], ...] = field(metadata=DIRECTION)
     reset: ResetEffect | None
-    others: int
+    others: int = field(metadata={"name": "pushes_of_other_sets"})
     posed: bool = False
 
     @property
@@ -130,6 +138,17 @@ class Audit:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class _LargestSet:
+    """The orientations of the largest set of the data, and what an `Audit` tells of them."""
+
+    theta: Array
+    ordered: bool
+    reset: ResetEffect | None = None
+    others: int = 0
+    posed: bool = False
+
+
 def audit(
     data: str | Path | PushTable,
     *,
@@ -169,6 +188,8 @@ def audit(
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     _ = Path(place, "still.csv").write_text("theta0_deg\\n" + "63.2\\n" * 40)
     ...     found = audit(f"{place}/still.csv")
@@ -176,7 +197,8 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others, posed = _orientations(data, loop)
+    largest = _largest_set(data, loop)
+    theta = largest.theta
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -184,26 +206,20 @@ def audit(
         reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    covered = covered_arcs(theta)
     return Audit(
         Path(name).name,
         monitor.path,
         tuple(reports),
         alarm_rate,
-        ordered,
-        covered,
-        reset,
-        others,
-        posed,
+        largest.ordered,
+        covered_arcs(theta),
+        largest.reset,
+        largest.others,
+        largest.posed,
     )
 
 
-def _orientations(
-    data: str | Path | PushTable, loop: CollectionLoop | None
-) -> tuple[Array, bool, ResetEffect | None, int, bool]:
-    """The orientations of the largest set, whether in order, what its resets did, the number of
-    other pushes, and whether poses after pushes are there.
-    """
+def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
     if (
         isinstance(data, (str, Path))
         and Path(data).is_file()
@@ -215,7 +231,7 @@ def _orientations(
             if loop is not None:
                 check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
             path = pairs.theta if pairs.path is None else pairs.path
-            return path, pairs.path is not None, None, 0, False
+            return _LargestSet(path, pairs.path is not None)
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
@@ -250,4 +266,5 @@ def _orientations(
             push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope
         )
     posed = bool(rows["theta1"].notna().any())
-    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed
+    others = len(table) - len(rows)
+    return _LargestSet(rows["theta0"].to_numpy(), ordered, reset, others, posed)

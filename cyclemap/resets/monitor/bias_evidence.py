@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.written import DIRECTION
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
 _RATES = np.array([0.75, 0.9, 0.98])  # chances of coming back that are betted on, in equal shares
@@ -161,8 +162,8 @@ class Rest:
     """
 
     began: int
-    directions: tuple[float, ...]
-    towards: tuple[float, ...]
+    directions: tuple[float, ...] = field(metadata=DIRECTION)
+    towards: tuple[float, ...] = field(metadata=DIRECTION)
 
 
 @dataclass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.resets.monitor.arc_evidence import ArcEvidence
 from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.coverage import Coverage, CoverageState
+from cyclemap.written import DIRECTION
 
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
@@ -45,6 +46,7 @@ class Alarm:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> alarm = watch([0.3] * 20)[-1].alarm
     >>> alarm.kind, alarm.push, [round(direction, 3) for direction in alarm.directions]
     ('rest', 14, [0.3])
@@ -52,7 +54,7 @@ class Alarm:
 
     push: int
     kind: AlarmKind
-    directions: tuple[float, ...]
+    directions: tuple[float, ...] = field(metadata=DIRECTION)
     began: int | None
 
 
@@ -70,13 +72,14 @@ class Advice:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> advice = watch([0.3] * 20)[-1].advice
     >>> advice.change_reset, round(advice.direction, 1)
     (True, 3.4)
     """
 
     change_reset: bool
-    direction: float
+    direction: float = field(metadata=DIRECTION)
 
 
 @dataclass(frozen=True)
@@ -109,6 +112,7 @@ class BiasReport:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> report = watch([0.3] * 20)[-1]
     >>> report.push, report.rest_evidence > report.threshold, report.coverage.covered < 0.2
     (19, True, True)
@@ -116,9 +120,9 @@ class BiasReport:
 
     push: int
     alarm: Alarm | None
-    rest_evidence: float
-    visit_evidence: float
-    threshold: float
+    rest_evidence: float = field(metadata={"name": "rest_log10"})
+    visit_evidence: float = field(metadata={"name": "visits_log10"})
+    threshold: float = field(metadata={"name": "threshold_log10"})
     rest: Rest | None
     useful_pushes: int | None
     recent_worth: float
@@ -164,6 +168,8 @@ class BiasMonitor:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import BiasMonitor
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
     ...     report = monitor.update(math.radians(85.0))
@@ -192,11 +198,23 @@ class BiasMonitor:
         return tuple(self._path[self._changed :])
 
     def update(self, theta: float) -> BiasReport:
-        """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the
-        collection stands.
+        """Take the θ0 of the next push and tell where the collection stands.
 
-        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a
-        turn is lost; the monitor is then as it was.
+        Parameters
+        ----------
+        theta : float
+            rad; wrapped, or any number of turns.
+
+        Returns
+        -------
+        BiasReport
+            The state after this push.
+
+        Raises
+        ------
+        InvalidInput
+            Where it is no finite number, or over 1e9 rad, where the fraction of a turn is lost;
+            the monitor is then as it was.
         """
         angle = finite_number("theta", theta)
         if abs(angle) > LARGEST_ORIENTATION:
@@ -286,6 +304,7 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)
     14

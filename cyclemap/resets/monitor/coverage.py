@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 CELLS = 720  # the circle is told in cells of half a degree
 _CENTRES = (np.arange(CELLS) + 0.5) * (TWO_PI / CELLS)
@@ -47,6 +48,8 @@ class CoverageState:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.resets import Coverage
     >>> coverage = Coverage()
     >>> for recorded in (0.0, math.pi / 2.0):
     ...     coverage.add(recorded)
@@ -55,11 +58,11 @@ class CoverageState:
     """
 
     covered: float
-    largest_gap: float
-    gap_centre: float
-    least_covered: float
     effective_pushes: float
     gain: float
+    largest_gap: float = field(metadata=ANGLE)
+    gap_centre: float = field(metadata=DIRECTION)
+    least_covered: float = field(metadata=UNWRITTEN)
 
 
 class Crowding:
@@ -120,6 +123,9 @@ class Coverage:
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.resets import Coverage
     >>> coverage = Coverage()
     >>> for recorded in np.arange(36) * math.radians(10.0):
     ...     coverage.add(recorded)
@@ -215,6 +221,9 @@ class NextAction:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CircleMap
+    >>> from cyclemap.resets import Coverage, next_action
     >>> covered = Coverage()
     >>> covered.add(0.0)
     >>> action = next_action([CircleMap.rigid(0.0), CircleMap.rigid(0.5)], covered, 0.0)
@@ -223,7 +232,7 @@ class NextAction:
     """
 
     number: int
-    lands: float
+    lands: float = field(metadata=DIRECTION)
     crowding: float
 
 
@@ -264,6 +273,9 @@ def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> 
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CircleMap
+    >>> from cyclemap.resets import Coverage, next_action
     >>> quarter, half = CircleMap.rigid(0.25), CircleMap.rigid(0.5)
     >>> covered = Coverage()
     >>> for recorded in (1.0, 1.0 + math.pi / 2.0):
