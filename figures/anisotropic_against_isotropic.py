@@ -31,8 +31,7 @@ def compute(
 @style.picture_style()
 def draw(experiment: BatchExperiment) -> Figure:
     """Draw the paths in the robot's frame above, in the object's frame below."""
-    figure = style.new_figure(7.5, 7.5)
-    panels = style.panels(figure, "ab;cd")
+    figure, panels = style.page("ab;cd", size=(7.5, 7.5))
     for column, (run, name) in enumerate(named_runs(experiment)):
         draw_paths(panels[column], run, f"{name}, robot's frame")
         draw_paths(panels[2 + column], run, f"{name}, object's frame", in_object=True)

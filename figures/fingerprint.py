@@ -163,8 +163,7 @@ def draw(result: FingerprintAgainstFull) -> Figure:
     """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the
     anisotropy.
     """
-    figure = style.new_figure(*INCHES)
-    turn, edge, errors = style.panels(figure, "abc", width_ratios=(1.45, 1.0, 1.0))
+    figure, (turn, edge, errors) = style.page("abc", size=INCHES, width_ratios=(1.45, 1.0, 1.0))
     draw_prediction(turn, result.prediction, result.checked.map)
     style.entitle(turn, "Plywood")
     _draw_edge(edge, result)

@@ -155,8 +155,7 @@ def draw(result: ForceRatio) -> Figure:
     predicted, recorded = result.predicted, result.recorded
     ratios = [predicted.ratio] if recorded is None else [predicted.ratio, recorded.ratio]
     half = 1.2 * max(float(np.abs(ratio).max()) for ratio in ratios)
-    figure = style.new_figure(5.5 * len(ratios), 4.3)
-    left, *right = style.panels(figure, "ab"[: len(ratios)])
+    figure, (left, *right) = style.page("ab"[: len(ratios)], size=(5.5 * len(ratios), 4.3))
     _bounds(left, predicted.friction)
     travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
     left.plot(travel, predicted.ratio, label="sliding", **{**style.LINE, "linewidth": 1.2})

@@ -84,8 +84,7 @@ def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
 @style.picture_style()
 def draw(result: LimitEllipseAndPatch) -> Figure:
     """Draw the law of a point, the law of the surface, and the patch, side by side."""
-    figure = style.new_figure(13.0, 4.9)
-    law, surface, patch = style.panels(figure, "abc")
+    figure, (law, surface, patch) = style.page("abc", size=(13.0, 4.9))
     _draw_law(law)
     _draw_surface(surface, result)
     _draw_patch(patch, result.patch)

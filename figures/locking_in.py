@@ -196,10 +196,9 @@ def frames(result: LockingIn) -> Iterator[Frame]:
 @style.picture_style()
 def _drawn(result: LockingIn, moment: Moment) -> Figure:
     """The table from above, the cobweb up to here, and θ0 over the cycles."""
-    figure = style.new_figure(*INCHES)
-    table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
     ratios: style.Look = {"width_ratios": (1.3, 1.0), "height_ratios": (1.4, 1.0)}
-    stairs, course = style.panels(figure, ".a;.b", keys=0, **ratios)
+    figure, (stairs, course) = style.page(".a;.b", size=INCHES, keys=0, **ratios)
+    table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
     theta = result.theta[: moment.cycle + 1]
     _draw_table(table, result, moment)
     doing = "push" if moment.pushing else "drag back"

@@ -31,8 +31,8 @@ def draw_materials(
     columns = 2 if len(names) <= 4 else 3
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
-    figure = style.new_figure(width * columns, height * rows)
-    places = style.panels(figure, style.rows_of(*(columns,) * rows), keys=2)
+    size, layout = (width * columns, height * rows), style.rows_of(*(columns,) * rows)
+    figure, places = style.page(layout, size=size, keys=2)
     for axes, name, one in zip(places, names, panels, strict=False):
         draw_one(axes, one)
         style.entitle(axes, name)

@@ -184,15 +184,14 @@ def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
     rows.
     """
-    figure = style.new_figure(11.4, 5.2)
-    plane, rows = style.panels(figure, "ab", width_ratios=(1.75, 1.0))
+    figure, (plane, rows) = style.page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
     _draw_plane(plane, result)
-    found = result.plane
+    planes = result.plane
     rows.axhline(0.0, **style.ZERO)
     for scale, look in zip(ROWS[::-1], style.LINES, strict=True):
-        column = int(np.argmin(np.abs(found.second_values - scale)))
-        label = "isotropic" if scale == 0.0 else f"× {found.second_values[column]:.2g}"
-        rows.plot(MM * found.first_values, 360 * found.value[:, column], label=label, **look)
+        column = int(np.argmin(np.abs(planes.second_values - scale)))
+        label = "isotropic" if scale == 0.0 else f"× {planes.second_values[column]:.2g}"
+        rows.plot(MM * planes.first_values, 360 * planes.value[:, column], label=label, **look)
     rows.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
     rows.set_xlim(MM * RADII[0], MM * RADII[1])
     style.entitle(rows, "Along rows")

@@ -143,8 +143,8 @@ def draw(result: SaddleNode) -> Figure:
     pair.text(middle, 60, "no fixed\ndirection", ha="center", color=style.QUIET)
     place = MM * fold.radius, math.degrees(fold.theta)
     pair.plot(*place, "o", markersize=7, zorder=5, **style.OPEN)
-    told = f"saddle-node {place[0]:.3f} mm, {place[1]:.1f}°"
-    style.name_beside(pair, *place, told, (10, -4))
+    name = f"saddle-node {place[0]:.3f} mm, {place[1]:.1f}°"
+    style.name_beside(pair, *place, name, (10, -4))
     pair.set_ylabel("direction θ0 (°)")
     pair.set_yticks(range(45, 226, 45))
     style.entitle(pair, "Directions that repeat")

@@ -54,8 +54,7 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
 def draw(result: SetupAndCycles) -> Figure:
     """Draw the set-up in the object's frame on the left,
     the two cycles in the world on the right."""
-    figure = style.new_figure(11.0, 5.9)
-    setup, cycles = style.panels(figure, "ab", keys=2)
+    figure, (setup, cycles) = style.page("ab", size=(11.0, 5.9), keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)
     _draw_cycles(cycles, result)
@@ -75,14 +74,14 @@ def _dimension(axes: Axes, start: float, end: float, level: float) -> None:
     """A level line with arrows at both ends and its length."""
     look = {"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=(end, level), xytext=(start, level), arrowprops=look)
-    middle, told = 0.5 * (start + end), f"{abs(end - start):.0f} mm"
-    axes.text(middle, level + 2.0, told, fontsize=8, ha="center", va="bottom")
+    middle, length = 0.5 * (start + end), f"{abs(end - start):.0f} mm"
+    axes.text(middle, level + 2.0, length, fontsize=8, ha="center", va="bottom")
 
 
 def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
     corners = []
-    told = zip(result.cycles, result.scenes, _NAMES, _CYCLE_COLOURS, strict=True)
-    for cycle, scene, (index, raised), colour in told:
+    shown = zip(result.cycles, result.scenes, _NAMES, _CYCLE_COLOURS, strict=True)
+    for cycle, scene, (index, raised), colour in shown:
         for outline, width in ((scene.push.before, 1.6), (scene.push.after, 0.7)):
             draw_object(axes, outline, facecolor="none", edgecolor=colour, linewidth=width)
         _path(axes, scene.push, colour, "-", f"push {index}")

@@ -164,84 +164,84 @@ def bottleneck(
 
 @style.picture_style()
 def draw(result: StaircaseBottleneck) -> Figure:
-    """A row for the computed bottleneck and one for the measured, where there is one.
+    """A row for the computed bottleneck and one for the measured, where there is case.
 
     Each shows map, directions, staircase, lengths of visits.
     """
-    shown = [one for one in (result.computed, result.measured) if one is not None]
-    figure = style.new_figure(13.6, 3.7 * len(shown))
-    panels = style.panels(figure, style.rows_of(*(4,) * len(shown)), keys=3)
-    for row, one in enumerate(shown):
+    shown = [case for case in (result.computed, result.measured) if case is not None]
+    layout, size = style.rows_of(*(4,) * len(shown)), (13.6, 3.7 * len(shown))
+    figure, panels = style.page(layout, size=size, keys=3)
+    for row, case in enumerate(shown):
         turn, directions, path, lengths = panels[4 * row : 4 * row + 4]
-        _draw_turn(turn, one)
-        _draw_directions(directions, one)
-        _draw_path(path, one)
-        _draw_lengths(lengths, one)
+        _draw_turn(turn, case)
+        _draw_directions(directions, case)
+        _draw_path(path, case)
+        _draw_lengths(lengths, case)
         for axes in (turn, directions):
             style.degree_axis(axes, "θ0 (°)", 90)
-        style.entitle(turn, one.title.capitalize())
+        style.entitle(turn, case.title.capitalize())
         for axes in (directions, path, lengths):
             style.legend_above(axes)
     return figure
 
 
-def _seen(one: Bottleneck) -> str:
-    return "sampled" if one.bins is None else "measured"
+def _seen(case: Bottleneck) -> str:
+    return "sampled" if case.bins is None else "measured"
 
 
-def _parabola(one: Bottleneck) -> tuple[Array, Array]:
+def _parabola(case: Bottleneck) -> tuple[Array, Array]:
     """Angles (rad) within four widths of the slowest, and ε + a x² there."""
-    off = one.passage.width * np.linspace(-4.0, 4.0, 81)
-    return one.passage.theta + off, one.passage.gap + one.passage.curvature * off**2
+    off = case.passage.width * np.linspace(-4.0, 4.0, 81)
+    return case.passage.theta + off, case.passage.gap + case.passage.curvature * off**2
 
 
-def _draw_turn(axes: Axes, one: Bottleneck) -> None:
-    if one.bins is not None:
-        medians = np.degrees([one.bins.centre, one.bins.median])
+def _draw_turn(axes: Axes, case: Bottleneck) -> None:
+    if case.bins is not None:
+        medians = np.degrees([case.bins.centre, case.bins.median])
         axes.plot(*medians, "s", label="medians", **style.MARKS)
-    name = "map" if one.bins is None else "fitted map"
-    draw_turns(axes, CIRCLE, {name: one.map.turn(CIRCLE)})
-    axes.plot(*np.degrees(_parabola(one)), label="ε + a x²", **style.SECOND)
+    name = "map" if case.bins is None else "fitted map"
+    draw_turns(axes, CIRCLE, {name: case.map.turn(CIRCLE)})
+    axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **style.SECOND)
     axes.set_ylabel("turn of a cycle (°)")
 
 
-def _draw_directions(axes: Axes, one: Bottleneck) -> None:
-    edges, fill = np.degrees(one.histogram.edges), style.BAND if one.bins is None else style.BARS
-    heights = PER_DEGREE * one.histogram.density
-    axes.stairs(heights, edges, fill=True, label=_seen(one), **fill)
-    axes.plot(np.degrees(CIRCLE), PER_DEGREE * one.density, label="predicted", **style.LINE)
-    theta, pace = _parabola(one)
-    share = PER_DEGREE * float(one.prediction.mean_turn) / (TWO_PI * pace)
+def _draw_directions(axes: Axes, case: Bottleneck) -> None:
+    edges, fill = np.degrees(case.histogram.edges), style.BAND if case.bins is None else style.BARS
+    heights = PER_DEGREE * case.histogram.density
+    axes.stairs(heights, edges, fill=True, label=_seen(case), **fill)
+    axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **style.LINE)
+    theta, pace = _parabola(case)
+    share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)
     axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **style.SECOND)
     axes.set_ylabel("share of cycles (per degree)")
     axes.set_ylim(bottom=0.0)
 
 
-def _draw_path(axes: Axes, one: Bottleneck) -> None:
+def _draw_path(axes: Axes, case: Bottleneck) -> None:
     """The path in turns from its start, beside the fitted map's run, or its mean pace."""
-    shown = one.path if one.bins is not None else one.path[: DRAWN + 1]
-    pace = float(one.prediction.mean_turn)
+    shown = case.path if case.bins is not None else case.path[: DRAWN + 1]
+    pace = float(case.prediction.mean_turn)
     run = {**style.LINE, "linewidth": 1.2}
     turns = (shown - shown[0]) / TWO_PI
-    axes.plot(turns, label=_seen(one), **(run if one.bins is None else style.PATH))
-    if one.run is None:
+    axes.plot(turns, label=_seen(case), **(run if case.bins is None else style.PATH))
+    if case.run is None:
         mean = pace / TWO_PI * np.arange(shown.size)
         axes.plot(mean, label="its mean", **style.FOURTH)
     else:
-        axes.plot((one.run - one.run[0]) / TWO_PI, label="run of the fitted map", **run)
+        axes.plot((case.run - case.run[0]) / TWO_PI, label="run of the fitted map", **run)
     style.count_axis(axes, "cycle", shown.size - 1)
     axes.set_ylabel("turns climbed (1)")
 
 
-def _draw_lengths(axes: Axes, one: Bottleneck) -> None:
-    mean, spread = one.visit
-    top = 1.05 * max(float(one.lengths.max()), mean + 3 * spread)
-    label = f"{_seen(one)}, mean {one.lengths.mean():.0f}"
-    bars = SAMPLED if one.bins is None else style.BARS
-    axes.hist(one.lengths, np.linspace(0, top, 31).tolist(), label=label, **bars)
+def _draw_lengths(axes: Axes, case: Bottleneck) -> None:
+    mean, spread = case.visit
+    top = 1.05 * max(float(case.lengths.max()), mean + 3 * spread)
+    label = f"{_seen(case)}, mean {case.lengths.mean():.0f}"
+    bars = SAMPLED if case.bins is None else style.BARS
+    axes.hist(case.lengths, np.linspace(0, top, 31).tolist(), label=label, **bars)
     axes.axvspan(mean - spread, mean + spread, **style.BAND)
-    told, law = f"predicted {mean:.0f} ± {spread:.0f}", one.passage.passage_cycles
-    axes.axvline(mean, label=told, **style.LINE)
+    name, law = f"predicted {mean:.0f} ± {spread:.0f}", case.passage.passage_cycles
+    axes.axvline(mean, label=name, **style.LINE)
     axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **style.SECOND)
     axes.set(xlabel="cycles on a step", ylabel="number of steps (1)", xlim=(0, top))
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))

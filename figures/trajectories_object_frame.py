@@ -35,8 +35,7 @@ def draw(result: list[PushedPaths]) -> Figure:
     """Draw four panels on one scale, y down the push, a darker shade for a larger turn."""
     ends = MM * np.concatenate([paths.object_frame.reshape(-1, 2) for paths in result])
     low, high = ends.min(axis=0) - 4.0, ends.max(axis=0) + 4.0
-    figure = style.new_figure(11.6, 5.5)
-    panels = style.panels(figure, style.rows_of(len(result)))
+    figure, panels = style.page(style.rows_of(len(result)), size=(11.6, 5.5))
     shades = shades_of(result)
     for axes, paths in zip(panels, result, strict=True):
         draw_paths(axes, paths.object_frame, paths.turn, shades)

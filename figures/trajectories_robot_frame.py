@@ -95,8 +95,7 @@ def draw(result: RobotFramePaths) -> Figure:
     of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
-    figure = style.new_figure(8.8, 8.6)
-    panels = style.panels(figure, "ab;cd")
+    figure, panels = style.page("ab;cd", size=(8.8, 8.6))
     shades = shades_of(result.surfaces)
     for axes, paths, arcs in zip(panels, result.surfaces, result.arcs, strict=True):
         draw_paths(axes, paths.robot_frame, paths.turn, shades)

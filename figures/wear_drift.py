@@ -133,9 +133,9 @@ def draw(result: WearDrift) -> Figure:
     """The turn at three ages, computed and measured; the least turn and the cycles of a turn over
     the cycles.
     """
-    figure = style.new_figure(10.5, 6.8)
     seen = result.measured_turns
-    computed, *measured, least, pace = style.panels(figure, "aa;cd" if seen is None else "ab;cd")
+    layout = "aa;cd" if seen is None else "ab;cd"
+    figure, (computed, *measured, least, pace) = style.page(layout, size=(10.5, 6.8))
     draw_turns(computed, CIRCLE, _by_age(result.turns))
     style.entitle(computed, "Computed: turn of a cycle")
     if seen is not None:

@@ -12,7 +12,7 @@ from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
 from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import OUTCOMES, draw_measured
+from cyclemap.views.map_panels import OUTCOMES, draw_measured, draw_outcome
 from cyclemap.views.sentences import angle
 from cyclemap.views.staircase_panels import draw_staircase
 from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts
@@ -27,7 +27,6 @@ ISOTROPIC = "isotropic friction under even pressure"
 @style.picture_style()
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
-    figure = style.new_figure()
     many = len(found.pushes) > MOST_SETS
     sets = f"; {len(found.pushes)} sets of pushes, " if len(found.pushes) > 1 else ""
     drawn = ("all are drawn" if many else "the largest is drawn") if sets else ""
@@ -35,9 +34,8 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
     noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
     foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}{drawn}"
-    room = style.write_page(figure, headline(name, found), told, foot)
-    rows = (found.cycle is not None) + bool(found.pushes)
-    panels = style.panels(figure, style.rows_of(*(3,) * rows), room)
+    layout = style.rows_of(*(3,) * ((found.cycle is not None) + bool(found.pushes)))
+    figure, panels = style.page(layout, headline(name, found), told, foot)
     if found.cycle is not None:
         _draw_cycles(panels[:3], found, curve)
     if found.pushes:
@@ -63,8 +61,8 @@ def residual_page(found: Comparison) -> Figure | None:
     if not left:
         return None
     layout = ("a", "ab", "ab;cd", "ab;cd")[len(left) - 1]
-    figure = style.new_figure(7.0 if layout == "a" else 9.0, 2.7 * len(layout.split(";")))
-    panels = style.panels(figure, layout)
+    size = (7.0 if layout == "a" else 9.0, 2.7 * len(layout.split(";")))
+    figure, panels = style.page(layout, size=size)
     for axes, (label, theta, off) in zip(panels, left, strict=False):
         axes.axhline(0.0, **style.ZERO)
         draw_measured(axes, theta, off)
@@ -101,13 +99,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     """The largest set of pushes over θ0, measured and predicted."""
     largest = found.pushes[0]
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
-        symbol, label, scale = OUTCOMES[quantity.name]
-        draw_measured(axes, largest.theta, scale * largest.measured[:, column])
+        draw_outcome(axes, largest.theta, largest.measured[:, column], quantity.name)
+        symbol, _, scale = OUTCOMES[quantity.name]
         predicted = {**style.DOTS, "color": style.PREDICTED, "markeredgewidth": 0.0, "alpha": 1.0}
         theta, values = np.degrees(largest.theta) % 360.0, scale * largest.predicted[:, column]
         axes.plot(theta, values, label="predicted", **{**predicted, "markersize": 2.2})
-        style.degree_axis(axes)
-        axes.set_ylabel(label)
         spread = f"std {quantity.std_percent:.1f} %"
         style.entitle(axes, f"{symbol}: RMSE {quantity.percent:.1f} %, {spread}")
 

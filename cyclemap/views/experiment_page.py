@@ -23,7 +23,6 @@ _MARKERS = "os^vDP*X"
 @style.picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    figure = style.new_figure()
     told = (
         experiment_headline(experiment),
         spread_sentence(experiment),
@@ -34,8 +33,8 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
         "of each batch"
     )
     title = f"Batches of cycles on {experiment.loop.material.name}"
-    room = style.write_page(figure, title, told, foot)
-    panels = iter(style.panels(figure, "abc;def", room, keys=2))
+    figure, placed = style.page("abc;def", title, told, foot, keys=2)
+    panels = iter(placed)
     for run, name in named_runs(experiment):
         draw_paths(next(panels), run, f"{name}: robot's frame")
         draw_paths(next(panels), run, f"{name}: object's frame", in_object=True)
@@ -181,7 +180,6 @@ _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 @style.picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
-    figure = style.new_figure()
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
     title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
     told = [difference_sentence(comparison) for comparison in (material, isotropic)]
@@ -189,9 +187,7 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         "solid, filled: the material; dashed, open: isotropic friction of the same mean "
         "coefficient; both models stand on the same support points"
     )
-    turns, differences, places = style.panels(
-        figure, "abc", style.write_page(figure, title, told, foot), keys=2
-    )
+    figure, (turns, differences, places) = style.page("abc", title, told, foot, keys=2)
     for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
         theta = np.degrees(comparison.dynamic.theta)
         still = np.degrees(comparison.quasi_static.theta_next) - theta

@@ -32,7 +32,6 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    figure = style.new_figure()
     title, told = "Fingerprint of the protocol", [protocol_sentence(found)]
     if prediction is not None:
         title = f"{title}, on {name}"
@@ -44,9 +43,8 @@ def fingerprint_page(
     numbers = zip(symbols, seven_numbers(found.cycle), strict=True)
     written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
     foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-    room = style.write_page(figure, title, told, foot)
     layout = "a;b" if prediction is None else "acc;bcc"
-    offset, ellipse, *turn = style.panels(figure, layout, room)
+    figure, (offset, ellipse, *turn) = style.page(layout, title, told, foot)
     draw_responses(offset, found, ellipse=False)
     draw_responses(ellipse, found, ellipse=True)
     if prediction is not None:

@@ -26,6 +26,7 @@ from cyclemap.views.map_panels import (
     OUTCOMES,
     draw_law,
     draw_measured,
+    draw_outcome,
     draw_recorded,
     keep_to,
     turn_axes,
@@ -56,17 +57,17 @@ def fit_page(fit: SetFit) -> Figure:
         raise InvalidInput(
             f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
         )
-    figure = style.new_figure(16.0, 9.6)
     foot = (
         "laws are Fourier series of θ0, their order by cross-validation over blocks of "
         "successive pushes unless given"
     )
     title = f"Fitted to {fit.pushes.name}"
-    room = style.write_page(figure, title, set_sentences(fit), foot)
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
-    axes = iter(style.panels(figure, style.rows_of(*map(len, rows)), room))
+    layout, words = style.rows_of(*map(len, rows)), set_sentences(fit)
+    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    axes = iter(placed)
     for row in rows:
         for name, draw in row:
             draw(panel := next(axes))
@@ -78,27 +79,24 @@ def _cycle_panels(found: MeasuredCycleMap | None) -> list[Panel]:
     """What is drawn of a measured cycle map."""
     if found is None:
         return []
-    told: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    panels: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
     if (forecast := found.forecast) is not None:
         histograms = forecast.measured_histogram, forecast.histogram
-        told.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
-        told.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
+        panels.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
+        panels.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
         if forecast.pace.measured.size:
-            told.append(("Turns", partial(draw_pace, pace=forecast.pace)))
-    return told
+            panels.append(("Turns", partial(draw_pace, pace=forecast.pace)))
+    return panels
 
 
 def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
-    _, label, scale = OUTCOMES[law.quantity]
-    draw_measured(axes, law.theta, scale * law.value)
+    draw_outcome(axes, law.theta, law.value, law.quantity)
     if law.law is None:
         style.say(axes, "no law")
     else:
         ends = draw_law(axes, law.law, law.quantity, is_covered(law.theta, CIRCLE))
-        keep_to(axes, scale * law.value, *ends)
-    style.degree_axis(axes)
-    axes.set_ylabel(label)
+        keep_to(axes, OUTCOMES[law.quantity][2] * law.value, *ends)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:

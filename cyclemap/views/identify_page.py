@@ -64,15 +64,14 @@ def identify_page(
     panels += [
         (named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places
     ]
-    figure = style.new_figure(16.0, 9.6)
     undrawn = len(panels) - MOST_PANELS
     more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
     foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-    room = style.write_page(figure, title, words, foot)
     count = min(len(panels), MOST_PANELS) + 1
     columns = count if count <= 3 else 2 if count == 4 else 3
     rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
-    placed = style.panels(figure, style.rows_of(*rows), room)
+    layout = style.rows_of(*rows)
+    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
     _draw_intervals(intervals, found)
     for axes, (name, draw) in zip(placed, panels, strict=False):

@@ -93,6 +93,16 @@ def draw_measured(axes: Axes, theta: Array, value: Array, name: str = "measured"
     axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, label=name, **style.DOTS)
 
 
+def draw_outcome(
+    axes: Axes, theta: Array, values: Array, outcome: str, name: str = "measured"
+) -> None:
+    """Measured values (SI) of an outcome of pushes over orientations (rad)."""
+    _, label, scale = OUTCOMES[outcome]
+    draw_measured(axes, theta, scale * values, name)
+    style.degree_axis(axes)
+    axes.set_ylabel(label)
+
+
 def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured turns, a light dot each, and their medians in bins of the orientation."""
     draw_measured(axes, pairs.theta, np.degrees(pairs.turn))

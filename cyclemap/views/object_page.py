@@ -42,10 +42,9 @@ def object_page(checked: CheckedCollection) -> Figure:
         f"{'Wrong' if finding.wrong else 'Likely wrong'}: {finding.words}."
         for finding in checked.findings
     ]
-    figure = style.new_figure(11.0, 6.2 + 0.2 * len(words))
-    name = "Collection" if loop is None else loop.slider.name
-    room = style.write_page(figure, f"{name}, to scale", words)
-    setup, cycle = style.panels(figure, "ab", room, keys=2)
+    title = f"{'Collection' if loop is None else loop.slider.name}, to scale"
+    size = (11.0, 6.4 + 0.2 * len(words))
+    figure, (setup, cycle) = style.page("ab", title, words, size=size, keys=3)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)
@@ -92,11 +91,11 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     draw_rod(axes, rod, loop.pusher.radius)
     axes.plot([], [], "o", color=INK, label=f"rod, radius {MM * loop.pusher.radius:.3g} mm")
     style.arrow(axes, MM * rod, MM * end, FORCE)
-    told = f"push, {MM * loop.push.distance:.4g} mm at side {loop.push.side}"
-    axes.plot([], [], color=FORCE, label=told)
+    length = f"{MM * loop.push.distance:.4g} mm"
+    axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
     ring = np.array(loop.slider.hitch)
-    told = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
-    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=told)
+    place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
+    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=place)
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
     style.square_window(axes, MM * np.vstack(corners))

@@ -92,10 +92,10 @@ def plan_page(plan: PushPlan) -> Figure:
     count = len(plan.pushes)
     rows = -(-count // _COLUMNS)
     tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
-    figure = style.new_figure(_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
+    size = (_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
     title, *words = plan_sentences(plan)
-    room = style.write_page(figure, title, words, _FOOT)
-    panels = style.panels(figure, style.rows_of(*(_COLUMNS,) * rows), room)
+    layout = style.rows_of(*(_COLUMNS,) * rows)
+    figure, panels = style.page(layout, title, words, _FOOT, size=size)
     for index, axes in enumerate(panels):
         if index < count:
             _draw_push(axes, plan, index)

@@ -21,9 +21,15 @@ def portrait_page(
     portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
 ) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
-    figure = style.new_figure()
-    room = _write_words(figure, portrait, curves, measured)
-    panels = style.panels(figure, "abc;def", room, width_ratios=(5.2, 2.75, 3.2))
+    told, foot = _words(portrait, measured)
+    figure, panels = style.page(
+        "abc;def",
+        sentences.headline(portrait),
+        told,
+        foot,
+        cycle_key(curves.scene),
+        width_ratios=(5.2, 2.75, 3.2),
+    )
     turn, cobweb, push, density, staircase, drag = panels
     map_panels.draw_turn(turn, curves.turn)
     map_panels.mark_fixed_points(turn, portrait.fixed_points)
@@ -64,9 +70,8 @@ def _cobweb_title(portrait: Portrait, curves: PortraitCurves) -> str:
     return f"Cobweb about the {'jump' if portrait.gathering_jumps else 'slowest direction'}"
 
 
-def _write_words(
-    figure: Figure, portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None
-) -> style.Room:
+def _words(portrait: Portrait, measured: MeasuredOverlay | None) -> tuple[list[str], str]:
+    """The sentences of the page, and its foot."""
     material = portrait.loop.material
     told = [
         sentences.lock_sentence(portrait),
@@ -79,5 +84,4 @@ def _write_words(
     foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
-    said, key = sentences.headline(portrait), cycle_key(curves.scene)
-    return style.write_page(figure, said, told, "\n".join(foot), key)
+    return told, "\n".join(foot)

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from cyclemap.evidence.plausibility import MOST_RATIO
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import CIRCLE, draw_measured
+from cyclemap.views.map_panels import CIRCLE, draw_outcome
 from cyclemap.views.sentences import angle, orientation_and_push
 
 
@@ -68,20 +68,17 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
 def probe_page(found: Probe) -> Figure:
     """Draw each outcome over the orientation,
     with what the harmonics and the ellipse make of it."""
-    figure = style.new_figure(12.0, 4.8)
     answer, *words = probe_sentences(found)
     foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
-    panels = style.panels(figure, "abc", style.write_page(figure, answer, words, foot))
+    figure, panels = style.page("abc", answer, words, foot, size=(12.0, 4.8))
     made = found.mimic.cycles(CIRCLE)
     mimicked = np.column_stack([made.push_displacement, made.push_turn])
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
     mimicked += found.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
-        title, label, scale = map_panels.OUTCOMES[outcome]
-        draw_measured(axes, found.theta, scale * found.change[:, column], "probed")
+        draw_outcome(axes, found.theta, found.change[:, column], outcome, "probed")
+        title, _, scale = map_panels.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **style.LINE)
-        axes.set_ylabel(label)
-        style.degree_axis(axes, "orientation θ0 (°)")
         style.entitle(axes, title)
     return figure

@@ -42,15 +42,13 @@ def replay_headline(replayed: ReplayedPushes) -> str:
 @style.picture_style()
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
-    figure = style.new_figure()
     foot = (
         "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a "
         "push, a bar a mean"
     )
-    title = f"Replayed on {material}"
-    room = style.write_page(figure, title, [replay_headline(replayed)], foot)
-    layout = style.rows_of(4, len(_SHARES))
-    places, distances, turns, angles, *courses = style.panels(figure, layout, room, keys=2)
+    layout, words = style.rows_of(4, len(_SHARES)), [replay_headline(replayed)]
+    figure, panels = style.page(layout, f"Replayed on {material}", words, foot, keys=2)
+    places, distances, turns, angles, *courses = panels
     _draw_whole(places, distances, replayed, "motion")
     _draw_whole(turns, angles, replayed, "turn")
     order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")

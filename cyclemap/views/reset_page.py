@@ -70,12 +70,12 @@ def reset_page(design: ResetDesign) -> Figure:
 def _write_rows(figure: Figure, design: ResetDesign, low: float) -> float:
     """Write the table of the strategies above `low`; return where it ends, shares of the page."""
     rows = [COLUMNS, *(row_cells(row) for row in design.rows)]
-    told = [
+    cells = [
         [fill(cell, 82 if place == 1 else 19) for place, cell in enumerate(row)] for row in rows
     ]
-    heights = [0.0175 * max(cell.count("\n") + 1 for cell in row) + 0.006 for row in told]
+    heights = [0.0175 * max(cell.count("\n") + 1 for cell in row) + 0.006 for row in cells]
     y = top = low + sum(heights) + 0.02
-    for index, (row, height) in enumerate(zip(told, heights, strict=True)):
+    for index, (row, height) in enumerate(zip(cells, heights, strict=True)):
         look: style.Look = {"fontsize": 8, "linespacing": 1.15, "va": "top"}
         look |= {"color": INK if index else QUIET, "fontweight": "bold" if index == 1 else "normal"}
         for place, cell in zip(_PLACES, row, strict=True):
@@ -99,8 +99,8 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     top, peak = max(2.2 * high, 1.25 * float(after.max())), int(np.argmax(before))
     axes.set_ylim(0.0, top)
     if before[peak] > top:
-        told = f"{before[peak]:.0%}"
-        style.name_tag(axes, edges[peak] + 5.0, 0.93 * top, told, color=MEASURED)
+        share = f"{before[peak]:.0%}"
+        style.name_tag(axes, edges[peak] + 5.0, 0.93 * top, share, color=MEASURED)
     style.degree_axis(axes)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
     axes.set_ylabel("share of pushes")
@@ -151,9 +151,7 @@ def strategy_page(
 
     words : the title, then what is said below it.
     """
-    figure = style.new_figure()
-    room = style.write_page(figure, words[0], words[1:])
-    path, recorded, pushes, last = style.panels(figure, "ac;bd", room)
+    figure, (path, recorded, pushes, last) = style.page("ac;bd", words[0], words[1:])
     if measured is not None:
         path.plot(np.degrees(measured) % 360.0, label="measured", **style.DOTS)
     dots: style.Look = {"color": PREDICTED, "markersize": 2, "label": "predicted", "zorder": 3}

@@ -28,7 +28,6 @@ def staircase_page(
     forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
 ) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
-    figure = style.new_figure()
     name = forecast.loop.material.name
     told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
     told += [uncertainty_sentence(name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
@@ -38,8 +37,7 @@ def staircase_page(
         f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path "
         "alone, without a model"
     )
-    room = style.write_page(figure, f"Staircase of {name}", told, foot)
-    runs, dwells, lengths = style.panels(figure, "ab;ac", room)
+    figure, (runs, dwells, lengths) = style.page("ab;ac", f"Staircase of {name}", told, foot)
     path, steps = forecast.run.theta, forecast.steps
     comparison: StepComparison | None = forecast.comparison
     if measured is None:

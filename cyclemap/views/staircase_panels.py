@@ -119,16 +119,16 @@ def _mark_means(axes: Axes, comparison: StepComparison) -> None:
         if predicted > FAR * axes.get_ylim()[1]:
             axes.plot([], [], label=f"predicted {number(predicted)}, beyond the panel", **look)
             return
-        told = f"{predicted:.1f}" if predicted < 1000 else number(predicted)
-        axes.axhline(predicted, label=f"predicted {told}", **look)
+        written = f"{predicted:.1f}" if predicted < 1000 else number(predicted)
+        axes.axhline(predicted, label=f"predicted {written}", **look)
 
 
 def draw_pace(axes: Axes, pace: TurnPace) -> None:
     """Pushes that each full turn took, and the range that the fitted map gives it."""
     # A range without an end, or a turn that most paths never finish, runs out of the panel.
-    told = np.array([pace.measured, pace.lower, pace.predicted, pace.upper])
-    top = 1.4 * float(np.max(told[np.isfinite(told)]))
-    low, middle, high = np.minimum(told[1:], 2.0 * top)
+    pushes = np.array([pace.measured, pace.lower, pace.predicted, pace.upper])
+    top = 1.4 * float(np.max(pushes[np.isfinite(pushes)]))
+    low, middle, high = np.minimum(pushes[1:], 2.0 * top)
     ends = [middle - low, high - middle]
     look: style.Look = {"fmt": "_", "color": PREDICTED, "ecolor": QUIET, "zorder": 3}
     axes.errorbar(pace.start, middle, yerr=ends, label="fitted map, 95 %", **look)

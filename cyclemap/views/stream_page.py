@@ -22,10 +22,8 @@ def stream_page(seen: Segments) -> Figure:
     """Draw place and orientation over time, pushes shaded, rests marked below, and what is unclear
     hatched.
     """
-    figure = style.new_figure(13.333, 6.4)
     foot = "shaded: pushes; bars: rests; hatched: neither a push nor a drag"
-    room = style.write_page(figure, seen.words, (), foot)
-    above, below = style.panels(figure, "a;b", room, sharex=True)
+    figure, (above, below) = style.page("a;b", seen.words, foot=foot, sharex=True)
     pushes, unclear = seen.pushes[:_MOST_PUSHES], seen.unclear[:_MOST_PUSHES]
     ends = [int(seen.rests[end][1]) for _, end in (*pushes, *unclear)]
     last = max(ends, default=min(_MOST_SAMPLES, seen.t.size) - 1)

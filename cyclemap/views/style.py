@@ -131,14 +131,16 @@ EVEN: Look = {"color": QUIET, "linewidth": 1.0, "linestyle": ":", "zorder": 2}
 # Inches at the left of a panel, at its right, below it for labels, above it for the title, and for
 # each row of a legend.
 _LEFT, _RIGHT, _BELOW, _ABOVE, _KEYS = 0.8, 0.2, 0.5, 0.33, 0.18
-# Letters an inch of sentences, of the foot, of titles of one point; and sizes of titles, points.
-_LETTERS, _FOOT_LETTERS, _TITLE_LETTERS = 13.1, 15.6, 113.0
+# Sizes of titles of pages, points.
 _TITLE, _SMALL_TITLE = 18.0, 13.0
-_FOOT: Look = {"fontsize": 8, "color": QUIET, "linespacing": 1.35}
-# Fonts of legends and titles; points that a legend's key takes, and a row of it.
+# Fonts of sentences, of legends and of titles; inches that a legend's key takes, and points that
+# a row of it does.
+_SAID = FontProperties(family="DejaVu Sans", size=10.0)
 _KEYED = FontProperties(family="DejaVu Sans", size=8.0)
 _TITLED = FontProperties(family="DejaVu Sans", size=10.0, weight="bold")
-_KEY, _ROW = 29.0, 12.5
+_KEY, _ROW = 0.4, 12.5
+# Letters are drawn in whole pixels, wider than measured: so much of a width is filled.
+_SAFE = 0.92
 THETA, THETA0 = "θ (°)", "θ0, orientation before the push (°)"
 
 
@@ -163,26 +165,61 @@ def write_page(
     the foot, and at its right the key of a drawing; return what is left between them.
     """
     width, height = figure.get_size_inches().tolist()
-    size = min(max(_TITLE_LETTERS * width / max(len(title), 1), _SMALL_TITLE), _TITLE)
-    lines = wrap(title, int(_TITLE_LETTERS * width / size))
-    left, y = 0.2 / width, 0.215
-    look: Look = {"fontsize": size, "fontweight": "bold", "linespacing": 1.2, "va": "top"}
-    figure.text(left, 1.0 - y / height, "\n".join(lines), **look)
-    y += len(lines) * size / _TITLE * 0.325
-    lines = wrap(" ".join(filter(None, words)), int(_LETTERS * width))
-    figure.text(left, 1.0 - y / height, "\n".join(lines), fontsize=10, va="top", linespacing=1.35)
+    wide, y = width - 0.4, 0.1
+    if title:
+        size = 10.0 * _SAFE * wide / _text_width(title, _TITLED)
+        size = min(max(size, _SMALL_TITLE), _TITLE)
+        # A hair wider, so that a title that just fits is not wrapped by rounding.
+        lines = _wrapped(title, _TITLED, 10.0 * wide / size + 0.05)
+        _write(figure, y + 0.115, lines, fontsize=size, fontweight="bold", linespacing=1.2)
+        y += 0.115 + len(lines) * size / _TITLE * 0.325
+    lines = _wrapped(" ".join(filter(None, words)), _SAID, wide)
+    _write(figure, y, lines, fontsize=10, linespacing=1.35)
     y += len(lines) * 0.197
-    letters = int(_FOOT_LETTERS * width) - max(map(len, key.split("\n")))
-    lines = [line for part in foot.split("\n") for line in wrap(part, letters)]
-    figure.text(1.0 - left, 0.12 / height, key, ha="right", **_FOOT)
-    figure.text(left, 0.12 / height, "\n".join(lines), **_FOOT)
+    beside = max(_text_width(line, _KEYED) for line in key.split("\n"))
+    at_foot: Look = {"va": "bottom", "fontsize": 8, "color": QUIET, "linespacing": 1.35}
+    _write(figure, height - 0.1, [key] if key else [], x=width - 0.2, ha="right", **at_foot)
+    paragraphs = [_wrapped(part, _KEYED, wide - beside - 0.2) for part in foot.split("\n")]
+    lines = [line for paragraph in paragraphs for line in paragraph]
+    _write(figure, height - 0.1, lines, **at_foot)
     return (0.16 * len(lines) + 0.12 * bool(lines)) / height, 1.0 - y / height
+
+
+def _write(figure: Figure, y: float, lines: list[str], x: float = 0.2, **look: Any) -> None:
+    """Write lines, if any, from a place in inches from the left and from the top."""
+    width, height = figure.get_size_inches().tolist()
+    if lines:
+        figure.text(x / width, 1.0 - y / height, "\n".join(lines), **{"va": "top", **look})
+
+
+def _wrapped(text: str, font: FontProperties, width: float) -> list[str]:
+    """The lines of a text that fit a width in inches, by how wide its letters are on average."""
+    lines = _text_width(text, font) / width
+    return wrap(text, int(_SAFE * len(text) / lines)) if lines > 0.0 else []
+
+
+def page(
+    layout: str,
+    title: str = "",
+    words: Iterable[str] = (),
+    foot: str = "",
+    key: str = "",
+    size: tuple[float, float] = (13.333, 7.5),
+    **options: Any,
+) -> tuple[Figure, list[Axes]]:
+    """A figure of a size in inches with its words, and its panels in what these leave.
+
+    title, words, foot, key : of `write_page`. layout, options : of `panels`.
+    """
+    figure = new_figure(*size)
+    room = write_page(figure, title, words, foot, key)
+    return figure, panels(figure, layout, room, **options)
 
 
 def panels(
     figure: Figure,
     layout: str,
-    room: Room = (0.0, 0.985),
+    room: Room,
     keys: int = 1,
     polar: str = "",
     **options: Any,
@@ -316,10 +353,10 @@ def entitle(axes: Axes, title: str) -> None:
 
 
 def _columns(labels: list[str], width: float) -> int:
-    """How many columns of a legend a width (points) has room for, where they are filled evenly."""
+    """How many columns of a legend a width (inches) has room for, where they are filled evenly."""
     widths = np.array([_key_width(label) for label in labels])
     for columns in range(len(labels), 1, -1):
-        if sum(part.max() for part in np.array_split(widths, columns)) <= width:
+        if sum(column.max() for column in np.array_split(widths, columns)) <= width:
             return columns
     return 1
 
@@ -329,15 +366,15 @@ def _key_width(label: str) -> float:
 
 
 def _text_width(text: str, font: FontProperties) -> float:
-    """The width of a line, points."""
-    return float(text_to_path.get_text_width_height_descent(text, font, ismath=False)[0])
+    """The width of a line, inches."""
+    return float(text_to_path.get_text_width_height_descent(text, font, ismath=False)[0]) / 72.0
 
 
 def _width(axes: Axes) -> float:
-    """The width of a panel, points."""
+    """The width of a panel, inches."""
     figure = axes.get_figure(root=True)
     assert figure is not None
-    return 72.0 * float(axes.get_position().width * figure.get_size_inches()[0])
+    return float(axes.get_position().width * figure.get_size_inches()[0])
 
 
 def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:

@@ -99,10 +99,8 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         name = one.meaning.partition(",")[0]
         panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
     panels = panels[:MOST_PANELS]
-    figure = style.new_figure(13.333, 6.6)
-    words = sweep_sentences(sweep)
-    room = style.write_page(figure, sweep_headline(sweep), words, settings_line(sweep))
-    placed = style.panels(figure, style.rows_of(len(panels)), room)
+    words, foot = sweep_sentences(sweep), settings_line(sweep)
+    figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
     for axes, (title, draw) in zip(placed, panels, strict=True):
         draw(axes)
         if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:

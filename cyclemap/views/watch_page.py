@@ -21,6 +21,8 @@ from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
+# The panels of a course: the third is round.
+_COURSE: style.Look = {"polar": "c", "width_ratios": (1.9, 1.0)}
 
 
 @style.picture_style()
@@ -28,12 +30,12 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of
     its file.
     """
-    last, figure = reports[-1], style.new_figure()
+    last = reports[-1]
     title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
     foot = "chance of an alarm, however long the collection, where no orientation lingers:"
     foot = f"{foot} {monitor.alarm_rate:g} at most"
-    room = style.write_page(figure, title, watch_sentences(last), foot)
-    axes = draw_course(figure, room, monitor.path, reports)
+    figure, panels = style.page("ac;bd", title, watch_sentences(last), foot, **_COURSE)
+    axes = draw_course(panels, monitor.path, reports)
     rest = [report.rest_evidence for report in reports]
     visits = [report.visit_evidence for report in reports]
     axes.plot(rest, label="of a rest", **style.LINE)
@@ -57,14 +59,12 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
 
 
 def draw_course(
-    figure: Figure, room: style.Room, theta: Sequence[float], reports: Sequence[BiasReport]
+    panels: Sequence[Axes], theta: Sequence[float], reports: Sequence[BiasReport]
 ) -> Axes:
     """Draw the orientations (rad) push by push, their rose, and what they are worth, by the
     monitor's reports; return the panel that is left, below the first.
     """
-    path, left, rose, worth = style.panels(
-        figure, "ac;bd", room, polar="c", width_ratios=(1.9, 1.0)
-    )
+    path, left, rose, worth = panels
     draw_path(path, theta, reports[-1])
     draw_rose(rose, theta, reports[-1])
     draw_worth(worth, [report.coverage.effective_pushes for report in reports])
@@ -97,8 +97,8 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
     axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
-    told: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
-    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **told)
+    look: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
+    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **look)
     axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
@@ -289,9 +289,9 @@ def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
     push's.
     """
-    figure = style.new_figure(13.333, 7.9)
-    room = style.write_page(figure, audit_headline(found), [audit_paragraph(found)])
-    reset = draw_course(figure, room, found.theta, found.reports)
+    title, words = audit_headline(found), [audit_paragraph(found)]
+    figure, panels = style.page("ac;bd", title, words, **_COURSE)
+    reset = draw_course(panels, found.theta, found.reports)
     if found.reset is None:
         reset.axis("off")
         style.say(reset, "no poses after pushes: what the reset did is unknown")
