@@ -53,6 +53,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.pushes.columns import ENDS, named_column
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
@@ -77,11 +78,9 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_
 from cyclemap.evidence.pushes.push_noise import ROD_OFF, push_noise
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
-    ENDS,
     PushTable,
     UnreadableFile,
     load_pushes,
-    named_column,
 )
 from cyclemap.evidence.tables.push_sets import push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider

@@ -16,7 +16,8 @@ import numpy as np
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, column_value, load_pushes
+from cyclemap.evidence.pushes.columns import column_value
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.text_files import CsvRow, CsvTable, require_columns
 

@@ -21,6 +21,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.columns import QUATERNION
 from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_text
 
@@ -30,7 +31,6 @@ EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mca
 JSON_LINES = (".jsonl", ".ndjson")
 # Of columns of texts those that tell what was pushed on what are kept.
 _TEXTS = re.compile(r"surface|object|shape", re.IGNORECASE)
-QUATERNION = ("qx", "qy", "qz", "qw")
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on
 # disk.
 _LARGEST_DECODED = 2**26

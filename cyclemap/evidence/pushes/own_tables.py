@@ -19,13 +19,22 @@ import numpy as np
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.columns import (
+    COLUMNS,
+    ENDS,
+    QUATERNION,
+    RODS,
+    TIME_UNITS,
+    UNITS,
+    UNITS_OF,
+    Kind,
+)
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.pushes.own_files import (
     BAGS,
     EXCEL,
     JSON_LINES,
     PARQUET,
-    QUATERNION,
     Columns,
     raw_columns,
 )
@@ -34,62 +43,8 @@ from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
 from cyclemap.plain_text import json_value
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
-_ANGLES = ("theta0", "theta1", "theta_next", "theta")
-_PAIRS = (("x0", "y0"), ("x1", "y1"), ("x", "y"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
-_PLACES = tuple(name for pair in _PAIRS for name in pair)
-_LENGTHS = (*_PLACES, "length")
-_TEXTS = ("surface", "object")
-_OTHERS = ("t", "episode", "repetition", "side", "fraction", "angle", *_TEXTS)
-_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *QUATERNION)
-_ANGLE_UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "turn": 2.0 * math.pi}
-_LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
-_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
-_UNITS_OF = (
-    dict.fromkeys(_ANGLES, _ANGLE_UNITS)
-    | dict.fromkeys(_LENGTHS, _LENGTH_UNITS)
-    | {"t": _TIME_UNITS}
-)
-
-_ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
-_BEFORE, _AFTER = (
-    r"(?:0|before|start|initial|init|pre|vorher|first)",
-    r"(?:1|after|end|final|post|nachher|last)",
-)
-_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)"
-_MEANING = {
-    "theta0": (rf"{_ANGLE}_?{_BEFORE}", rf"{_BEFORE}_{_ANGLE}"),
-    "theta1": (rf"{_ANGLE}_?{_AFTER}", rf"{_AFTER}_{_ANGLE}"),
-    "theta_next": (rf"(?:{_ANGLE}_next|next_{_ANGLE}|th0n)(?:_?0)?",),
-    "theta": (rf"{_ANGLE}",),
-    **{
-        f"{axis}{end}": (rf"(?:pos_?)?{axis}_?{words}", rf"{words}_(?:pos_)?{axis}")
-        for axis in "xy"
-        for end, words in (("0", _BEFORE), ("1", _AFTER))
-    },
-    "x": (r"(?:pos(?:ition)?_)?x",),
-    "y": (r"(?:pos(?:ition)?_)?y",),
-    "t": (r"t|time|timestamp|stamp|secs?|seconds|zeit",),
-    "episode": (r"episode(?:_index|_id)?|trial|push_id",),
-    "repetition": (r"rep|repetition|push(?:_(?:nr|no|number|index))?|cycle|nr|no|number|id|index",),
-    "length": (r"push_?length|push_?distance|push(?=_mm)|push",),
-    "side": (r"side",),
-    "fraction": (r"fraction",),
-    "surface": (r"surface",),
-    "object": (r"object|shape",),
-    **{
-        f"tip_{axis}{end}": (rf"{_ROD}_{axis}_?{words}", rf"{_ROD}_{words}_{axis}")
-        for axis in "xy"
-        for end, words in (("0", _BEFORE), ("1", _AFTER))
-    },
-    **{
-        name: (
-            rf"(?:orientation_|quat(?:ernion)?_)?{name}",
-            rf"(?:orientation|quat(?:ernion)?)_{name[1]}",
-        )
-        for name in QUATERNION
-    },
-}
+# What may be told of a table: the angle of pushes goes by no name of its own.
+_KNOWN = tuple(name for name, column in COLUMNS.items() if column.patterns or name == "angle")
 _UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
     "radians": "rad",
     "metres": "m",
@@ -274,8 +229,8 @@ def _understood(
         if name not in (*_KNOWN, "pose"):
             raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
     for unit in units:
-        if unit not in _UNITS:
-            raise InvalidInput(f"--units {unit}: know {', '.join(_UNITS)}")
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
     raw = raw_columns(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
@@ -285,11 +240,11 @@ def _understood(
     words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
     found: Columns = {}
     for name, column in meaning.items():
-        if name in _TEXTS:
+        if COLUMNS[name].kind is Kind.TEXT:
             found[name] = raw[column]
             continue
         factor, said = _factor(name, meaning, raw, units)
-        if growing and name in _ANGLES and "guessed" in said:
+        if growing and COLUMNS[name].kind is Kind.ANGLE and "guessed" in said:
             raise DataFileError(
                 f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad"
             )
@@ -303,11 +258,7 @@ def _understood(
         found["theta"] = np.arctan2(
             2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size
         )
-    for name in set(_ANGLES) & set(found):
-        found[name] = convention.theta(found[name])
-    for pair in _PAIRS:
-        if set(pair) <= set(found):
-            found |= dict(zip(pair, convention.place(*(found[name] for name in pair)), strict=True))
+    found = convention.columns(found)
     segments, sure = None, len(meaning) > len(told) or not units
     if "theta" in found and "theta0" not in found:
         if _is_stream(place, found, any(" as t in s, guessed" in line for line in words)):
@@ -376,15 +327,11 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
     for name, column in meaning.items():
         if column not in raw:
             raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
-    for name, patterns in _MEANING.items():
+    for name, known in COLUMNS.items():
         if name in meaning:
             continue
         free = [column for column in raw if column not in meaning.values()]
-        hits = [
-            column
-            for column in free
-            if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)
-        ]
+        hits = [column for column in free if known.fits(_bare(column)[0])]
         if len(hits) > 1:
             both = f"{' and '.join(hits)} may both be {name}"
             raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
@@ -417,37 +364,32 @@ def _factor(
     """SI units of one unit of a column, and how that is said. All angles, and all places, are
     guessed to be alike.
     """
-    alike = _ANGLES if name in _ANGLES else _PLACES if name in _PLACES else (name,)
-    kinds = (
-        _ANGLE_UNITS
-        if name in _ANGLES
-        else _LENGTH_UNITS
-        if name in _LENGTHS
-        else _TIME_UNITS
-        if name == "t"
-        else {}
-    )
+    kind = COLUMNS[name].kind
+    alike = [one for one in meaning if COLUMNS[one].kind is kind]
+    if kind not in (Kind.ANGLE, Kind.PLACE):
+        alike = [name]
+    kinds = UNITS_OF.get(kind, {})
     if not kinds:
         return 1.0, ""
     told = next((unit for unit in units if unit in kinds), None)
     if told is not None:
-        return _UNITS[told], f" in {told}"
-    named = {one: _bare(meaning[one])[1] for one in alike if one in meaning}
+        return UNITS[told], f" in {told}"
+    named = {one: _bare(meaning[one])[1] for one in alike}
     if named[name] in kinds:
-        return _UNITS[named[name]], f" in {named[name]}, by its name"
+        return UNITS[named[name]], f" in {named[name]}, by its name"
     others = {unit for unit in named.values() if unit in kinds}
     if len(others) == 1:
-        return _UNITS[unit := others.pop()], f" in {unit}, as its like"
+        return UNITS[unit := others.pop()], f" in {unit}, as its like"
     values = [raw[meaning[one]] for one, unit in named.items() if unit not in kinds]
     reaches = [float(np.abs(column[np.isfinite(column)]).max(initial=0.0)) for column in values]
     least, most = min(reaches), max(reaches)
     if name == "t" and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
-        unit = list(_TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return _UNITS[unit], f" in {unit} since 1970"
+        unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
+        return UNITS[unit], f" in {unit} since 1970"
     if name == "t":
         unit = "s"
-    elif name in _ANGLES:
+    elif kind is Kind.ANGLE:
         turns = values[0][np.isfinite(values[0])]
         if most <= 1.0 and turns.size >= _TELLING and float(np.ptp(turns)) > _MOST_OF_A_TURN:
             told = f"{meaning[name]} runs from {turns.min():.3g} to {turns.max():.3g}"
@@ -457,7 +399,7 @@ def _factor(
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
-    return _UNITS[
+    return UNITS[
         unit
     ], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
 
@@ -578,8 +520,8 @@ def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
-    ends = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition")
-    poses = (*_TEXTS, *ends, "side", "fraction", "angle", "length", *_PLACES[-4:])
+    facts = ("side", "fraction", "angle", "length")
+    poses = ("surface", "object", *ENDS, "theta_next", "repetition", *facts, *RODS)
     if at_random:
         found.pop("repetition", None)
     elif posed:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
+from cyclemap.evidence.pushes.columns import COLUMNS, ENDS, RODS, column_value, named_column
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
@@ -35,36 +36,13 @@ from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_tabl
 if TYPE_CHECKING:
     import pandas
 
-# A column of the push table, the names it goes by in a file, and the factor to SI units; None: a
-# text.
-COLUMN_NAMES: dict[str, dict[str, float | None]] = {
-    "surface": {"surface": None},
-    "object": {"object": None, "shape": None},
-    "acceleration": {"acceleration": 1.0, "a_mm_s2": 1e-3},
-    "speed": {"speed": 1.0, "v_mm_s": 1e-3},
-    "side": {"side": 1.0, "i": 1.0},
-    "fraction": {"fraction": 1.0, "s": 1.0},
-    "angle": {"angle": 1.0, "t": 1.0},
-    "repetition": {"repetition": 1.0, "rep": 1.0},
-    "length": {"length": 1.0, "push_mm": 1e-3},
-    **{
-        name: {name: 1.0}
-        for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1", "x0", "y0", "x1", "y1")
-    },
-    **{name: {name: 1.0} for name in ("dtheta", "force_ratio")},
-    "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
-    "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
-    "theta_next": {"theta_next": 1.0, "th0n": 1.0},
-}
-ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
-_RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # What stands in a field without a number; the share of rows that may have no pose; m, beyond which
 # no push goes.
 _NOTHING, _MOST_LOST, _LONGEST_PUSH = ("", "nan", "na", "null", "none"), 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = ("tip_x0", "tip_y0", "tip_x1", "tip_y1", *ENDS, "dx", "dy", "dtheta")
+_POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
     *SET_FACTS,
     "repetition",
@@ -78,29 +56,9 @@ PUSH_COLUMNS = (
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
+# What a table of poses may tell.
+_READ = tuple(name for name in PUSH_COLUMNS if name in COLUMNS)
 _TEXT = ("surface", "object", "path")
-
-
-def named_column(table: CsvTable, column: str) -> str | None:
-    """The first of the names of a column of the push table that a file's header has;
-    None without."""
-    return next((name for name in COLUMN_NAMES[column] if name in table.header), None)
-
-
-def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
-    """What a row of a file tells for a column of the push table, SI units; NaN, of texts None,
-    where it does not.
-    """
-    name = named_column(table, column)
-    text = table.text(row, name) if name is not None else ""
-    factor = (
-        COLUMN_NAMES[column][name]
-        if name is not None
-        else next(iter(COLUMN_NAMES[column].values()))
-    )
-    if factor is None:
-        return text or None
-    return factor * table.number(row, name) if name is not None and text else math.nan
 
 
 def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[str, Any]]:
@@ -170,7 +128,7 @@ def _posed_rows(table: CsvTable) -> list[CsvRow]:
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
-    found = {column: column_value(table, row, column) for column in COLUMN_NAMES}
+    found = {column: column_value(table, row, column) for column in _READ}
     for column in ENDS:
         limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
         if not abs(found[column]) <= limit:
@@ -186,8 +144,8 @@ def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     if far > _LONGEST_PUSH:
         told = f"the push moves the object by {far:.4g} m: are its places in millimetres?"
         raise table.error(row.line, f"{told} Say so, --units mm,rad")
-    if all(name in table.header and table.text(row, name) for name in _RODS):
-        x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
+    if all(name in table.header and table.text(row, name) for name in RODS):
+        x0, y0, x1, y1 = (table.number(row, name) for name in RODS)
         found["length"] = math.hypot(x1 - x0, y1 - y0)
     if math.isnan(found["dtheta"]):
         found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))

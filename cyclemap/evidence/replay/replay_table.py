@@ -14,6 +14,7 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.pushes.columns import column_value
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     FACTS,
@@ -27,7 +28,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.mechanics import (
     EllipseFriction,
