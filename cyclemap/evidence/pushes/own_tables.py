@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,8 @@ from cyclemap.plain_text import json_value
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
 # What may be told of a table: the angle of pushes goes by no name of its own.
-_KNOWN = tuple(name for name, column in COLUMNS.items() if column.patterns or name == "angle")
+_READ = [name for name, column in COLUMNS.items() if column.patterns]
+_KNOWN = (*_READ, "angle", "pose")
 _UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
     "radians": "rad",
     "metres": "m",
@@ -54,6 +55,8 @@ _UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
 }
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _POSES = {"x0", "y0", "x1", "y1"}
+_FACTS = ("side", "fraction", "angle", "length")
+_POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS, *RODS)
 _OURS = (
     {"theta0_deg"},
     {"theta0_accum_deg"},
@@ -163,17 +166,15 @@ def read_own_table(
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)
-    found, words, guessed, segments = _understood(
-        Path(path), dict(columns or {}), units, convention
-    )
-    pushes, more_words = _cleaned(Path(path), found)
-    return OwnTable(pushes, (*words, *more_words, _assumed(pushes, convention)), guessed, segments)
+    table = _cleaned(Path(path), _understood(Path(path), columns or {}, units, convention))
+    assumed = _assumed(set(table.columns) >= _POSES, convention)
+    return replace(table, words=(*table.words, assumed))
 
 
-def _assumed(pushes: Columns, convention: Convention) -> str:
+def _assumed(posed: bool, convention: Convention) -> str:
     """What is said of the convention:
     orientations alone cannot tell whether it is the right one."""
-    if set(pushes) >= _POSES:
+    if posed:
         return f"read with {convention.words()}"
     angles = convention.words().partition("angles ")[2]
     return (
@@ -196,12 +197,11 @@ def read_orientations(
         also where rows to come could change what earlier ones mean: a stream of poses, or a unit
         that would be guessed.
     """
-    found, words, guessed, _ = _understood(
-        Path(path), dict(columns or {}), units, convention, growing
-    )
-    known = np.isfinite(found["theta0"])
-    said = (*words, *_without_orientation(known), _assumed({}, convention))
-    return OwnTable({"theta0": found["theta0"][known]}, said, guessed)
+    table = _understood(Path(path), columns or {}, units, convention, growing)
+    theta = table.columns["theta0"]
+    known = np.isfinite(theta)
+    words = (*table.words, *_without_orientation(known), _assumed(False, convention))
+    return OwnTable({"theta0": theta[known]}, words, table.guessed)
 
 
 def _without_orientation(known: Mask) -> list[str]:
@@ -211,99 +211,82 @@ def _without_orientation(known: Mask) -> list[str]:
 
 def _understood(
     place: Path,
-    told: dict[str, str],
+    told: Mapping[str, str],
     units: Sequence[str],
     convention: Convention,
     growing: bool = False,
-) -> tuple[Columns, list[str], bool, Segments | None]:
-    """The columns in SI units and our convention by our names, what was read as what, whether any
-    of that is a guess, and how a stream was cut.
-    """
+) -> OwnTable:
+    """The columns in SI units and our convention by our names, a row a push in their order."""
     units = [_UNIT_WORDS.get(unit, unit) for unit in units]
+    _refuse_unknown(told, units)
     if growing and place.suffix.lower() not in TEXTS:
         raise DataFileError(
             f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
             "grows"
         )
-    for name in told:
-        if name not in (*_KNOWN, "pose"):
-            raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
-    for unit in units:
-        if unit not in UNITS:
-            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
     raw = raw_columns(place, told, growing)
     meaning = _meaning(place, raw, told)
     if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
         raise DataFileError(
             f"{place}: a stream of poses is cut into pushes once it is whole: without --follow"
         )
-    words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
-    found: Columns = {}
+    columns, words, guessed = _in_si_units(place, raw, meaning, units, growing)
+    if "qw" in columns:
+        columns["theta"] = _heading(*(columns.pop(name) for name in QUATERNION))
+    columns = convention.columns(columns)
+    table = OwnTable(columns, tuple(words), len(meaning) > len(told) or not units)
+    if "theta" in columns and "theta0" not in columns:
+        if _is_stream(place, columns, "t" in guessed):
+            return _pushes(place, table)
+        table = _a_row_a_push(table)
+    elif "theta1" not in columns:
+        _refuse_a_stream(place, columns, meaning)
+    return table if growing else _ordered(table)
+
+
+def _refuse_unknown(told: Mapping[str, str], units: Sequence[str]) -> None:
+    """Refuse columns and units that nobody knows."""
+    for name in told:
+        if name not in _KNOWN:
+            raise InvalidInput(f"--columns {name}=...: know {', '.join(_KNOWN)}")
+    for unit in units:
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+
+
+def _in_si_units(
+    place: Path, raw: Columns, meaning: Mapping[str, str], units: Sequence[str], growing: bool
+) -> tuple[Columns, list[str], set[str]]:
+    """The columns by our names, what is said of them, and whose unit is a guess."""
+    columns: Columns = {}
+    words, guessed = [f"{place.name}: {len(next(iter(raw.values())))} rows"], set[str]()
     for name, column in meaning.items():
-        if COLUMNS[name].kind is Kind.TEXT:
-            found[name] = raw[column]
+        kind = COLUMNS[name].kind
+        columns[name] = raw[column]
+        if kind is Kind.TEXT:
             continue
-        factor, said = _factor(name, meaning, raw, units)
-        if growing and COLUMNS[name].kind is Kind.ANGLE and "guessed" in said:
-            raise DataFileError(
-                f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad"
-            )
-        found[name] = factor * raw[column]
+        said = ""
+        if kind in UNITS_OF:
+            unit, said = _unit(name, meaning, raw, units)
+            columns[name] = UNITS[unit] * raw[column]
+        if "guessed" in said:
+            guessed.add(name)
+            if growing and kind is Kind.ANGLE:
+                raise DataFileError(
+                    f"{place}: later rows may tell another unit of {column}: say it, --units deg "
+                    "or rad"
+                )
         words.append(f"{column} read as {name}{said}")
-    if unread := [column for column in raw if column not in meaning.values()]:
+    unread = [column for column in raw if column not in meaning.values()]
+    if unread:
         words.append(f"not read: {', '.join(unread)[:400]}")
-    if "qw" in found:
-        x, y, z, w = (found.pop(name) for name in QUATERNION)
-        size = x * x + y * y + z * z + w * w
-        found["theta"] = np.arctan2(
-            2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size
-        )
-    found = convention.columns(found)
-    segments, sure = None, len(meaning) > len(told) or not units
-    if "theta" in found and "theta0" not in found:
-        if _is_stream(place, found, any(" as t in s, guessed" in line for line in words)):
-            found, more, segments = _pushes(place, found)
-            return found, [*words, *more], sure, segments
-        found["theta0"] = found.pop("theta")
-        if "t" in found or "episode" in found:
-            words.append("a row a push: its orientation the one before the push")
-    if "t" in found and len(found["t"]) > _TELLING and "theta1" not in found:
-        step = float(np.median(np.abs(np.diff(found["t"]))))
-        if 0.0 < step <= _STREAM_STEP:
-            line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
-            mend = (
-                f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
-                "leave the times out"
-            )
-            raise DataFileError(f"{line}: {mend}")
-    if not growing:
-        found, more = _ordered(found)
-        words += more
-    return found, words, sure, segments
+    return columns, words, guessed
 
 
-def _ordered(found: Columns) -> tuple[Columns, list[str]]:
-    """Rows a push in the order of their numbers, else of their times, and what was done."""
-    for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
-        numbers = found.get(name)
-        if numbers is None:
-            continue
-        if not np.isfinite(numbers).all() or np.unique(numbers).size < numbers.size:
-            # Of a push that is there twice, or has no number, nobody knows the place.
-            if name == "repetition":
-                found.pop(name)
-                return found, [
-                    f"{what} of pushes are missing or there twice: rows are taken in their own "
-                    "order"
-                ]
-            continue
-        if (np.diff(numbers) < 0.0).any():
-            order = np.argsort(numbers, kind="stable")
-            return {one: column[order] for one, column in found.items()}, [
-                f"rows put in the order of their {what}"
-            ]
-        return found, []
-    return found, []
+def _heading(x: Array, y: Array, z: Array, w: Array) -> Array:
+    """The turn about the upright axis (n,), rad, of quaternions of any length."""
+    size = x * x + y * y + z * z + w * w
+    return np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
 
 
 def _bare(column: str) -> tuple[str, str]:
@@ -343,69 +326,122 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
         raise DataFileError(
             f"{path}: is {after} the orientation after the push, or before the next one? {told_by}"
         )
-    quaternion = set(QUATERNION) & set(meaning)
-    if quaternion and quaternion != set(QUATERNION):
+    if 0 < len({*QUATERNION} & set(meaning)) < len(QUATERNION):
         raise DataFileError(
             f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}"
         )
     if not {"theta0", "theta", "qw"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
-        one = "theta" if {"t", "episode"} & set(meaning) else "theta0"
-        mend = f"say which, --columns {one}=NAME"
+        wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
+        mend = f"say which, --columns {wanted}=NAME"
         raise DataFileError(
             f"{path}: no column of the object's orientation before each push: {mend}; it has {have}"
         )
     return meaning
 
 
-def _factor(
+def _unit(
     name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]
-) -> tuple[float, str]:
-    """SI units of one unit of a column, and how that is said. All angles, and all places, are
-    guessed to be alike.
+) -> tuple[str, str]:
+    """The unit of a column, and how that is said. All angles, and all places, are guessed to be
+    alike.
     """
     kind = COLUMNS[name].kind
-    alike = [one for one in meaning if COLUMNS[one].kind is kind]
-    if kind not in (Kind.ANGLE, Kind.PLACE):
-        alike = [name]
-    kinds = UNITS_OF.get(kind, {})
-    if not kinds:
-        return 1.0, ""
-    told = next((unit for unit in units if unit in kinds), None)
+    known = UNITS_OF[kind]
+    told = next((unit for unit in units if unit in known), None)
     if told is not None:
-        return UNITS[told], f" in {told}"
-    named = {one: _bare(meaning[one])[1] for one in alike}
-    if named[name] in kinds:
-        return UNITS[named[name]], f" in {named[name]}, by its name"
-    others = {unit for unit in named.values() if unit in kinds}
-    if len(others) == 1:
-        return UNITS[unit := others.pop()], f" in {unit}, as its like"
-    values = [raw[meaning[one]] for one, unit in named.items() if unit not in kinds]
-    reaches = [float(np.abs(column[np.isfinite(column)]).max(initial=0.0)) for column in values]
+        return told, f" in {told}"
+    alike = [name]
+    if kind in (Kind.ANGLE, Kind.PLACE):
+        alike = [other for other in meaning if COLUMNS[other].kind is kind]
+    named = {other: _bare(meaning[other])[1] for other in alike}
+    if named[name] in known:
+        return named[name], f" in {named[name]}, by its name"
+    of_others = {unit for unit in named.values() if unit in known}
+    if len(of_others) == 1:
+        unit = of_others.pop()
+        return unit, f" in {unit}, as its like"
+    return _guessed_unit(
+        kind, {meaning[other]: raw[meaning[other]] for other in alike if named[other] not in known}
+    )
+
+
+def _guessed_unit(kind: Kind, columns: Columns) -> tuple[str, str]:
+    """The unit of columns that are alike, by their size, and how that is said."""
+    reaches = [
+        float(np.abs(values[np.isfinite(values)]).max(initial=0.0)) for values in columns.values()
+    ]
     least, most = min(reaches), max(reaches)
-    if name == "t" and most > _AN_EPOCH:
+    if kind is Kind.TIME and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
         unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return UNITS[unit], f" in {unit} since 1970"
-    if name == "t":
+        return unit, f" in {unit} since 1970"
+    if kind is Kind.TIME:
         unit = "s"
     elif kind is Kind.ANGLE:
-        turns = values[0][np.isfinite(values[0])]
-        if most <= 1.0 and turns.size >= _TELLING and float(np.ptp(turns)) > _MOST_OF_A_TURN:
-            told = f"{meaning[name]} runs from {turns.min():.3g} to {turns.max():.3g}"
-            raise DataFileError(
-                f"{told}: are these turns, or radians? Say --units turn or --units rad"
-            )
+        _refuse_likely_turns(most, *next(iter(columns.items())))
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
-    return UNITS[
-        unit
-    ], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
+    reach = "they reach" if len(columns) > 1 else "it reaches"
+    return unit, f" in {unit}, guessed: {reach} {most:.4g}"
+
+
+def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
+    """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
+    angles = values[np.isfinite(values)]
+    if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
+        told = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
+        raise DataFileError(f"{told}: are these turns, or radians? Say --units turn or --units rad")
 
 
 # -- from streams and rows to pushes
 # ---------------------------------------------------------------------------------
+
+
+def _a_row_a_push(table: OwnTable) -> OwnTable:
+    """Orientations of a moving object that are those before pushes."""
+    columns = {"theta0" if name == "theta" else name: one for name, one in table.columns.items()}
+    if not {"t", "episode"} & set(columns):
+        return replace(table, columns=columns)
+    said = "a row a push: its orientation the one before the push"
+    return replace(table, columns=columns, words=(*table.words, said))
+
+
+def _refuse_a_stream(place: Path, columns: Columns, meaning: Mapping[str, str]) -> None:
+    """Refuse orientations before pushes that come too fast to be that."""
+    if "t" not in columns or len(columns["t"]) <= _TELLING:
+        return
+    step = float(np.median(np.abs(np.diff(columns["t"]))))
+    if 0.0 < step <= _STREAM_STEP:
+        line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
+        mend = (
+            f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
+            "leave the times out"
+        )
+        raise DataFileError(f"{line}: {mend}")
+
+
+def _ordered(table: OwnTable) -> OwnTable:
+    """Rows a push in the order of their numbers, else of their times."""
+    columns = dict(table.columns)
+    for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
+        if name not in columns:
+            continue
+        numbers = columns[name]
+        if np.isfinite(numbers).all() and np.unique(numbers).size == numbers.size:
+            if (np.diff(numbers) > 0.0).all():
+                return table
+            order = np.argsort(numbers, kind="stable")
+            columns = {column: values[order] for column, values in columns.items()}
+            said = f"rows put in the order of their {what}"
+            return replace(table, columns=columns, words=(*table.words, said))
+        if name == "repetition":
+            # Of a push that is there twice, or has no number, nobody knows the place.
+            del columns[name]
+            said = f"{what} of pushes are missing or there twice: rows are taken in their own order"
+            return replace(table, columns=columns, words=(*table.words, said))
+    return table
 
 
 def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
@@ -436,95 +472,97 @@ def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
     return step <= _STREAM_STEP
 
 
-def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments | None]:
+def _pushes(path: Path, table: OwnTable) -> OwnTable:
     """The pushes of a stream of poses: one an episode, else what its rests and its ring's place
     tell.
     """
+    stream = table.columns
     good = np.isfinite(stream["theta"])
     for name in ("t", "x", "y"):
         good &= np.isfinite(stream.get(name, stream["theta"]))
-    lost = (
-        [f"left out for want of a pose: {int((~good).sum())} of {good.size} rows"]
-        if not good.all()
-        else []
-    )
+    words = [*table.words]
+    if not good.all():
+        words.append(f"left out for want of a pose: {int((~good).sum())} of {good.size} rows")
     stream = {name: values[good] for name, values in stream.items()}
-    if "episode" not in stream:
-        order = np.argsort(stream["t"], kind="stable")
-        if (np.diff(stream["t"]) < 0.0).any():
-            lost.append("rows put in the order of their times")
-        moving = {name: values[order] for name, values in stream.items()}
-        found, seen = cut_stream(path, moving)
-        return found, [*lost, seen.words], seen
+    if "episode" in stream:
+        pushes = _episodes(path, stream)
+        words.append(f"{pushes['theta0'].size} pushes, one an episode")
+        return replace(table, columns=pushes, words=tuple(words))
+    if (np.diff(stream["t"]) < 0.0).any():
+        words.append("rows put in the order of their times")
+    order = np.argsort(stream["t"], kind="stable")
+    pushes, seen = cut_stream(path, {name: values[order] for name, values in stream.items()})
+    return OwnTable(pushes, (*words, seen.words), table.guessed, seen)
+
+
+def _episodes(path: Path, stream: Columns) -> Columns:
+    """The first and the last pose of each episode."""
     known = np.isfinite(stream["episode"])
     stream = {name: values[known] for name, values in stream.items()}
     cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
-    parts = np.split(np.arange(stream["theta"].size), cuts)
-    spans = [(int(one[0]), int(one[-1])) for one in parts if one.size > 1]
-    if not spans:
+    rows = np.split(np.arange(stream["theta"].size), cuts)
+    ends = np.array([(own[0], own[-1]) for own in rows if own.size > 1]).reshape(-1, 2)
+    if not len(ends):
         raise DataFileError(f"{path}: no push in it: no episode has two rows")
-    theta = np.concatenate(
-        [np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]
-    ).reshape(-1, 2)
+    theta = np.array([np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in ends])
     pushes: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
-    ends = np.array(spans)
     for axis in ("x", "y"):
         place = stream.get(axis, np.zeros(stream["theta"].size))
         pushes |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
-    return pushes, [*lost, f"{len(spans)} pushes, one an episode"], None
+    return pushes
 
 
-def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
+def _cleaned(path: Path, table: OwnTable) -> OwnTable:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is
     told.
     """
-    known = np.isfinite(found["theta0"])
-    words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
-    number, at_random = found.get("repetition", np.arange(known.size, dtype=float)), False
-    if (
-        "theta_next" not in found
-        and not posed
-        and known.all()
-        and (np.diff(number) == 1.0).all()
-        and known.size > 1
-    ):
-        return {"theta0": found["theta0"]}, words
-    if "theta_next" not in found:
-        following = np.append(found["theta0"][1:], math.nan)
-        follows = np.append(np.diff(number) == 1.0, False)
-        found["theta_next"] = np.where(follows, following, math.nan)
+    columns = dict(table.columns)
+    known = np.isfinite(columns["theta0"])
+    posed = set(columns) >= {"theta1", *_POSES}
+    words = [*table.words, *_without_orientation(known)]
+    number = columns.get("repetition", np.arange(known.size, dtype=float))
+    follows = np.append(np.diff(number) == 1.0, False)
+    if "theta_next" not in columns:
+        if not posed and known.all() and follows[:-1].all() and known.size > 1:
+            only = {"theta0": columns["theta0"]}
+            return replace(table, columns=only, words=tuple(words))
         if not follows[:-1].all():
-            words.insert(
-                0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}"
-            )
-        pairs = np.isfinite(found["theta0"]) & np.isfinite(found["theta_next"])
-        now, later = found["theta0"][pairs], found["theta_next"][pairs]
-        # Where a reset makes them they gather somewhere, or turns have a mean.
-        gather = max(
-            (abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size),
-            default=1.0,
-        )
-        at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
-        even = posed and now.size > 2 and float(np.ptp(later - now)) < _EVENLY
-        if at_random or even:
-            how = (
-                "are evenly spaced: taken as set one by one"
-                if even
-                else "go with nothing: taken as set at random"
-            )
+            gaps = int((~follows[:-1]).sum())
+            gap = f"no pair across gaps in the numbers of the pushes: {gaps}"
+            words.insert(len(table.words), gap)
+        following = np.append(columns["theta0"][1:], math.nan)
+        columns["theta_next"] = np.where(follows, following, math.nan)
+        how = _how_set(columns["theta0"], columns["theta_next"]) if posed else None
+        if how is not None:
             words.append(f"orientations before pushes {how}, no cycle among them")
-            at_random = True
-            del found["theta_next"]
-    wanted = ("theta1", *_POSES) if posed else ("theta_next",)
-    kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
+            del columns["theta_next"]
+            columns.pop("repetition", None)
+        elif posed:
+            columns["repetition"] = number
+    elif posed:
+        columns["repetition"] = number
+    wanted = ("theta0", "theta1", *_POSES) if posed else ("theta0", "theta_next")
+    kept = np.all([np.isfinite(columns[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
         raise DataFileError(f"{path}: {told}; two or more are wanted")
-    facts = ("side", "fraction", "angle", "length")
-    poses = ("surface", "object", *ENDS, "theta_next", "repetition", *facts, *RODS)
-    if at_random:
-        found.pop("repetition", None)
-    elif posed:
-        found["repetition"] = number
-    named = [name for name in (poses if posed else ("theta0", "theta_next")) if name in found]
-    return {name: found[name][kept] for name in named}, words
+    named = [name for name in (_POSED if posed else wanted) if name in columns]
+    pushes = {name: columns[name][kept] for name in named}
+    return replace(table, columns=pushes, words=tuple(words))
+
+
+def _how_set(theta: Array, theta_next: Array) -> str | None:
+    """How orientations (n,), rad, before pushes were set, if not by a reset; `theta_next`: NaN
+    where none follows.
+    """
+    pairs = np.isfinite(theta) & np.isfinite(theta_next)
+    later, turn = theta_next[pairs], (theta_next - theta)[pairs]
+    if turn.size > 2 and float(np.ptp(turn)) < _EVENLY:
+        return "are evenly spaced: taken as set one by one"
+    # Where a reset makes them they gather somewhere, or turns have a mean.
+    gather = max(
+        (abs(np.exp(1j * angle).mean()) for angle in (later, turn) if turn.size), default=1.0
+    )
+    if turn.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(turn.size):
+        return "go with nothing: taken as set at random"
+    return None
