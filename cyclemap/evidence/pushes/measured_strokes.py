@@ -17,7 +17,7 @@ import numpy as np
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.columns import column_value
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.text_files import CsvRow, CsvTable, require_columns
 
@@ -103,28 +103,27 @@ def select_pushes(
     tables_too : whether CSV tables count; else files of the MIT layout alone do.
     """
     found, left_out = load_pushes(path, progress=progress), Counter[str]()
-    frames = []
-    for frame in (found.table, found.scans):
-        facts = frame[[name for name in FACTS if name in frame]].to_dict("records")
-        keep = np.ones(len(frame), dtype=bool)
-        for number, (row, file) in enumerate(zip(facts, frame["path"], strict=True)):
-            table = not tables_too and str(file).lower().endswith(CSV_SUFFIX)
-            reason = "" if table else selection.refusal(row)
-            left_out[reason] += bool(reason)
-            keep[number] = not (reason or table)
-        frames.append(frame[keep].reset_index(drop=True))
-    bad = [
-        file for file in found.unreadable if tables_too or file.path.suffix.lower() != CSV_SUFFIX
-    ]
-    return replace(found, table=frames[0], scans=frames[1], unreadable=tuple(bad)), +left_out
+    if not tables_too:
+        table, scans = (frame[~in_csv(frame["path"])] for frame in (found.table, found.scans))
+        bad = [file for file in found.unreadable if file.path.suffix.lower() != CSV_SUFFIX]
+        found = replace(found, table=table, scans=scans, unreadable=tuple(bad))
+    kept = pushes_of(found, selection, left_out)
+    return replace(kept, unreadable=found.unreadable), left_out
 
 
-def pushes_of(pushes: PushTable, selection: RowSelection) -> PushTable:
-    """Return the pushes and scans that take part, without what could not be read."""
+def pushes_of(
+    pushes: PushTable, selection: RowSelection, left_out: Counter[str] | None = None
+) -> PushTable:
+    """Return the pushes and scans that take part, without what could not be read; how many stay
+    out, by reason, is added to ``left_out``.
+    """
     frames = []
     for frame in (pushes.table, pushes.scans):
-        keep = [not selection.refusal(row) for row in frame.to_dict("records")]
-        frames.append(frame[np.array(keep, dtype=bool)].reset_index(drop=True))
+        reasons = [selection.refusal(row) for row in frame.to_dict("records")]
+        kept = np.array([not reason for reason in reasons], dtype=bool)
+        frames.append(frame[kept].reset_index(drop=True))
+        if left_out is not None:
+            left_out.update(filter(None, reasons))
     return replace(pushes, table=frames[0], scans=frames[1], unreadable=())
 
 

@@ -275,34 +275,37 @@ def load_pushes(
             scans += found[1]
         report(done / len(files))
     table = _sorted_frame(pushes, PUSH_COLUMNS, (*SET_FACTS, "repetition", "path"))
-    # The start of the next repetition of each push's set, on the lift nearest to its end.
-    homes = [
-        path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0]
-        for path in table["path"]
-    ]
-    sets = [
-        tuple(map(str, facts))
-        for facts in zip(homes, *(table[name] for name in SET_FACTS), strict=True)
-    ]
-    starts: dict[tuple[tuple[str, ...], float], float] = {}
-    for key, number, start in zip(sets, table["repetition"], table["theta0"], strict=True):
-        starts.setdefault((key, number), start)
-    ahead = [
-        starts.get((key, number + 1.0), math.nan)
-        for key, number in zip(sets, table["repetition"], strict=True)
-    ]
-    end = table["theta1"].to_numpy()
-    table["theta_next"] = table["theta_next"].fillna(
-        table["theta1"] + shorter_way(np.array(ahead) - end)
-    )
-    unreadable.sort(key=lambda entry: entry.path)
+    table["theta_next"] = table["theta_next"].fillna(_next_start(table))
     scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
+    unreadable.sort(key=lambda entry: entry.path)
     if convention.is_ours:
         # Of a table that was brought to ours before its name tells in which it was.
         convention, all_told = written_convention(path)
     else:
         all_told = angles is not None and frame is not None
     return PushTable(table, scan_table, tuple(unreadable), convention, all_told)
+
+
+def homes(table: pandas.DataFrame) -> pandas.Series:
+    """Return the folder, or the CSV table, of each push."""
+    paths = table["path"]
+    return paths.where(in_csv(paths), paths.map(os.path.dirname))
+
+
+def in_csv(paths: pandas.Series) -> pandas.Series:
+    """Return which paths are of CSV tables."""
+    return paths.str.lower().str.endswith(CSV_SUFFIX)
+
+
+def _next_start(table: pandas.DataFrame) -> pandas.Series:
+    """The orientation before the next repetition of each push's set, on the lift nearest to its
+    end.
+    """
+    sets = table.groupby([homes(table), *SET_FACTS], dropna=False, sort=False).ngroup()
+    keys = list(zip(sets, table["repetition"], strict=True))
+    starts = dict(zip(reversed(keys), reversed(table["theta0"].tolist()), strict=True))
+    ahead = [starts.get((own, number + 1.0), math.nan) for own, number in keys]
+    return table["theta1"] + shorter_way(np.array(ahead) - table["theta1"].to_numpy())
 
 
 def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
