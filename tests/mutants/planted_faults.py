@@ -702,11 +702,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_conventions.py",
         [
             ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
-            ("turned = other.convention.offset != convention.offset", "turned = False"),
             (
-                "min(looked[:2]) < (1.0 if free else _BEATEN) * min(here, best)",
-                "min(looked[:2]) < 0.0 * min(here, best)",
+                "(_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length",
+                "_EXPLAINS * other.length",
             ),
+            ("share = 1.0 if looked.is_turned else _BEATEN", "share = 0.0"),
         ],
     ),
     "evidence/pushes/columns.py": (
@@ -727,7 +727,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
         [
             ("return self.theta_next - self.theta", "return self.theta - self.theta_next"),
-            ("return (turn_deg + 180.0) % 360.0 - 180.0", "return turn_deg % 360.0"),
+            ("turn = shorter_way(np.diff(theta))", "turn = np.mod(np.diff(theta), TWO_PI)"),
             ("off_next = (np.diff(number) == 1) & ", "off_next = "),
             ("return far if far.sum() <= _MOST_BY_HAND * turn.size else none", "return none"),
             ("high if high >= low else high + TWO_PI", "high"),
