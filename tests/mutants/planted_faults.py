@@ -757,8 +757,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_pose_streams.py",
         [
             (
-                "found[first:last] = bool((change[first:last] > high).any())",
-                "found[first:last] = True",
+                "= bool((change[first : last + 1] > high).any())",
+                "= True",
             ),
             (
                 "c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])",

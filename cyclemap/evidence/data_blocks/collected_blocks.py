@@ -60,9 +60,11 @@ from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
     PUSH_END_COLUMNS,
+    ROD_OFF,
     MeasuredPush,
     Place,
     RowSelection,
+    push_noise,
     pushes_of,
     read_measured_drags,
     read_measured_pushes,
@@ -75,7 +77,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_noise import ROD_OFF, push_noise
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
     PushTable,

@@ -29,8 +29,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     field_factors,
     floor_field,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.evidence.pushes.push_noise import ROD_OFF
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush, Place
 from cyclemap.mechanics import (
     FoundWith,
     Material,

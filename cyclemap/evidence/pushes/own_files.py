@@ -9,7 +9,7 @@ import io
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -40,6 +40,7 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     """The columns of a file, by its own names, NaN where a field is empty; `growing`: without an
     unfinished line.
     """
+    kind = path.suffix.lower()
     if path.is_dir() and (path / "meta" / "info.json").is_file():
         return _lerobot(path)
     if not path.is_dir() and not path.is_file():
@@ -47,18 +48,19 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
         raise DataFileError(
             f"{path}: {pipe if path.exists() else 'there is no such file; check the path'}"
         )
-    if path.is_dir() or path.suffix.lower() in BAGS:
+    if path.is_dir() or kind in BAGS:
         return _bag(path, told.get("pose"))
-    if path.suffix.lower() in PARQUET:
+    if kind in PARQUET:
         return _parquet([path])
-    if path.suffix.lower() not in EXCEL:
-        text = read_text(path, "CSV")
-        text = text[: text.rfind("\n") + 1] if growing else text
-        return (
-            _json_lines(path, text)
-            if path.suffix.lower() in (*JSON_LINES, ".json")
-            else _csv(path, text)
-        )
+    if kind in EXCEL:
+        return _excel(path)
+    text = read_text(path, "CSV")
+    text = text[: text.rfind("\n") + 1] if growing else text
+    return _json_lines(path, text) if kind in (*JSON_LINES, ".json") else _csv(path, text)
+
+
+def _excel(path: Path) -> Columns:
+    """The first sheet of a workbook."""
     _library("openpyxl", "excel")
     # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
     with _refused_as(path, "a spreadsheet"):
@@ -68,14 +70,18 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
 
 
 @contextmanager
-def _refused_as(path: Path, kind: str) -> Iterator[None]:
+def _refused_as(
+    path: Path, kind: str, mend: Callable[[Exception], str] = lambda error: ""
+) -> Iterator[None]:
     """Whatever a library raises becomes a DataFileError."""
     try:
         yield
     except DataFileError:
         raise
     except Exception as error:
-        raise DataFileError(f"{path}: not {kind} that can be read ({error})") from error
+        raise DataFileError(
+            f"{path}: not {kind} that can be read ({error}){mend(error)}"
+        ) from error
 
 
 def _check_size(path: Path, decoded: int) -> None:
@@ -145,13 +151,13 @@ def _csv(path: Path, text: str) -> Columns:
                 raise DataFileError(
                     f"{path}: {len(row)} fields below {names} names: {separator.join(row)[:80]}"
                 )
-        form = {
-            "sep": separator,
-            "decimal": "." if separator == "," else ",",
-            "skipinitialspace": True,
-        }
         frame = pandas.read_csv(
-            io.StringIO("\n".join(lines)), usecols=range(names), index_col=False, **form
+            io.StringIO("\n".join(lines)),
+            sep=separator,
+            decimal="." if separator == "," else ",",
+            skipinitialspace=True,
+            usecols=range(names),
+            index_col=False,
         )
     except (ValueError, csv.Error, pandas.errors.ParserError) as error:
         raise DataFileError(f"{path}: rows of different lengths, or none ({error})") from error
@@ -189,15 +195,12 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
     parquet: Any = import_module("pyarrow.parquet")
     # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
     with _refused_as(files[0], "parquet"):
-        groups = [
-            told.row_group(n)
-            for told in map(parquet.read_metadata, files)
-            for n in range(told.num_row_groups)
-        ]
-        _check_size(
-            files[0],
-            8 * sum(one.column(n).num_values for one in groups for n in range(one.num_columns)),
-        )
+        decoded = 0
+        for metadata in map(parquet.read_metadata, files):
+            for group in map(metadata.row_group, range(metadata.num_row_groups)):
+                columns = map(group.column, range(group.num_columns))
+                decoded += 8 * sum(column.num_values for column in columns)
+        _check_size(files[0], decoded)
         frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
     found: Columns = {}
     for column in frame.columns:
@@ -205,13 +208,12 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
         if values.dtype.kind in "iufb":
             found[column] = values.to_numpy(dtype=float)
         elif len(values) and np.ndim(values.iloc[0]) == 1:
-            parts = np.stack(values.to_numpy())
-            if parts.dtype.kind in "iuf":
-                own = (names or {}).get(column, ())
-                for number in range(parts.shape[1]):
-                    found[f"{column}[{number}]"] = parts[:, number].astype(float)
-                    if number < len(own) and own[number] not in found:
-                        found[own[number]] = found.pop(f"{column}[{number}]")
+            lists = np.stack(values.to_numpy())
+            own = list((names or {}).get(column, ()))
+            for place, numbers in enumerate(lists.T if lists.dtype.kind in "iuf" else ()):
+                name = own[place] if place < len(own) else ""
+                is_free = name and name not in found
+                found[name if is_free else f"{column}[{place}]"] = numbers.astype(float)
     return found
 
 
@@ -243,42 +245,40 @@ def _bag(path: Path, topic: str | None) -> Columns:
     highlevel: Any = import_module("rosbags.highlevel")
     typesys: Any = import_module("rosbags.typesys")
     rows = []
-    try:
+    with _refused_as(path, "a ROS bag", _mend_of_bag):
         store = typesys.get_typestore(typesys.Stores.LATEST)
         with highlevel.AnyReader([path], default_typestore=store) as reader:
-            posed = [
-                one
-                for one in reader.connections
-                if re.search(r"Pose|Odometry|Transform", one.msgtype)
-            ]
-            topics = sorted({one.topic for one in posed})
-            wanted = topic or (topics[0] if len(topics) == 1 else None)
-            if wanted not in topics:
-                among = ", ".join(sorted({c.topic for c in reader.connections})) or "none"
-                have = ", ".join(topics) or f"none among {among}"
-                mend = "give the topic of the object's pose, --columns pose=TOPIC"
-                raise DataFileError(f"{path}: {mend}; with poses: {have}")
-            for one, stamp, content in reader.messages([c for c in posed if c.topic == wanted]):
-                pose = reader.deserialize(content, one.msgtype)
+            wanted = _topic(path, topic, reader.connections)
+            posed = [one for one in reader.connections if one.topic == wanted]
+            for connection, stamp, content in reader.messages(posed):
+                pose = reader.deserialize(content, connection.msgtype)
                 while not hasattr(pose, "orientation") and not hasattr(pose, "rotation"):
                     pose = pose.pose if hasattr(pose, "pose") else pose.transform
                 place = getattr(pose, "position", None) or pose.translation
                 turn = getattr(pose, "orientation", None) or pose.rotation
                 rows.append([1e-9 * stamp, place.x, place.y, turn.x, turn.y, turn.z, turn.w])
-    except DataFileError:
-        raise
-    except Exception as error:
-        mend = (
-            "one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
-        )
-        if "Profile is not ros2" in str(error):
-            mend = (
-                "only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
-            )
-        raise DataFileError(f"{path}: not a ROS bag that can be read ({error}): {mend}") from error
     if not rows:
         raise DataFileError(f"{path}: the topic {wanted} has no message")
     return dict(zip(("t", "x", "y", *QUATERNION), np.array(rows).T, strict=True))
+
+
+def _topic(path: Path, told: str | None, connections: Sequence[Any]) -> str:
+    """The topic that is told, else the one that has poses."""
+    posed = [one for one in connections if re.search(r"Pose|Odometry|Transform", one.msgtype)]
+    topics = sorted({one.topic for one in posed})
+    wanted = told or (topics[0] if len(topics) == 1 else None)
+    if wanted not in topics:
+        among = ", ".join(sorted({one.topic for one in connections})) or "none"
+        have = ", ".join(topics) or f"none among {among}"
+        mend = "give the topic of the object's pose, --columns pose=TOPIC"
+        raise DataFileError(f"{path}: {mend}; with poses: {have}")
+    return str(wanted)
+
+
+def _mend_of_bag(error: Exception) -> str:
+    if "Profile is not ros2" in str(error):
+        return ": only MCAP of ROS 2 is; write what this one holds as a table of t,x,y,qx,qy,qz,qw"
+    return ": one that was not closed is mended by rosbag reindex, ros2 bag reindex or mcap recover"
 
 
 def _library(name: str, extra: str) -> None:

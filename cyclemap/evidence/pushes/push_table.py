@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -27,6 +27,7 @@ from cyclemap.evidence.pushes.push_files import (
     LARGEST_POSITION,
     SUFFIXES,
     PushRecord,
+    ScanRecord,
     read_push_file,
 )
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
@@ -88,73 +89,66 @@ def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[
         )
         return [unknown | _pose_row(table, row) for row in _posed_rows(table)]
     pairs = read_theta0_pairs(table.path, convention=convention)
-    number = pairs.cycle if "theta0_accum_deg" in table.header else None
-    numbers = np.full(pairs.theta.size, math.nan) if number is None else number
-    columns = zip(numbers.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
-    return [
-        unknown | {"repetition": rep, "theta0": now, "theta_next": later}
-        for rep, now, later in columns
-    ]
+    numbers = np.full(pairs.theta.size, math.nan)
+    if "theta0_accum_deg" in table.header and pairs.cycle is not None:
+        numbers = pairs.cycle
+    names = ("repetition", "theta0", "theta_next")
+    columns = np.transpose([numbers, pairs.theta, pairs.theta_next]).tolist()
+    return [unknown | dict(zip(names, row, strict=True)) for row in columns]
 
 
 def _posed_rows(table: CsvTable) -> list[CsvRow]:
     """The rows that have both poses; those without are warned of."""
-    names = [named_column(table, column) or "" for column in ENDS]
-    lost = [
-        row
-        for row in table.rows
-        if any(table.text(row, name).lower() in _NOTHING for name in names)
-    ]
+    names = [str(named_column(table, column)) for column in ENDS]
+    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
+    for row in table.rows:
+        lacks = next((name for name in names if table.text(row, name).lower() in _NOTHING), None)
+        if lacks is None:
+            kept.append(row)
+        else:
+            lost.append((row, lacks))
     if not lost:
-        return list(table.rows)
+        return kept
+    first, name = lost[0]
     if len(lost) >= _MOST_LOST * len(table.rows):
-        name, text = next(
-            (name, table.text(lost[0], name))
-            for name in names
-            if table.text(lost[0], name).lower() in _NOTHING
-        )
-        told = (
-            f"{name} is '{text}'; it must be a number, and {len(lost)} of {len(table.rows)} "
-            "rows lack one"
-        )
-        raise table.error(lost[0].line, told)
-    told = (
-        f"{table.path}: {len(lost)} of {len(table.rows)} rows left out for want of a pose, "
-        "the first in line"
+        told = f"{name} is '{table.text(first, name)}'; it must be a number, and {len(lost)}"
+        raise table.error(first.line, f"{told} of {len(table.rows)} rows lack one")
+    told = f"{len(lost)} of {len(table.rows)} rows left out for want of a pose"
+    warnings.warn(
+        f"{table.path}: {told}, the first in line {first.line}", DoubtfulInput, stacklevel=4
     )
-    warnings.warn(f"{told} {lost[0].line}", DoubtfulInput, stacklevel=4)
-    gone = {row.line for row in lost}
-    return [row for row in table.rows if row.line not in gone]
+    return kept
 
 
 def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
     found = {column: column_value(table, row, column) for column in _READ}
+    _refuse_other_units(table, row, found)
+    tips = [found[name] for name in RODS]
+    if not any(map(math.isnan, tips)):
+        found["length"] = math.dist(tips[:2], tips[2:])
+    if math.isnan(found["dtheta"]):
+        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
+    found["theta1"] = found["theta0"] + found["dtheta"]
+    following = shorter_way(found["theta_next"] - found["theta1"])
+    found["theta_next"] = found["theta1"] + float(following)
+    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
+    return found | {"dx": dx, "dy": dy}
+
+
+def _refuse_other_units(table: CsvTable, row: CsvRow, found: Mapping[str, float]) -> None:
+    """Refuse poses that no table top holds."""
     for column in ENDS:
-        limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
+        turns = column.startswith("theta")
+        limit, unit = (LARGEST_ANGLE, "deg") if turns else (LARGEST_POSITION, "mm")
         if not abs(found[column]) <= limit:
-            value, unit = (
-                f"{column} is {found[column]:g}",
-                "deg" if column.startswith("theta") else "mm",
+            bound = (
+                f"{column} is {found[column]:g}; it must be a number within {limit:g} (SI units)"
             )
-            bound = f"it must be a number within {limit:g} (SI units)"
-            raise table.error(
-                row.line, f"{value}; {bound}: is it in other units? Say them, --units {unit}"
-            )
+            raise table.error(row.line, f"{bound}: is it in other units? Say them, --units {unit}")
     far = math.hypot(found["x1"] - found["x0"], found["y1"] - found["y0"])
     if far > _LONGEST_PUSH:
         told = f"the push moves the object by {far:.4g} m: are its places in millimetres?"
         raise table.error(row.line, f"{told} Say so, --units mm,rad")
-    if all(name in table.header and table.text(row, name) for name in RODS):
-        x0, y0, x1, y1 = (table.number(row, name) for name in RODS)
-        found["length"] = math.hypot(x1 - x0, y1 - y0)
-    if math.isnan(found["dtheta"]):
-        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
-    found["theta1"] = found["theta0"] + found["dtheta"]
-    found["theta_next"] = found["theta1"] + float(
-        shorter_way(found["theta_next"] - found["theta1"])
-    )
-    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
-    return found | {"dx": dx, "dy": dy}
 
 
 @dataclass(frozen=True)
@@ -267,9 +261,8 @@ def load_pushes(
         try:
             found = _rows(file, convention)
         except DataFileError as error:
-            unreadable.append(
-                UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, "))
-            )
+            reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+            unreadable.append(UnreadableFile(file, reason))
         else:
             pushes += found[0]
             scans += found[1]
@@ -340,39 +333,39 @@ def _rows(path: Path, convention: Convention) -> tuple[list[dict[str, Any]], lis
             raise DataFileError(f"{path}: there is no such file; check the path")
         return read_push_csv(path, convention), []
     record = convention.record(read_push_file(path))
-    if not isinstance(record, PushRecord):
-        along, across = scan_forces(record)
-        forces = {
-            "force_along": along,
-            "force_across": across,
-            "ratio": across / along if along else math.nan,
-        }
-        rest = {"samples": len(record.ft_wrench), "path": str(path)}
-        scan = scan_facts(path) or ScanFacts()
-        scan = (
-            scan
-            if convention.is_ours
-            else replace(scan, direction=convention.direction(scan.direction))
-        )
-        return [], [asdict(scan) | forces | rest]
+    if isinstance(record, PushRecord):
+        return [_push_row(path, record)], []
+    return [], [_scan_row(path, record, convention)]
+
+
+def _push_row(path: Path, record: PushRecord) -> dict[str, Any]:
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
-    ratio = math.nan if outline is None else contact_force_ratio(record, outline)
     tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
-    poses = dict(
-        zip(
-            _POSES,
-            (*tips, *record.start, *record.end, *record.displacement, record.turn),
-            strict=True,
-        )
-    )
-    rest = {
+    poses = (*tips, *record.start, *record.end, *record.displacement, record.turn)
+    return {
+        **asdict(facts),
+        **dict(zip(_POSES, poses, strict=True)),
         "length": record.length,
-        "force_ratio": ratio,
+        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
         "samples": len(record.object_pose),
         "path": str(path),
     }
-    return [asdict(facts) | poses | rest], []
+
+
+def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> dict[str, Any]:
+    along, across = scan_forces(record)
+    facts = scan_facts(path) or ScanFacts()
+    if not convention.is_ours:
+        facts = replace(facts, direction=convention.direction(facts.direction))
+    return {
+        **asdict(facts),
+        "force_along": along,
+        "force_across": across,
+        "ratio": across / along if along else math.nan,
+        "samples": len(record.ft_wrench),
+        "path": str(path),
+    }
 
 
 @cache
