@@ -711,7 +711,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     ),
     "evidence/pushes/columns.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
-        [('f"theta{end}_deg": DEGREE}', 'f"theta{end}_deg": 1.0}')],
+        [('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}')],
     ),
     "evidence/pushes/conventions.py": (
         PUSHES,
@@ -746,11 +746,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES} tests/evidence/data_blocks",
         [
             (
-                "np.median(np.abs(tangential[touching]) / pressing[touching])",
-                "np.median(pressing[touching] / np.abs(tangential[touching]))",
+                "np.median(np.abs(force.imag) / force.real)",
+                "np.median(force.real / np.abs(force.imag))",
             ),
-            ("- rod_radius * rates[:, 2]) / speed", ") / speed"),
-            ("near & (pressing >= LEAST_PRESSING)", "near"),
+            ("(along - rod_radius * angle) / speed", "along / speed"),
+            ("near & (force.real >= LEAST_PRESSING)", "near"),
         ],
     ),
     "evidence/pushes/pose_streams.py": (

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.pushes.columns import Row
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
@@ -61,7 +62,7 @@ class PushSet:
     theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
     """
 
-    facts: Mapping[str, Any]
+    facts: Row
     loop: CollectionLoop
     push: tuple[SidePush, ...]
     theta: Array
@@ -83,13 +84,13 @@ class CollectionData:
     pushes: tuple[PushSet, ...]
     pairs: Theta0Pairs | None
     left_out: Mapping[str, int]
-    loop: Any = None
+    loop: CollectionLoop | None = None
     unreadable: int = 0
     reading: tuple[str, ...] = ()
 
 
 def collection_data(
-    data: Any,
+    data: object,
     loop: CollectionLoop | None,
     *,
     first: int = 0,
@@ -207,7 +208,7 @@ def _of_table(
     return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
 
 
-def _facts(rows: pandas.DataFrame) -> dict[str, Any]:
+def _facts(rows: pandas.DataFrame) -> Row:
     """What all pushes of a set share: texts None, numbers NaN where unknown."""
     facts = dict(rows.iloc[0][[*SET_FACTS]])
     for name in ("surface", "object"):

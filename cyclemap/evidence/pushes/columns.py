@@ -15,6 +15,9 @@ from typing import Any
 
 from cyclemap.text_files import CsvRow, CsvTable
 
+# A row of a table by its columns: numbers, NaN where unknown, and texts, None where unknown.
+Row = dict[str, Any]
+
 DEGREE = math.radians(1.0)
 ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": 2.0 * math.pi}
 LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
@@ -68,33 +71,28 @@ _ENDS = {
     "0": r"(?:0|before|start|initial|init|pre|vorher|first)",
     "1": r"(?:1|after|end|final|post|nachher|last)",
 }
-_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)"
+_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)_"
 QUATERNION = ("qx", "qy", "qz", "qw")
 # The object's pose before and after a push, and the places of the rod then.
 ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 
 
-def _angle_at(end: str) -> Column:
-    words = _ENDS[end]
-    return Column(
-        f"theta{end}",
-        Kind.ANGLE,
-        {f"th{end}": 1.0, f"theta{end}_deg": DEGREE},
-        (rf"{_ANGLE}_?{words}", rf"{words}_{_ANGLE}"),
+def _at_ends(
+    name: str, kind: Kind, what: str, owner: str = "", others: Mapping[str, float] | None = None
+) -> tuple[Column, ...]:
+    """A column before a push and one after it, `{}` in names standing for 0 and 1; patterns of what
+    it is and of whom.
+    """
+    return tuple(
+        Column(
+            name.format(end),
+            kind,
+            {other.format(end): factor for other, factor in (others or {}).items()},
+            (rf"{owner}{what}_?{words}", rf"{owner}{words}_{what}"),
+        )
+        for end, words in _ENDS.items()
     )
-
-
-def _place_at(axis: str, end: str) -> Column:
-    words = _ENDS[end]
-    patterns = (rf"(?:pos_?)?{axis}_?{words}", rf"{words}_(?:pos_)?{axis}")
-    return Column(f"{axis}{end}", Kind.PLACE, {}, patterns)
-
-
-def _rod_at(axis: str, end: str) -> Column:
-    words = _ENDS[end]
-    patterns = (rf"{_ROD}_{axis}_?{words}", rf"{_ROD}_{words}_{axis}")
-    return Column(f"tip_{axis}{end}", Kind.PLACE, {}, patterns)
 
 
 def _quaternion(name: str) -> Column:
@@ -108,11 +106,11 @@ _LENGTH = r"push_?length|push_?distance|push(?=_mm)|push"
 # In the order in which columns of other tables are looked for; those without a pattern stand in
 # tables of ours alone.
 _ALL = (
-    _angle_at("0"),
-    _angle_at("1"),
+    *_at_ends("theta{}", Kind.ANGLE, _ANGLE, others={"th{}": 1.0, "theta{}_deg": DEGREE}),
     Column("theta_next", Kind.ANGLE, {"th0n": 1.0}, (_NEXT,)),
     Column("theta", Kind.ANGLE, {}, (_ANGLE,)),
-    *(_place_at(axis, end) for axis in "xy" for end in "01"),
+    *_at_ends("x{}", Kind.PLACE, "(?:pos_?)?x"),
+    *_at_ends("y{}", Kind.PLACE, "(?:pos_?)?y"),
     Column("x", Kind.PLACE, {}, (r"(?:pos(?:ition)?_)?x",)),
     Column("y", Kind.PLACE, {}, (r"(?:pos(?:ition)?_)?y",)),
     Column("t", Kind.TIME, {}, (r"t|time|timestamp|stamp|secs?|seconds|zeit",)),
@@ -123,7 +121,8 @@ _ALL = (
     Column("fraction", Kind.NUMBER, {"s": 1.0}, ("fraction",)),
     Column("surface", Kind.TEXT, {}, ("surface",)),
     Column("object", Kind.TEXT, {"shape": 1.0}, ("object|shape",)),
-    *(_rod_at(axis, end) for axis in "xy" for end in "01"),
+    *_at_ends("tip_x{}", Kind.PLACE, "x", _ROD),
+    *_at_ends("tip_y{}", Kind.PLACE, "y", _ROD),
     *(_quaternion(name) for name in QUATERNION),
     Column("angle", Kind.NUMBER, {"t": 1.0}),
     Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),

@@ -7,16 +7,15 @@ from __future__ import annotations
 import math
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import column_value
+from cyclemap.evidence.pushes.columns import Row, column_value
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.text_files import CsvRow, CsvTable, require_columns
@@ -24,6 +23,7 @@ from cyclemap.text_files import CsvRow, CsvTable, require_columns
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 Place = tuple[float, float]
+Progress = Callable[[float], None]
 # The robot was further than this from where it was sent: the push is not the one that was asked
 # for.
 LARGEST_TIP_ERROR = 5e-3
@@ -53,7 +53,7 @@ class RowSelection:
             if name not in FACTS:
                 raise unknown_name("fact of a push", name, FACTS)
 
-    def refusal(self, facts: Mapping[str, Any]) -> str:
+    def refusal(self, facts: Row) -> str:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
         if self.objects and _known(shape) and shape not in self.objects:
@@ -63,7 +63,7 @@ class RowSelection:
                 else f"of {shape}, of unknown outline"
             )
         for name, wanted in self.chosen.items():
-            value: Any = facts.get(name)
+            value = facts.get(name, math.nan)
             if name == "object" or not _known(value):
                 continue
             if isinstance(wanted, str) or isinstance(value, str):
@@ -79,13 +79,13 @@ class RowSelection:
 
 def selected_rows(
     table: CsvTable, selection: RowSelection
-) -> tuple[list[CsvRow], list[dict[str, Any]], Counter[str]]:
+) -> tuple[list[CsvRow], list[Row], Counter[str]]:
     """Return the rows of a CSV table that take part, the facts by which they do, and how many stay
     out, by reason.
 
     Raises DataFileError where a fact is no number.
     """
-    rows, told, left_out = list[CsvRow](), list[dict[str, Any]](), Counter[str]()
+    rows, told, left_out = list[CsvRow](), list[Row](), Counter[str]()
     for row in table.rows:
         facts = {
             name: column_value(table, row, name)
@@ -100,7 +100,7 @@ def selected_rows(
 
 
 def select_pushes(
-    path: Path, selection: RowSelection, tables_too: bool, progress: Any = None
+    path: Path, selection: RowSelection, tables_too: bool, progress: Progress | None = None
 ) -> tuple[PushTable, Counter[str]]:
     """Return the pushes and scans of a file or tree that take part, and how many stay out, by
     reason.
@@ -146,13 +146,14 @@ def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
     )
 
 
-def told(values: Iterable[Any]) -> frozenset[str]:
+def told(values: Iterable[object]) -> frozenset[str]:
     """Return the texts that a column tells."""
     return frozenset(str(value) for value in values if _known(value))
 
 
-def _known(value: Any) -> bool:
-    return bool(value) if isinstance(value, str) else value is not None and not math.isnan(value)
+def _known(value: object) -> bool:
+    # NaN is unlike itself.
+    return value not in (None, "") and value == value
 
 
 @dataclass(frozen=True)
@@ -241,7 +242,7 @@ def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measu
     return tuple(pushes)
 
 
-def told_push(push: SidePush, facts: Mapping[str, Any], length: float) -> SidePush:
+def told_push(push: SidePush, facts: Row, length: float) -> SidePush:
     """Return the push that a row of a table tells, and its length; what is NaN stays as in
     ``push``.
     """

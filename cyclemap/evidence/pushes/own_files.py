@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -24,6 +24,9 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import QUATERNION
 from cyclemap.plain_text import install_words, json_value
 from cyclemap.text_files import read_text
+
+if TYPE_CHECKING:
+    import pandas
 
 Columns = dict[str, Array]
 
@@ -61,12 +64,14 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
 
 def _excel(path: Path) -> Columns:
     """The first sheet of a workbook."""
+    import pandas
+
     _library("openpyxl", "excel")
     # zipfile, zlib, XML, openpyxl, pandas: each has its own kinds of error.
     with _refused_as(path, "a spreadsheet"):
         with ZipFile(path) as parts:
             _check_size(path, sum(part.file_size for part in parts.infolist()))
-        return _numbers(path, import_module("pandas").read_excel(path))
+        return _numbers(path, pandas.read_excel(path))
 
 
 @contextmanager
@@ -98,7 +103,8 @@ def _json_lines(path: Path, text: str) -> Columns:
     """Rows of JSON, one a line: what stands deeper is named by its way there, parts of lists by
     their number.
     """
-    pandas: Any = import_module("pandas")
+    import pandas
+
     rows = []
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip():
@@ -131,7 +137,8 @@ def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
 
 def _csv(path: Path, text: str) -> Columns:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
-    pandas: Any = import_module("pandas")
+    import pandas
+
     lines = [
         line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))
     ]
@@ -164,8 +171,9 @@ def _csv(path: Path, text: str) -> Columns:
     return _numbers(path, frame)
 
 
-def _numbers(path: Path, frame: Any) -> Columns:
-    pandas: Any = import_module("pandas")
+def _numbers(path: Path, frame: pandas.DataFrame) -> Columns:
+    import pandas
+
     found: Columns = {}
     for name in frame.columns:
         column = frame[name]
@@ -191,7 +199,8 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
     its own name.
     """
     _library("pyarrow", "lerobot")
-    pandas: Any = import_module("pandas")
+    import pandas
+
     parquet: Any = import_module("pyarrow.parquet")
     # Arrow's own kinds of error, and any of what a damaged type makes of pandas.
     with _refused_as(files[0], "parquet"):

@@ -15,9 +15,7 @@ import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -137,7 +135,8 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
         warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
     names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
-    pandas: Any = import_module("pandas")
+    import pandas
+
     frame = pandas.DataFrame([row.told() for row in filled], columns=names)
     if np.isnan([row.numbers(ROD)[0] for row in filled]).all():
         frame[FRAMES_AGREE] = 1
@@ -271,7 +270,8 @@ class _Row:
 
 def table_bytes(header: Sequence[str], rows: Sequence[Sequence[object]], excel: bool) -> bytes:
     """Return a table as a CSV or an Excel file."""
-    pandas: Any = import_module("pandas")
+    import pandas
+
     frame = pandas.DataFrame(list(rows), columns=list(header))
     if not excel:
         return str(frame.to_csv(index=False, lineterminator="\n")).encode()

@@ -11,14 +11,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
-from cyclemap.evidence.pushes.columns import COLUMNS, ENDS, RODS, column_value, named_column
+from cyclemap.evidence.pushes.columns import (
+    COLUMNS,
+    ENDS,
+    RODS,
+    Row,
+    column_value,
+    named_column,
+)
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
@@ -62,7 +69,7 @@ _READ = tuple(name for name in PUSH_COLUMNS if name in COLUMNS)
 _TEXT = ("surface", "object", "path")
 
 
-def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[str, Any]]:
+def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
     """Read a CSV file of pushes: a list of rows with the columns of `PushTable.table`, in the order
     of the file.
 
@@ -120,7 +127,7 @@ def _posed_rows(table: CsvTable) -> list[CsvRow]:
     return kept
 
 
-def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
+def _pose_row(table: CsvTable, row: CsvRow) -> Row:
     found = {column: column_value(table, row, column) for column in _READ}
     _refuse_other_units(table, row, found)
     tips = [found[name] for name in RODS]
@@ -255,8 +262,8 @@ def load_pushes(
     files, unreadable = _files(Path(path))
     convention = convention_of(path, angles, frame, offset_deg)
     report = progress or (lambda fraction: None)
-    pushes: list[dict[str, Any]] = []
-    scans: list[dict[str, Any]] = []
+    pushes: list[Row] = []
+    scans: list[Row] = []
     for done, file in enumerate(files, 1):
         try:
             found = _rows(file, convention)
@@ -326,7 +333,7 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     ]
 
 
-def _rows(path: Path, convention: Convention) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def _rows(path: Path, convention: Convention) -> tuple[list[Row], list[Row]]:
     """The rows of pushes and of scans that a file holds."""
     if path.suffix.lower() == CSV_SUFFIX:
         if not path.is_file():
@@ -338,7 +345,7 @@ def _rows(path: Path, convention: Convention) -> tuple[list[dict[str, Any]], lis
     return [], [_scan_row(path, record, convention)]
 
 
-def _push_row(path: Path, record: PushRecord) -> dict[str, Any]:
+def _push_row(path: Path, record: PushRecord) -> Row:
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
     tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
@@ -353,7 +360,7 @@ def _push_row(path: Path, record: PushRecord) -> dict[str, Any]:
     }
 
 
-def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> dict[str, Any]:
+def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
     along, across = scan_forces(record)
     facts = scan_facts(path) or ScanFacts()
     if not convention.is_ours:
@@ -375,7 +382,7 @@ def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
 
 
 def _sorted_frame(
-    rows: list[dict[str, Any]], columns: tuple[str, ...], order: tuple[str, ...]
+    rows: list[Row], columns: tuple[str, ...], order: tuple[str, ...]
 ) -> pandas.DataFrame:
     import pandas
 

@@ -7,12 +7,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.evidence.pushes.columns import Row
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 
@@ -61,7 +62,7 @@ class PushSet:
 
     name: str
     source: Path
-    facts: Mapping[str, Any]
+    facts: Row
     contacts: int
     theta: Array
     dtheta: Array
@@ -107,7 +108,7 @@ def push_sets(
     are then pooled over the contacts, and say so in ``contacts``.
     """
     table = selected_pushes(pushes.table, select or {})
-    gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
+    gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
     for home, rows in table.groupby(homes(table), sort=False):
         for columns in (SET_FACTS, SURROUNDINGS):
             sets = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
@@ -118,7 +119,7 @@ def push_sets(
     return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
 
 
-def _shared(rows: pandas.DataFrame) -> dict[str, Any]:
+def _shared(rows: pandas.DataFrame) -> Row:
     """The facts that are known and the same for all rows."""
     facts = rows[[*SET_FACTS]]
     alike = facts.nunique(dropna=False) == 1
@@ -157,7 +158,7 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     return table[kept]
 
 
-def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFrame) -> PushSet:
+def _push_set(name: str, home: Path, facts: Row, rows: pandas.DataFrame) -> PushSet:
     contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     ordered = contacts == 1 and rows["repetition"].notna().all() and rows["repetition"].is_unique
     if ordered:
@@ -189,7 +190,7 @@ def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) ->
     return Theta0Pairs(start, start + turn[known], path, {}, number[known], number)
 
 
-def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
+def _names(sets: list[tuple[Path, Row]]) -> list[str]:
     """The shortest names that tell the sets apart: surface and object, then all facts, then the
     source too.
 
