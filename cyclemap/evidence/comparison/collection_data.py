@@ -210,7 +210,7 @@ def _of_table(
 
 def _facts(rows: pandas.DataFrame) -> Row:
     """What all pushes of a set share: texts None, numbers NaN where unknown."""
-    facts = dict(rows.iloc[0][[*SET_FACTS]])
+    facts = {name: rows[name].iloc[0] for name in SET_FACTS}
     for name in ("surface", "object"):
         facts[name] = facts[name] if isinstance(facts[name], str) else None
     return facts

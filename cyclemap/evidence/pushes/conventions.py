@@ -11,7 +11,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from cyclemap.plain_text import plain_number
 from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import CsvRow, CsvTable
 
-Number = TypeVar("Number", float, Any)
+Number = TypeVar("Number", float, Array)
 
 # The sense of an angle, and where its zero lies, rad: theta = sense * angle + zero.
 ANGLES: Mapping[str, tuple[float, float]] = {
@@ -151,9 +151,9 @@ class Convention:
             return PushRecord(poses, tips, self._series(record.ft_wrench, False))
         return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
 
-    def _series(self, table: Any, posed: bool) -> Any:
+    def _series(self, table: Array, posed: bool) -> Array:
         """Rows of time, x, y and an angle, or time, two forces and a torque."""
-        time, x, y, last = np.asarray(table).T
+        time, x, y, last = table.T
         handed = 1.0 if self.frame == RIGHT_HANDED else -1.0
         return np.column_stack(
             [time, *self.place(x, y), self.theta(last) if posed else handed * last]

@@ -11,9 +11,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -40,6 +38,7 @@ from cyclemap.evidence.pushes.own_files import (
 )
 from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
 from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
+from cyclemap.file_text import located
 from cyclemap.plain_text import json_value
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
@@ -95,9 +94,14 @@ class OwnTable:
     guessed: bool
     segments: Segments | None = None
 
+    def then(self, columns: Mapping[str, Array], *words: str) -> OwnTable:
+        """The table with other columns, after what was said these words."""
+        return replace(self, columns=columns, words=(*self.words, *words))
+
     def csv_text(self) -> str:
         """The table as a CSV file that every reader of pushes takes."""
-        pandas: Any = import_module("pandas")
+        import pandas
+
         columns = self.columns
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
@@ -166,9 +170,10 @@ def read_own_table(
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)
-    table = _cleaned(Path(path), _understood(Path(path), columns or {}, units, convention))
-    assumed = _assumed(set(table.columns) >= _POSES, convention)
-    return replace(table, words=(*table.words, assumed))
+    table = _understood(Path(path), columns or {}, units, convention)
+    with located(str(path), DataFileError):
+        table = _cleaned(table)
+    return table.then(table.columns, _assumed(set(table.columns) >= _POSES, convention))
 
 
 def _assumed(posed: bool, convention: Convention) -> str:
@@ -200,8 +205,8 @@ def read_orientations(
     table = _understood(Path(path), columns or {}, units, convention, growing)
     theta = table.columns["theta0"]
     known = np.isfinite(theta)
-    words = (*table.words, *_without_orientation(known), _assumed(False, convention))
-    return OwnTable({"theta0": theta[known]}, words, table.guessed)
+    words = (*_without_orientation(known), _assumed(False, convention))
+    return table.then({"theta0": theta[known]}, *words)
 
 
 def _without_orientation(known: Mask) -> list[str]:
@@ -225,23 +230,26 @@ def _understood(
             "grows"
         )
     raw = raw_columns(place, told, growing)
-    meaning = _meaning(place, raw, told)
-    if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
-        raise DataFileError(
-            f"{place}: a stream of poses is cut into pushes once it is whole: without --follow"
+    with located(str(place), DataFileError):
+        meaning = _meaning(raw, told)
+        if growing and "theta0" not in meaning and {"t", "episode", "qw"} & set(meaning):
+            raise InvalidInput(
+                "a stream of poses is cut into pushes once it is whole: without --follow"
+            )
+        columns, words, guessed = _in_si_units(raw, meaning, units, growing)
+        if "qw" in columns:
+            columns["theta"] = _heading(*(columns.pop(name) for name in QUATERNION))
+        rows = f"{place.name}: {len(next(iter(raw.values())))} rows"
+        table = OwnTable(
+            convention.columns(columns), (rows, *words), len(meaning) > len(told) or not units
         )
-    columns, words, guessed = _in_si_units(place, raw, meaning, units, growing)
-    if "qw" in columns:
-        columns["theta"] = _heading(*(columns.pop(name) for name in QUATERNION))
-    columns = convention.columns(columns)
-    table = OwnTable(columns, tuple(words), len(meaning) > len(told) or not units)
-    if "theta" in columns and "theta0" not in columns:
-        if _is_stream(place, columns, "t" in guessed):
-            return _pushes(place, table)
-        table = _a_row_a_push(table)
-    elif "theta1" not in columns:
-        _refuse_a_stream(place, columns, meaning)
-    return table if growing else _ordered(table)
+        if "theta" in columns and "theta0" not in columns:
+            if _is_stream(columns, "t" in guessed):
+                return _pushes(place, table)
+            table = _a_row_a_push(table)
+        elif "theta1" not in columns:
+            _refuse_a_stream(columns, meaning)
+        return table if growing else _ordered(table)
 
 
 def _refuse_unknown(told: Mapping[str, str], units: Sequence[str]) -> None:
@@ -255,26 +263,23 @@ def _refuse_unknown(told: Mapping[str, str], units: Sequence[str]) -> None:
 
 
 def _in_si_units(
-    place: Path, raw: Columns, meaning: Mapping[str, str], units: Sequence[str], growing: bool
+    raw: Columns, meaning: Mapping[str, str], units: Sequence[str], growing: bool
 ) -> tuple[Columns, list[str], set[str]]:
     """The columns by our names, what is said of them, and whose unit is a guess."""
-    columns: Columns = {}
-    words, guessed = [f"{place.name}: {len(next(iter(raw.values())))} rows"], set[str]()
+    columns, words, guessed = Columns(), list[str](), set[str]()
     for name, column in meaning.items():
-        kind = COLUMNS[name].kind
+        kind, said = COLUMNS[name].kind, ""
         columns[name] = raw[column]
         if kind is Kind.TEXT:
             continue
-        said = ""
         if kind in UNITS_OF:
             unit, said = _unit(name, meaning, raw, units)
             columns[name] = UNITS[unit] * raw[column]
         if "guessed" in said:
             guessed.add(name)
             if growing and kind is Kind.ANGLE:
-                raise DataFileError(
-                    f"{place}: later rows may tell another unit of {column}: say it, --units deg "
-                    "or rad"
+                raise InvalidInput(
+                    f"later rows may tell another unit of {column}: say it, --units deg or rad"
                 )
         words.append(f"{column} read as {name}{said}")
     unread = [column for column in raw if column not in meaning.values()]
@@ -303,13 +308,13 @@ def _bare(column: str) -> tuple[str, str]:
     return name.strip("_"), ""
 
 
-def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
+def _meaning(raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
     """The file's column for each name that is told or recognised."""
     have = ", ".join(list(raw)[:20])
     meaning = {name: column for name, column in told.items() if name != "pose"}
     for name, column in meaning.items():
         if column not in raw:
-            raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
+            raise InvalidInput(f"no column {column} for {name}; it has {have}")
     for name, known in COLUMNS.items():
         if name in meaning:
             continue
@@ -317,25 +322,23 @@ def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str
         hits = [column for column in free if known.fits(_bare(column)[0])]
         if len(hits) > 1:
             both = f"{' and '.join(hits)} may both be {name}"
-            raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
+            raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
         if hits:
             meaning[name] = hits[0]
     if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
         after = meaning["theta1"]
         told_by = f"Say --columns theta1={after} or theta_next={after}"
-        raise DataFileError(
-            f"{path}: is {after} the orientation after the push, or before the next one? {told_by}"
+        raise InvalidInput(
+            f"is {after} the orientation after the push, or before the next one? {told_by}"
         )
     if 0 < len({*QUATERNION} & set(meaning)) < len(QUATERNION):
-        raise DataFileError(
-            f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}"
-        )
+        raise InvalidInput(f"of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
     if not {"theta0", "theta", "qw"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
         wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
         mend = f"say which, --columns {wanted}=NAME"
-        raise DataFileError(
-            f"{path}: no column of the object's orientation before each push: {mend}; it has {have}"
+        raise InvalidInput(
+            f"no column of the object's orientation before each push: {mend}; it has {have}"
         )
     return meaning
 
@@ -401,25 +404,25 @@ def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
 
 def _a_row_a_push(table: OwnTable) -> OwnTable:
     """Orientations of a moving object that are those before pushes."""
-    columns = {"theta0" if name == "theta" else name: one for name, one in table.columns.items()}
+    columns = dict(table.columns)
+    columns["theta0"] = columns.pop("theta")
     if not {"t", "episode"} & set(columns):
-        return replace(table, columns=columns)
-    said = "a row a push: its orientation the one before the push"
-    return replace(table, columns=columns, words=(*table.words, said))
+        return table.then(columns)
+    return table.then(columns, "a row a push: its orientation the one before the push")
 
 
-def _refuse_a_stream(place: Path, columns: Columns, meaning: Mapping[str, str]) -> None:
+def _refuse_a_stream(columns: Columns, meaning: Mapping[str, str]) -> None:
     """Refuse orientations before pushes that come too fast to be that."""
     if "t" not in columns or len(columns["t"]) <= _TELLING:
         return
     step = float(np.median(np.abs(np.diff(columns["t"]))))
     if 0.0 < step <= _STREAM_STEP:
-        line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
+        line = f"{step:.2g} s from row to row, so that many rows follow one push"
         mend = (
             f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
             "leave the times out"
         )
-        raise DataFileError(f"{line}: {mend}")
+        raise InvalidInput(f"{line}: {mend}")
 
 
 def _ordered(table: OwnTable) -> OwnTable:
@@ -434,40 +437,34 @@ def _ordered(table: OwnTable) -> OwnTable:
                 return table
             order = np.argsort(numbers, kind="stable")
             columns = {column: values[order] for column, values in columns.items()}
-            said = f"rows put in the order of their {what}"
-            return replace(table, columns=columns, words=(*table.words, said))
+            return table.then(columns, f"rows put in the order of their {what}")
         if name == "repetition":
             # Of a push that is there twice, or has no number, nobody knows the place.
             del columns[name]
             said = f"{what} of pushes are missing or there twice: rows are taken in their own order"
-            return replace(table, columns=columns, words=(*table.words, said))
+            return table.then(columns, said)
     return table
 
 
-def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
+def _is_stream(columns: Columns, guessed: bool) -> bool:
     """Whether rows follow a moving object, several to a push; `guessed`:
     the unit of its times is."""
-    if "episode" in found:
-        return bool((np.diff(found["episode"]) == 0.0).any())
-    if "t" not in found:
+    if "episode" in columns:
+        return bool((np.diff(columns["episode"]) == 0.0).any())
+    if "t" not in columns:
         return False
-    step = (
-        float(np.median(np.diff(np.sort(found["t"][np.isfinite(found["t"])]))))
-        if found["t"].size > 1
-        else 0.0
-    )
+    t = columns["t"]
+    step = float(np.median(np.diff(np.sort(t[np.isfinite(t)])))) if t.size > 1 else 0.0
     if not step > 0.0:
-        raise DataFileError(
-            f"{path}: its times do not rise from row to row; mend them, or say --columns "
-            "theta0=NAME"
+        raise InvalidInput(
+            "its times do not rise from row to row; mend them, or say --columns theta0=NAME"
         )
-    if _STREAM_STEP < step < _A_CYCLE or (
-        guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()
-    ):
-        raise DataFileError(
-            f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a "
-            "push of its own? Say the unit of its times, --units s or ms; where each row is a "
-            "push, leave the times out"
+    is_whole = guessed and step >= _A_CYCLE and (t % 1.0 == 0.0).all()
+    if is_whole or _STREAM_STEP < step < _A_CYCLE:
+        raise InvalidInput(
+            f"{step:g} s from row to row: do several rows follow one push, or is each a push of "
+            "its own? Say the unit of its times, --units s or ms; where each row is a push, leave "
+            "the times out"
         )
     return step <= _STREAM_STEP
 
@@ -476,79 +473,70 @@ def _pushes(path: Path, table: OwnTable) -> OwnTable:
     """The pushes of a stream of poses: one an episode, else what its rests and its ring's place
     tell.
     """
-    stream = table.columns
-    good = np.isfinite(stream["theta"])
-    for name in ("t", "x", "y"):
-        good &= np.isfinite(stream.get(name, stream["theta"]))
-    words = [*table.words]
+    stream, words = table.columns, list[str]()
+    known = {"theta", "t", "x", "y"} & set(stream)
+    good = np.all([np.isfinite(stream[name]) for name in known], axis=0)
     if not good.all():
         words.append(f"left out for want of a pose: {int((~good).sum())} of {good.size} rows")
     stream = {name: values[good] for name, values in stream.items()}
     if "episode" in stream:
-        pushes = _episodes(path, stream)
-        words.append(f"{pushes['theta0'].size} pushes, one an episode")
-        return replace(table, columns=pushes, words=tuple(words))
+        pushes = _episodes(stream)
+        return table.then(pushes, *words, f"{pushes['theta0'].size} pushes, one an episode")
     if (np.diff(stream["t"]) < 0.0).any():
         words.append("rows put in the order of their times")
     order = np.argsort(stream["t"], kind="stable")
     pushes, seen = cut_stream(path, {name: values[order] for name, values in stream.items()})
-    return OwnTable(pushes, (*words, seen.words), table.guessed, seen)
+    return replace(table.then(pushes, *words, seen.words), segments=seen)
 
 
-def _episodes(path: Path, stream: Columns) -> Columns:
+def _episodes(stream: Columns) -> Columns:
     """The first and the last pose of each episode."""
     known = np.isfinite(stream["episode"])
     stream = {name: values[known] for name, values in stream.items()}
     cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
-    rows = np.split(np.arange(stream["theta"].size), cuts)
-    ends = np.array([(own[0], own[-1]) for own in rows if own.size > 1]).reshape(-1, 2)
-    if not len(ends):
-        raise DataFileError(f"{path}: no push in it: no episode has two rows")
-    theta = np.array([np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in ends])
-    pushes: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
-    for axis in ("x", "y"):
-        place = stream.get(axis, np.zeros(stream["theta"].size))
-        pushes |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
+    rows = [own for own in np.split(np.arange(stream["theta"].size), cuts) if own.size > 1]
+    if not rows:
+        raise InvalidInput("no push in it: no episode has two rows")
+    theta = np.array([np.unwrap(stream["theta"][own])[[0, -1]] for own in rows])
+    pushes: Columns = {}
+    for end, place in (("0", 0), ("1", -1)):
+        pushes[f"theta{end}"] = theta[:, place]
+        ends = [own[place] for own in rows]
+        for axis in ("x", "y"):
+            pushes[f"{axis}{end}"] = stream.get(axis, np.zeros(known.size))[ends]
     return pushes
 
 
-def _cleaned(path: Path, table: OwnTable) -> OwnTable:
+def _cleaned(table: OwnTable) -> OwnTable:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is
     told.
     """
     columns = dict(table.columns)
-    known = np.isfinite(columns["theta0"])
-    posed = set(columns) >= {"theta1", *_POSES}
-    words = [*table.words, *_without_orientation(known)]
+    theta = columns["theta0"]
+    known, posed = np.isfinite(theta), set(columns) >= {"theta1", *_POSES}
     number = columns.get("repetition", np.arange(known.size, dtype=float))
     follows = np.append(np.diff(number) == 1.0, False)
+    gaps = int((~follows[:-1]).sum())
+    words, how = _without_orientation(known), None
     if "theta_next" not in columns:
-        if not posed and known.all() and follows[:-1].all() and known.size > 1:
-            only = {"theta0": columns["theta0"]}
-            return replace(table, columns=only, words=tuple(words))
-        if not follows[:-1].all():
-            gaps = int((~follows[:-1]).sum())
-            gap = f"no pair across gaps in the numbers of the pushes: {gaps}"
-            words.insert(len(table.words), gap)
-        following = np.append(columns["theta0"][1:], math.nan)
-        columns["theta_next"] = np.where(follows, following, math.nan)
-        how = _how_set(columns["theta0"], columns["theta_next"]) if posed else None
-        if how is not None:
-            words.append(f"orientations before pushes {how}, no cycle among them")
-            del columns["theta_next"]
-            columns.pop("repetition", None)
-        elif posed:
-            columns["repetition"] = number
-    elif posed:
-        columns["repetition"] = number
-    wanted = ("theta0", "theta1", *_POSES) if posed else ("theta0", "theta_next")
+        if not posed and known.all() and not gaps and known.size > 1:
+            return table.then({"theta0": theta}, *words)
+        if gaps:
+            words = [f"no pair across gaps in the numbers of the pushes: {gaps}", *words]
+        columns["theta_next"] = np.where(follows, np.append(theta[1:], math.nan), math.nan)
+        how = _how_set(theta, columns["theta_next"]) if posed else None
+    columns["repetition"] = number
+    named: tuple[str, ...] = _POSED if posed else ("theta0", "theta_next")
+    if how is not None:
+        words.append(f"orientations before pushes {how}, no cycle among them")
+        named = tuple(name for name in named if name not in ("theta_next", "repetition"))
+    wanted = ENDS if posed else ("theta0", "theta_next")
     kept = np.all([np.isfinite(columns[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
-        raise DataFileError(f"{path}: {told}; two or more are wanted")
-    named = [name for name in (_POSED if posed else wanted) if name in columns]
-    pushes = {name: columns[name][kept] for name in named}
-    return replace(table, columns=pushes, words=tuple(words))
+        raise InvalidInput(f"{told}; two or more are wanted")
+    pushes = {name: columns[name][kept] for name in named if name in columns}
+    return table.then(pushes, *words)
 
 
 def _how_set(theta: Array, theta_next: Array) -> str | None:
