@@ -7,16 +7,45 @@ from collections.abc import Iterable
 
 
 class CycleMapError(Exception):
-    """Base of every error that cyclemap raises on purpose."""
+    """Base of every error that cyclemap raises on purpose.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> try:
+    ...     cm.load_material("plywod")
+    ... except cm.CycleMapError as error:
+    ...     print(str(error).split("?")[0])
+    unknown material 'plywod': did you mean 'plywood'
+    """
 
 
 class InvalidInput(CycleMapError, ValueError):
-    """A value that cannot be used: the message names the value and says what to do about it."""
+    """A value that cannot be used: the message names the value and says what to do about it.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> try:
+    ...     cm.Pusher(radius=-0.005)
+    ... except cm.InvalidInput as error:
+    ...     print(error)
+    pusher radius must not be negative, not -0.005
+    """
 
 
 class DataFileError(InvalidInput):
     """A file that cannot be read as what it should be: the message names the file, the place and
     the mend.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> try:
+    ...     cm.load_material("no-such-file.toml")
+    ... except cm.DataFileError as error:
+    ...     print(str(error).split(":")[0])
+    no-such-file.toml
     """
 
 
@@ -29,7 +58,14 @@ class RodMissesObject(InvalidInput):
 
 
 class ConvergenceError(CycleMapError, ArithmeticError):
-    """A computation that could not reach its stated tolerance: the message carries the residual."""
+    """A computation that could not reach its stated tolerance: the message carries the residual.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> issubclass(cm.ConvergenceError, cm.CycleMapError)
+    True
+    """
 
 
 class TooManySteps(ConvergenceError):
@@ -41,6 +77,12 @@ class TooManySteps(ConvergenceError):
 class UnsupportedContact(CycleMapError):
     """A motion that leads out of what the model describes, such as a rod that touches two sides at
     once.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> issubclass(cm.UnsupportedContact, cm.CycleMapError)
+    True
     """
 
 

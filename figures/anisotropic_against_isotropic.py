@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.views import style
 from cyclemap.views.experiment_page import (
     draw_paths,
     experiment_headline,
@@ -16,7 +17,6 @@ from cyclemap.views.experiment_page import (
     named_runs,
     spread_sentence,
 )
-from cyclemap.views.style import new_figure, picture_style
 
 from .catalogue import MeasuredFolder
 
@@ -28,25 +28,18 @@ def compute(
     return batch_experiment(DynamicLoop(CollectionLoop.mit(material="plywood")), batches, cycles)
 
 
+@style.picture_style()
 def draw(experiment: BatchExperiment) -> Figure:
     """Draw the paths in the robot's frame above, in the object's frame below."""
-    with picture_style():
-        figure = new_figure(7.5, 7.5)
-        panels = figure.subplots(2, 2, gridspec_kw={"wspace": 0.3, "hspace": 0.42})
-        figure.subplots_adjust(left=0.1, right=0.98, bottom=0.075, top=0.925)
-        for column, (run, name) in enumerate(named_runs(experiment)):
-            draw_paths(panels[0, column], run, f"{name}, robot's frame")
-            draw_paths(panels[1, column], run, f"{name}, object's frame", in_object=True)
-        for row in panels:
-            limits = np.array([(*axes.dataLim.min, *axes.dataLim.max) for axes in row])
-            low, high = limits[:, :2].min(axis=0), limits[:, 2:].max(axis=0)
-            middle, half = (low + high) / 2.0, 0.56 * float((high - low).max())
-            for axes in row:
-                axes.set_aspect("equal", adjustable="box")
-                axes.set(
-                    xlim=(middle[0] - half, middle[0] + half),
-                    ylim=(middle[1] - half, middle[1] + half),
-                )
+    figure = style.new_figure(7.5, 7.5)
+    panels = style.panels(figure, "ab;cd")
+    for column, (run, name) in enumerate(named_runs(experiment)):
+        draw_paths(panels[column], run, f"{name}, robot's frame")
+        draw_paths(panels[2 + column], run, f"{name}, object's frame", in_object=True)
+    for row in (panels[:2], panels[2:]):
+        corners = np.vstack([axes.dataLim.get_points() for axes in row])
+        for axes in row:
+            style.square_window(axes, corners)
     return figure
 
 

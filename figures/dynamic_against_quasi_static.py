@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
 from cyclemap.arrays import Array
 from cyclemap.collection.dynamic_loop import (
@@ -17,8 +16,8 @@ from cyclemap.collection.dynamic_loop import (
     isotropic_twin,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
-from cyclemap.views.style import FORCE, PREDICTED, QUIET, legend_above, new_figure, picture_style
+from cyclemap.views import style
+from cyclemap.views.experiment_page import draw_place_differences, draw_turn_differences, largest
 
 from .catalogue import MeasuredFolder
 
@@ -75,45 +74,26 @@ def compute(
     )
 
 
+@style.picture_style()
 def draw(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
-    with picture_style():
-        figure = new_figure(11.0, 4.2)
-        turns, places, fall = figure.subplots(1, 3, gridspec_kw={"wspace": 0.32})
-        figure.subplots_adjust(left=0.07, right=0.985, bottom=0.18, top=0.83)
-        draw_turn_differences(turns, study.material, study.isotropic)
-        draw_place_differences(places, study.material, study.isotropic)
-        speeds = 1e3 * study.speeds
-        looks = (("plywood", PREDICTED, "o", PREDICTED), ("isotropic", FORCE, "s", "white"))
-        for values, (name, colour, marker, face) in zip(
-            np.degrees(study.differences), looks, strict=True
-        ):
-            fall.plot(
-                speeds,
-                values,
-                marker=marker,
-                color=colour,
-                markerfacecolor=face,
-                label=name,
-                zorder=3,
-            )
-        guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-        fall.plot(speeds, 0.5 * guide, ":", color=QUIET, label="speed squared", zorder=2)
-        fall.set(
-            xscale="log",
-            yscale="log",
-            xlabel="speed of the rod (mm/s)",
-            ylabel="largest difference of a cycle (°)",
-        )
-        fall.xaxis.set_major_locator(FixedLocator(speeds.tolist()))
-        fall.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        fall.xaxis.set_minor_formatter(NullFormatter())
-        fall.set_title("Its fall with the speed", pad=22.0)
-        legend_above(fall)
-        foot = (
-            "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
-        )
-        figure.text(0.07, 0.02, foot, fontsize=8, color=QUIET)
+    figure = style.new_figure(11.0, 4.5)
+    foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
+    turns, places, fall = style.panels(
+        figure, "abc", style.write_page(figure, "", foot=foot), keys=2
+    )
+    draw_turn_differences(turns, study.material, study.isotropic)
+    draw_place_differences(places, study.material, study.isotropic)
+    speeds = 1e3 * study.speeds
+    looks = (("plywood", "o", style.LINE), ("isotropic", "s", style.THIRD))
+    for values, (name, marker, look) in zip(np.degrees(study.differences), looks, strict=True):
+        fall.plot(speeds, values, marker=marker, label=name, **look)
+    guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
+    fall.plot(speeds, 0.5 * guide, label="speed squared", **style.FOURTH)
+    fall.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
+    fall.set(xscale="log", yscale="log")
+    style.plain_ticks(fall.xaxis, speeds.tolist())
+    style.entitle(fall, "Its fall with the speed")
     return figure
 
 

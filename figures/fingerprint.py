@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
@@ -22,18 +21,9 @@ from cyclemap.collection.fingerprint_prediction import (
     lock_in_boundary,
 )
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.views import style
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    legend_above,
-    name_tag,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views.style import INK
 
 from .catalogue import MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
@@ -168,79 +158,52 @@ def order(scales: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(scales[small]), np.log(errors[small]), 1)[0])
 
 
+@style.picture_style()
 def draw(result: FingerprintAgainstFull) -> Figure:
     """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the
     anisotropy.
     """
-    with picture_style():
-        figure = new_figure(*INCHES)
-        grid = GridSpec(
-            1,
-            3,
-            figure,
-            width_ratios=(1.45, 1.0, 1.0),
-            left=0.05,
-            right=0.99,
-            bottom=0.125,
-            top=0.87,
-            wspace=0.25,
-        )
-        turn = figure.add_subplot(grid[0])
-        draw_prediction(turn, result.prediction, result.checked.map)
-        turn.set_title("Plywood")
-        axes = figure.add_subplot(grid[1])
-        surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
-        rays = np.radians(np.linspace(0.0, 90.0, 361))
-        edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
-        axes.plot(*edge.T, color=PREDICTED, linewidth=2.2, label="first order")
-        axes.plot(
-            *result.full_edge.T,
-            "s",
-            color=MEASURED,
-            markeredgecolor=MEASURED_EDGE,
-            markersize=6.0,
-            label="full map",
-            clip_on=False,
-            zorder=5,
-        )
-        axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
-        name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood", fontsize=8.0)
-        axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
-        name_tag(axes, 0.023, 0.012, "drifts")
-        name_tag(axes, 0.125, 0.09, "locks")
-        axes.set_title("Edge of lock-in")
-        legend_above(axes)
-        _draw_errors(figure.add_subplot(grid[2]), result)
+    figure = style.new_figure(*INCHES)
+    turn, edge, errors = style.panels(figure, "abc", width_ratios=(1.45, 1.0, 1.0))
+    draw_prediction(turn, result.prediction, result.checked.map)
+    style.entitle(turn, "Plywood")
+    _draw_edge(edge, result)
+    _draw_errors(errors, result)
     return figure
+
+
+def _draw_edge(axes: Axes, result: FingerprintAgainstFull) -> None:
+    surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
+    rays = np.radians(np.linspace(0.0, 90.0, 361))
+    edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
+    axes.plot(*edge.T, label="first order", **style.LINE)
+    axes.plot(*result.full_edge.T, "s", label="full map", clip_on=False, **style.MARKS)
+    axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
+    style.name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood")
+    axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
+    style.name_tag(axes, 0.023, 0.012, "drifts")
+    style.name_tag(axes, 0.125, 0.09, "locks")
+    style.entitle(axes, "Edge of lock-in")
 
 
 def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
     curves = (
-        ("turn, first order", result.turn_error, PREDICTED, "o", "-"),
-        ("turn, second order", result.second_turn_error, INK, "^", "--"),
-        ("stable direction", result.direction_error, FORCE, "s", ":"),
+        ("turn, first order", result.turn_error, "o"),
+        ("turn, second order", result.second_turn_error, "^"),
+        ("stable direction", result.direction_error, "s"),
     )
-    for name, errors, colour, marker, dash in curves:
+    for (name, errors, marker), look in zip(curves, style.LINES, strict=False):
         # The kinks' share of what the second order leaves vanishes before the rest: it has no
         # single order.
         known = "" if "second" in name else f": order {order(result.scales, errors):.1f}"
-        label = f"{name}{known}"
         axes.loglog(
-            result.scales,
-            np.degrees(errors),
-            color=colour,
-            marker=marker,
-            linestyle=dash,
-            markersize=5.0,
-            label=label,
+            result.scales, np.degrees(errors), marker=marker, label=f"{name}{known}", **look
         )
-    axes.set_xticks(
-        result.scales,
-        [f"1/{round(1.0 / scale)}" if scale < 1.0 else "1" for scale in result.scales],
-    )
+    inverse = [round(1.0 / scale) for scale in result.scales.tolist()]
+    names = [f"1/{times}" if times > 1 else "1" for times in inverse]
+    axes.set_xticks(result.scales, names)
     axes.minorticks_off()
-    axes.set(xlabel="anisotropy over plywood's (1)", ylabel="error (°)")
-    axes.set_title("Errors")
+    axes.set(xlabel="anisotropy over plywood's (1)", ylabel="error (°)", title="Errors")
     axes.legend(loc="lower right")
 
 

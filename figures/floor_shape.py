@@ -6,37 +6,25 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from matplotlib.image import AxesImage
-from matplotlib.patches import Polygon as Patch
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, TurnBins, turn_bins
 from cyclemap.mechanics import (
     EllipseFriction,
-    Pose,
     PressedFootprint,
     SurfaceShape,
     resting_pressure,
 )
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.map_panels import draw_turns
+from cyclemap.views.object_page import MM, draw_object
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_theta0
@@ -139,115 +127,47 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
     )
 
 
+@style.picture_style()
 def draw(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
-    with picture_style():
-        figure = new_figure(10.5, 6.4)
-        upper = GridSpec(
-            1,
-            2,
-            figure,
-            width_ratios=(2.2, 1.0),
-            left=0.07,
-            right=0.98,
-            bottom=0.53,
-            top=0.9,
-            wspace=0.2,
-        )
-        widths = (1.0,) * len(RESTING) + (0.05,)
-        lower = GridSpec(
-            1,
-            len(widths),
-            figure,
-            width_ratios=widths,
-            left=0.07,
-            right=0.93,
-            bottom=0.09,
-            top=0.39,
-            wspace=0.3,
-        )
-        _draw_turns(figure.add_subplot(upper[0]), result)
-        _draw_harmonics(figure.add_subplot(upper[1]), result)
-        for place, angle in enumerate(RESTING):
-            axes = figure.add_subplot(lower[place])
-            image = _draw_resting(axes, result, place, angle)
-        bar = figure.colorbar(image, cax=figure.add_subplot(lower[-1]))
-        bar.set_label("pressure (mean pressures)")
+    figure = style.new_figure(10.5, 7.2)
+    turns, harmonics = style.panels(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
+    around = np.append(result.theta, 2.0 * np.pi)
+    looks = [style.FOURTH, style.SECOND, style.LINE, style.THIRD]
+    curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}
+    draw_turns(turns, around, curves, looks)
+    if result.measured is not None:
+        medians = np.degrees([result.measured.centre, result.measured.median])
+        turns.plot(*medians, "o", label="measured", **style.MARKS)
+    style.legend_above(turns)
+    _draw_harmonics(harmonics, result)
+    places = style.panels(figure, "abc", (0.0, 0.5))
+    for axes, pressure, angle in zip(places, result.resting, RESTING, strict=True):
+        image = _draw_resting(axes, result, pressure, angle)
+    figure.colorbar(image, ax=places, label="pressure (mean pressures)")
     return figure
 
 
-_LOOKS: tuple[dict[str, Any], ...] = (
-    {"color": QUIET, "linestyle": ":", "linewidth": 1.6},
-    {"color": INK, "linestyle": "--", "linewidth": 1.5},
-    {"color": PREDICTED, "linestyle": "-", "linewidth": 2.2},
-    {"color": FORCE, "linestyle": "-.", "linewidth": 1.8},
-)
-
-
-def _draw_turns(axes: Axes, result: FloorShapes) -> None:
-    around = np.append(result.theta, 2.0 * np.pi)
-    for floor, line in zip(result.floors, _LOOKS, strict=True):
-        axes.plot(
-            np.degrees(around),
-            np.degrees(np.append(floor.turn, floor.turn[0])),
-            label=floor.name,
-            **line,
-        )
-    if result.measured is not None:
-        look: dict[str, Any] = {
-            "color": MEASURED,
-            "markeredgecolor": MEASURED_EDGE,
-            "markersize": 4.5,
-            "linestyle": "none",
-        }
-        bins = result.measured
-        axes.plot(np.degrees(bins.centre), np.degrees(bins.median), "o", label="measured", **look)
-    degree_axis(axes)
-    axes.set_ylabel("turn of a cycle (°)")
-    legend_above(axes, columns=2)
-
-
 def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
-    orders = range(1, 5)
-    width = 0.24
-    for place, (floor, look) in enumerate(zip(result.floors[1:], _LOOKS[1:], strict=True)):
-        heights = [math.degrees(floor.harmonic(order)) for order in orders]
-        axes.bar(
-            np.add(orders, (place - 1.0) * width),
-            heights,
-            width,
-            color=look["color"],
-            edgecolor=INK,
-            linewidth=0.6,
-        )
+    orders, width = np.arange(1, 5), 0.24
+    colours = (style.INK, style.PREDICTED, style.FORCE)
+    for place, (floor, colour) in enumerate(zip(result.floors[1:], colours, strict=True)):
+        heights = [math.degrees(floor.harmonic(order)) for order in orders.tolist()]
+        axes.bar(orders + (place - 1.0) * width, heights, width, color=colour)
     axes.set_xticks(orders)
-    axes.set_xlabel("harmonic of θ0")
-    axes.set_ylabel("amplitude of the turn (°)")
-    axes.set_title("Ellipse, trough, from pushes")
+    axes.set(xlabel="harmonic of θ0", ylabel="amplitude of the turn (°)")
+    style.entitle(axes, "Ellipse, trough, from pushes")
 
 
-def _draw_resting(axes: Axes, result: FloorShapes, place: int, angle: float) -> AxesImage:
-    millimetres = 1e3 * result.reach
-    extent = (-millimetres, millimetres, -millimetres, millimetres)
-    top = float(np.nanmax(result.resting))
-    image = axes.imshow(
-        result.resting[place],
-        origin="lower",
-        extent=extent,
-        cmap="Blues",
-        vmin=0.0,
-        vmax=top,
-        zorder=1,
-    )
-    pose = Pose(theta=angle)
-    corners = np.array([pose.to_world(x, y) for x, y in result.outline])
-    axes.add_patch(Patch(1e3 * corners, fill=False, edgecolor=INK, linewidth=1.2, zorder=3))
-    axes.grid(False)
-    axes.set_aspect("equal")
+def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, angle: float) -> AxesImage:
+    reach, top = MM * result.reach, float(np.nanmax(result.resting))
+    look: style.Look = {"origin": "lower", "extent": (-reach, reach, -reach, reach), "zorder": 1}
+    image = axes.imshow(pressure, cmap="Blues", vmin=0.0, vmax=top, **look)
+    corners = placed(np.array([0.0, 0.0, angle]), result.outline)
+    draw_object(axes, corners, facecolor="none", edgecolor=style.INK)
+    axes.grid(visible=False)
+    axes.set(aspect="equal", xlabel="robot's x (mm)", ylabel="robot's y (mm)")
     axes.set_title(f"rests at θ = {math.degrees(angle):.0f}°")
-    axes.set_xlabel("robot's x (mm)")
-    if place == 0:
-        axes.set_ylabel("robot's y (mm)")
     return image
 
 

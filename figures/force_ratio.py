@@ -5,12 +5,10 @@ push.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
@@ -25,14 +23,7 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
-from cyclemap.views.style import (
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import push_file_names, readable_pushes
@@ -156,81 +147,46 @@ def recorded_ratio(measured: MeasuredFolder) -> RecordedRatio | None:
     )
 
 
+@style.picture_style()
 def draw(result: ForceRatio) -> Figure:
     """Draw the predicted ratio, and the recorded one, where there is one, to the right of it, on
     one scale.
     """
-    shown = [np.abs(result.predicted.ratio)] + (
-        [np.abs(result.recorded.ratio)] if result.recorded else []
-    )
-    half = 1.4 * max(float(ratio.max()) for ratio in shown)
-    with picture_style():
-        count = 1 if result.recorded is None else 2
-        figure = new_figure(5.5 * count, 4.3)
-        grid = GridSpec(
-            1, count, figure, left=0.15 / count, right=0.985, bottom=0.13, top=0.85, wspace=0.17
-        )
-        left, *right = (figure.add_subplot(grid[number]) for number in range(count))
-        predicted = result.predicted
-        _bounds(left, predicted.friction)
-        travel, sticking = (
-            MM * predicted.travel,
-            np.where(predicted.sliding, np.nan, predicted.ratio),
-        )
-        left.plot(
-            travel, predicted.ratio, color=PREDICTED, linewidth=1.2, label="sliding", zorder=5
-        )
-        left.plot(travel, sticking, color=PREDICTED, linewidth=3.0, label="sticking", zorder=5)
-        left.set_title("Predicted, plywood")
-        left.legend(loc="lower center", ncols=3)
-        if result.recorded is not None:
-            _draw_recorded(right[0], result.recorded)
-        for axes in (left, *right):
-            axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
-        left.set_ylabel("tangential / normal force (1)")
+    predicted, recorded = result.predicted, result.recorded
+    ratios = [predicted.ratio] if recorded is None else [predicted.ratio, recorded.ratio]
+    half = 1.2 * max(float(np.abs(ratio).max()) for ratio in ratios)
+    figure = style.new_figure(5.5 * len(ratios), 4.3)
+    left, *right = style.panels(figure, "ab"[: len(ratios)])
+    _bounds(left, predicted.friction)
+    travel, sticking = MM * predicted.travel, np.where(predicted.sliding, np.nan, predicted.ratio)
+    left.plot(travel, predicted.ratio, label="sliding", **{**style.LINE, "linewidth": 1.2})
+    left.plot(travel, sticking, label="sticking", **{**style.LINE, "linewidth": 3.0})
+    style.entitle(left, "Predicted, plywood")
+    if recorded is not None:
+        _draw_recorded(right[0], recorded)
+    for axes in (left, *right):
+        axes.set(ylim=(-half, half), xlabel="travel of the rod (mm)")
+    left.set_ylabel("tangential / normal force (1)")
     return figure
 
 
 def _bounds(axes: Axes, friction: float) -> None:
-    for sign in (-1.0, 1.0):
-        label = f"±μp = ±{friction:.2f}" if sign > 0 else None
-        axes.axhline(
-            sign * friction,
-            color=QUIET,
-            linewidth=1.0,
-            linestyle=(0, (5, 4)),
-            label=label,
-            zorder=1,
-        )
+    for bound in (-friction, friction):
+        axes.axhline(bound, label=f"±μp = ±{friction:.2f}", **style.EVEN)
 
 
 def _draw_recorded(axes: Axes, recorded: RecordedRatio) -> None:
-    axes.set_title(f"Recorded, {recorded.name}")
     _bounds(axes, recorded.friction)
     unclear = ~(recorded.sliding | recorded.sticking)
-    kinds: tuple[tuple[str, Chosen, dict[str, Any]], ...] = (
-        (
-            "sliding",
-            recorded.sliding,
-            {"marker": "o", "markerfacecolor": "white", "markeredgecolor": MEASURED_EDGE},
-        ),
-        (
-            "sticking",
-            recorded.sticking,
-            {"marker": "o", "markerfacecolor": MEASURED, "markeredgecolor": MEASURED_EDGE},
-        ),
-        ("neither", unclear, {"marker": ".", "markerfacecolor": QUIET, "markeredgecolor": "none"}),
+    kinds: tuple[tuple[str, Chosen, style.Look], ...] = (
+        ("sliding", recorded.sliding, {"marker": "o", "markerfacecolor": "white"}),
+        ("sticking", recorded.sticking, {"marker": "o"}),
+        ("neither", unclear, {"marker": ".", "color": style.QUIET, "markeredgewidth": 0.0}),
     )
+    travel = MM * recorded.travel
     for name, chosen, look in kinds:
-        axes.plot(
-            MM * recorded.travel[chosen],
-            recorded.ratio[chosen],
-            label=name,
-            ls="none",
-            ms=4.0,
-            **look,
-        )
-    axes.legend(loc="lower center", ncols=4)
+        axes.plot(travel[chosen], recorded.ratio[chosen], label=name, **{**style.MARKS, **look})
+    style.entitle(axes, f"Recorded, {recorded.name}")
 
 
 def caption(result: ForceRatio) -> str:

@@ -6,36 +6,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Polygon
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    legend_above,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.identify_page import draw_ellipses
+from cyclemap.views.object_page import MM, draw_object
+from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_scans
 
-MM = 1000.0
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.
 SLIDING = math.radians(100.0)
@@ -46,6 +33,8 @@ _FEWEST_SCANS = 3
 # Millimetres of arrow a force of one point, and of the whole patch.
 _POINT_ARROW, _WHOLE_ARROW = 9.0, 34.0
 GRID = 8
+# Of the panels of tractions, from their middle.
+_REACH = 0.34
 # The instant is after this share of the push's way.
 SHARE = 0.3
 _STEPS = 1000
@@ -92,127 +81,91 @@ def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
+@style.picture_style()
 def draw(result: LimitEllipseAndPatch) -> Figure:
     """Draw the law of a point, the law of the surface, and the patch, side by side."""
-    with picture_style():
-        figure = new_figure(13.0, 4.7)
-        grid = GridSpec(1, 3, figure, left=0.055, right=0.985, bottom=0.12, top=0.86, wspace=0.26)
-        _draw_law(figure.add_subplot(grid[0]))
-        _draw_surface(figure.add_subplot(grid[1]), result)
-        _draw_patch(figure.add_subplot(grid[2]), result.patch)
+    figure = style.new_figure(13.0, 4.9)
+    law, surface, patch = style.panels(figure, "abc")
+    _draw_law(law)
+    _draw_surface(surface, result)
+    _draw_patch(patch, result.patch)
     return figure
 
 
 def _draw_law(axes: Axes) -> None:
     law, velocity = SKETCHED, np.array([math.cos(SLIDING), math.sin(SLIDING)])
-    curve, traction = limit_curve(law), law.traction(velocity)
-    centre = _turned(np.array([law.m0, law.n0]), law.phi)
-    axes.fill(*curve.T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
+    traction, centre = law.traction(velocity), _centre(law)
+    axes.fill(*limit_curve(law).T, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.8)
     for reach, turn, name in ((law.mu_a, 0.0, "m"), (law.mu_b, 0.5 * math.pi, "n")):
         axis = _turned(np.array([reach, 0.0]), law.phi + turn)
-        axes.plot(
-            *np.stack([centre - axis, centre + axis]).T, color=QUIET, linewidth=0.9, linestyle="--"
-        )
+        ends = np.stack([centre - axis, centre + axis])
+        axes.plot(*ends.T, color=QUIET, linewidth=0.9, linestyle="--")
         x, y = (centre + (1.0 + 0.03 / reach) * axis).tolist()
         axes.text(x, y, name, color=QUIET, ha="center", va="center", style="italic")
     along = np.array([-velocity[1], velocity[0]])
-    axes.plot(
-        *np.stack([traction - 0.25 * along, traction + 0.1 * along]).T,
-        color=QUIET,
-        linewidth=1.2,
-        linestyle=":",
-    )
+    tangent = np.stack([traction - 0.25 * along, traction + 0.1 * along])
+    axes.plot(*tangent.T, color=QUIET, linewidth=1.2, linestyle=":")
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
-    axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
-    arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
-    arrow(axes, traction, traction + 0.13 * velocity, INK, 2.2, 6, mutation_scale=14.0)
-    axes.text(
-        0.75 * traction[0] + 0.025,
-        0.75 * traction[1] - 0.003,
-        "traction μ",
-        color=FORCE,
-        va="center",
-    )
+    style.cross(axes, colour=INK, markeredgewidth=1.5)
     head = traction + 0.13 * velocity
-    axes.text(head[0] + 0.03, head[1], "sliding velocity v", color=INK, va="center")
-    axes.text(
-        centre[0] + 0.012,
-        centre[1] - 0.012,
-        "centre (m0, n0)",
-        color=PREDICTED,
-        fontsize=8,
-        va="top",
+    style.arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
+    style.arrow(axes, traction, head, INK, 2.2, 6, mutation_scale=14.0)
+    words = (
+        (0.75 * traction, (0.025, -0.003), "traction μ", FORCE, "center"),
+        (head, (0.03, 0.0), "sliding velocity v", INK, "center"),
+        (centre, (0.012, -0.012), "centre (m0, n0)", PREDICTED, "top"),
     )
-    _traction_axes(axes, 0.34, "Limit ellipse of a point (sketch)", centre)
+    for place, offset, name, colour, side in words:
+        x, y = (place + offset).tolist()
+        axes.text(x, y, name, color=colour, va=side)
+    _traction_axes(axes, "Limit ellipse of a point (sketch)", centre)
 
 
 def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     law = result.table
-    axes.plot(*limit_curve(law).T, color=PREDICTED, linewidth=1.8, label="Table I")
-    mean = math.sqrt(law.mu_a * law.mu_b)
-    axes.plot(
-        *limit_curve(EllipseFriction.isotropic(mean)).T,
-        color=QUIET,
-        linewidth=1.0,
-        linestyle=":",
-        label="isotropic",
-    )
-    axes.plot(*_turned(np.array([law.m0, law.n0]), law.phi), "o", color=PREDICTED, markersize=4)
-    axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
-    if result.scans is not None and result.fitted is not None:
-        look: dict[str, Any] = {
-            "color": MEASURED,
-            "markeredgecolor": MEASURED_EDGE,
-            "markersize": 4.0,
-        }
-        axes.plot(*result.scans.T, "o", label="friction scans", zorder=2, **look)
-        axes.plot(
-            *limit_curve(result.fitted).T,
-            color=MEASURED_EDGE,
-            linewidth=1.5,
-            linestyle="--",
-            label="fitted",
-        )
-    _traction_axes(axes, 0.34, "Plywood", np.zeros(2))
-    legend_above(axes, columns=2)
+    curves = {"Table I": law}
+    if result.fitted is not None:
+        curves["fitted"] = result.fitted
+    curves["isotropic"] = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
+    ellipses = {name: limit_curve(one) for name, one in curves.items()}
+    draw_ellipses(axes, ellipses, result.scans)
+    axes.plot(*_centre(law), "o", color=PREDICTED, markersize=4)
+    _traction_axes(axes, "Plywood", np.zeros(2))
 
 
 def _draw_patch(axes: Axes, patch: PatchForces) -> None:
     points = MM * patch.footprint.quadrature[0]
-    axes.add_patch(Polygon(MM * patch.outline, facecolor="#f6f6f6", edgecolor=QUIET))
-    share = np.hypot(*patch.force.T).max()
-    tips = points + _POINT_ARROW * patch.force / share
+    draw_object(axes, patch.outline, facecolor="#f6f6f6", edgecolor=QUIET, zorder=1)
+    tips = points + _POINT_ARROW * patch.force / np.hypot(*patch.force.T).max()
     for point, tip in zip(points, tips, strict=True):
-        arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
+        style.arrow(axes, point, tip, PREDICTED, 1.0, 6, mutation_scale=7.0)
     axes.plot(*points.T, ".", color=PREDICTED, markersize=3)
-    spin = patch.twist[2]
-    pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / spin
+    pivot = MM * np.array([-patch.twist[1], patch.twist[0]]) / patch.twist[2]
     axes.plot(*pivot, "*", color=INK, markersize=10)
     axes.text(pivot[0], pivot[1] - 6.0, "centre of\nrotation", fontsize=8, ha="center", va="top")
-    whole = _WHOLE_ARROW / float(np.hypot(*patch.wrench[:2]))
-    arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
-    axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
-    contact = MM * patch.contact
-    arrow(axes, contact - whole * patch.rod[:2], contact, INK, 3.0, 6, mutation_scale=18.0)
-    tail = contact - whole * patch.rod[:2]
     force, torque = float(np.hypot(*patch.wrench[:2])), 1e3 * patch.wrench[2]
+    whole, contact = _WHOLE_ARROW / force, MM * patch.contact
+    tail = contact - whole * patch.rod[:2]
+    style.arrow(axes, np.zeros(2), whole * patch.wrench[:2], FORCE, 3.0, 6, mutation_scale=18.0)
+    axes.plot(0.0, 0.0, "o", color=FORCE, markersize=5)
+    style.arrow(axes, tail, contact, INK, 3.0, 6, mutation_scale=18.0)
     words = f"friction on the object: {force:.2f} N\nand {torque:.1f} N mm about its centre"
     axes.text(2.0, tail[1] + 8.0, words, color=FORCE, fontsize=8, va="top")
     axes.text(tail[0] - 3.0, tail[1] - 2.0, "rod", color=INK, ha="right", va="top")
-    axes.set(
-        xlim=(-58, 96),
-        ylim=(-58, 96),
-        aspect="equal",
-        xlabel="x (mm), object's frame",
-        ylabel="y (mm)",
-    )
-    axes.set_title("Patch of 8 x 8 points")
+    axes.set(xlim=(-58, 96), ylim=(-58, 96), aspect="equal")
+    axes.set(xlabel="x (mm), object's frame", ylabel="y (mm)")
+    style.entitle(axes, "Patch of 8 x 8 points")
 
 
-def _traction_axes(axes: Axes, half: float, title: str, middle: Array) -> None:
-    x, y = middle.tolist()
-    axes.set(xlim=(x - half, x + half), ylim=(y - half, y + half), aspect="equal", title=title)
+def _centre(law: EllipseFriction) -> Array:
+    return _turned(np.array([law.m0, law.n0]), law.phi)
+
+
+def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
+    (left, bottom), (right, top) = (middle - _REACH).tolist(), (middle + _REACH).tolist()
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
     axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
+    style.entitle(axes, title)
 
 
 def _turned(vector: Array, angle: float) -> Array:

@@ -12,27 +12,19 @@ from io import BytesIO
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from PIL import Image
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.portrait_curves import Cobweb
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps import fixed_points
+from cyclemap.maps import Orbit, fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.map_panels import draw_cobweb
+from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
 
 from .catalogue import Frame, MeasuredFolder
 
@@ -45,9 +37,8 @@ MOST_CYCLES = 120
 PACE = ((2, 13, 9), (5, 6, 4), (9, 3, 2))
 SLOW, FAST = (13, 9), (1, 0)
 SECONDS, LAST_SECONDS = 0.07, 2.0
-MM = 1000.0
 INCHES, DPI = (7.2, 4.1), 100
-RING_MM, MARGIN_MM = 7.0, 12.0
+MARGIN_MM = 12.0
 TABLE_COLOUR = "#faf6ee"
 # Colours of the one palette that all frames share: a palette of its own a frame would flicker and
 # take space.
@@ -83,21 +74,28 @@ class Moment:
 class LockingIn:
     """A run of the loop until it locks in.
 
-    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. stable : rad, the stable direction on the
-        turn where the run
-    ends. multiplier : of the stable direction. curve : (m, 2) rad, θ0 and next θ0 over the
-        run's range. moments : what
-    the pictures show. rod_radius : m. unstable : rad, the unstable direction nearest below the
-        start.
+    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. directions : the stable and the unstable
+        one.
+    curve : (m, 2) rad, θ0 and next θ0 over the run's range. moments : what the pictures show.
+    rod_radius : m.
     """
 
     theta: Array
-    stable: float
-    unstable: float
-    multiplier: float
+    directions: tuple[Orbit, Orbit]
     curve: Array
     moments: list[Moment]
     rod_radius: float
+
+    @property
+    def stable(self) -> float:
+        """The stable direction, rad, on the turn where the run ends."""
+        place = float(self.directions[0].points[0])
+        return place + TWO_PI * round(float(self.theta[-1] - place) / TWO_PI)
+
+    @property
+    def multiplier(self) -> float:
+        """The multiplier of the stable direction."""
+        return self.directions[0].multiplier
 
     @property
     def cycles(self) -> int:
@@ -126,30 +124,19 @@ def compute(
         next(orbit for orbit in fixed_points(circle_map) if orbit.stable == kind)
         for kind in (True, False)
     )
-    stable = float(rest.points[0])
     run = [loop.cycle(start)]
-    while abs(math.remainder(run[-1].theta - stable, 2 * math.pi)) > locked:
+    while abs(math.remainder(run[-1].theta - rest.points[0], TWO_PI)) > locked:
         if len(run) > MOST_CYCLES:
             raise ConvergenceError(
                 f"{MOST_CYCLES} cycles from {math.degrees(start):.4g} deg do not lock in"
             )
         run.append(loop.cycle(run[-1].theta_next))
     theta = np.array([run[0].theta, *(cycle.theta_next for cycle in run)])
-    stable = stable + 2 * np.pi * round((theta[-1] - stable) / (2 * np.pi))
-    unstable = float(edge.points[0]) + 2 * np.pi * math.floor(
-        (theta[0] - float(edge.points[0])) / (2 * np.pi)
-    )
-    reach = np.linspace(min(theta.min(), unstable) - 0.1, theta.max() + 0.25, 241)
+    behind = float(edge.points[0]) + TWO_PI * math.floor((theta[0] - edge.points[0]) / TWO_PI)
+    reach = np.linspace(min(theta.min(), behind) - 0.1, theta.max() + 0.25, 241)
     curve = np.stack([reach, circle_map(reach)], axis=1)
-    return LockingIn(
-        theta,
-        stable,
-        unstable,
-        rest.multiplier,
-        curve,
-        moments(run, pace, slow),
-        loop.pusher.radius,
-    )
+    shown = moments(run, pace, slow)
+    return LockingIn(theta, (rest, edge), curve, shown, loop.pusher.radius)
 
 
 def moments(
@@ -198,123 +185,61 @@ def caption(result: LockingIn) -> str:
 
 def frames(result: LockingIn) -> Iterator[Frame]:
     """Draw every moment of the run."""
-    with picture_style():
-        stage = _Stage(result)
-        stage.figure.set_dpi(DPI)
-        for moment in result.moments:
-            stage.show(moment)
-            stage.figure.canvas.draw()
-            pixels = np.asarray(stage.figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
-            yield Frame(pixels[..., :3].copy(), moment.seconds)
+    for moment in result.moments:
+        figure = _drawn(result, moment)
+        figure.set_dpi(DPI)
+        figure.canvas.draw()
+        pixels = np.asarray(figure.canvas.buffer_rgba())  # type: ignore[attr-defined]
+        yield Frame(pixels[..., :3].copy(), moment.seconds)
 
 
-class _Stage:
-    """The figure with everything that moves in it."""
-
-    def __init__(self, result: LockingIn) -> None:
-        self.result = result
-        self.figure: Figure = new_figure(*INCHES)
-        grid = GridSpec(
-            2,
-            2,
-            self.figure,
-            width_ratios=(1.32, 1.0),
-            height_ratios=(1.55, 1.0),
-            left=0.015,
-            right=0.985,
-            bottom=0.125,
-            top=0.915,
-            wspace=0.27,
-            hspace=0.5,
-        )
-        self._table(self.figure.add_subplot(grid[:, 0]))
-        axes = self.figure.add_subplot(grid[0, 1])
-        curve = np.degrees(self.result.curve)
-        axes.plot(curve[:, 0], curve[:, 0], color=QUIET, linewidth=0.9)
-        axes.plot(curve[:, 0], curve[:, 1], color=PREDICTED, linewidth=1.8)
-        (self.stairs,) = axes.plot([], [], color=MEASURED_EDGE, linewidth=0.9)
-        for place, face in ((self.result.stable, PREDICTED), (self.result.unstable, "white")):
-            at = math.degrees(place)
-            axes.plot(
-                at, at, "o", markerfacecolor=face, markeredgecolor=PREDICTED, markersize=5, zorder=5
-            )
-        axes.set(
-            xlim=curve[[0, -1], 0], ylim=curve[[0, -1], 0], xlabel="θ0 (°)", ylabel="next θ0 (°)"
-        )
-        for axis in (axes.xaxis, axes.yaxis):
-            _on_the_circle(axis)
-        axes.set_title("The cycle map", fontsize=9)
-        axes = self.figure.add_subplot(grid[1, 1])
-        axes.axhline(
-            math.degrees(self.result.stable), color=PREDICTED, linewidth=1.2, linestyle="--"
-        )
-        look = {
-            "color": MEASURED,
-            "markeredgecolor": MEASURED_EDGE,
-            "markeredgewidth": 0.5,
-            "markersize": 3.5,
-        }
-        (self.dots,) = axes.plot([], [], "o", **look)  # type: ignore[arg-type]
-        theta = np.degrees(self.result.theta)
-        span = (theta.min() - 12.0, theta.max() + 15.0)
-        axes.set(xlim=(-1, self.result.cycles + 1), ylim=span, xlabel="cycle", ylabel="θ0 (°)")
-        _on_the_circle(axes.yaxis)
-
-    def _table(self, axes: Axes) -> None:
-        """The table from above; the world's origin is where the ring is set down."""
-        everything = MM * np.concatenate([moment.outline for moment in self.result.moments])
-        low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
-        axes.set(
-            xlim=(low[0], high[0]),
-            ylim=(low[1], high[1]),
-            aspect="equal",
-            xticks=[],
-            yticks=[],
-            facecolor=TABLE_COLOUR,
-        )
-        axes.grid(visible=False)
-        axes.spines[:].set_visible(False)
-        axes.plot(0, 0, "+", color=QUIET, markersize=10, zorder=1)
-        (self.path,) = axes.plot([], [], color=INK, linewidth=1.2, zorder=4)
-        self.body = Polygon(
-            np.zeros((3, 2)), facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6, zorder=2
-        )
-        self.ring = Circle(
-            (0, 0), RING_MM, fill=False, edgecolor=PREDICTED, linewidth=1.6, zorder=3
-        )
-        self.rod = Circle(
-            (0, 0), MM * self.result.rod_radius, facecolor=INK, edgecolor=INK, zorder=5
-        )
-        (self.side,) = axes.plot(
-            [], [], color=PREDICTED, linewidth=4.5, solid_capstyle="butt", zorder=3
-        )
-        for patch in (self.body, self.ring, self.rod):
-            axes.add_patch(patch)
-        bar = low + 14.0
-        axes.plot([bar[0], bar[0] + 50.0], [bar[1]] * 2, color=INK, linewidth=2.0)
-        axes.text(bar[0] + 25.0, bar[1] + 4.0, "50 mm", ha="center", fontsize=7.5)
-        self.told = axes.set_title("", fontsize=10)
-
-    def show(self, moment: Moment) -> None:
-        """Move everything to where it is at this moment."""
-        self.body.set_xy(MM * moment.outline)
-        self.side.set_data(*(MM * moment.side).T)
-        self.ring.center = tuple(MM * moment.ring)
-        self.rod.center = tuple(MM * moment.rod)
-        self.path.set_data(*(MM * moment.rod_path).T)
-        self.path.set_linestyle("-" if moment.pushing else ":")
-        theta = np.degrees(self.result.theta[: moment.cycle + 1])
-        doing = "push" if moment.pushing else "drag back"
-        self.told.set_text(f"Cycle {moment.cycle + 1}, from θ0 = {theta[-1] % 360:.1f}°: {doing}")
-        self.dots.set_data(np.arange(theta.size), theta)
-        corners = np.repeat(theta, 2)
-        self.stairs.set_data(corners[:-1], corners[1:])
+@style.picture_style()
+def _drawn(result: LockingIn, moment: Moment) -> Figure:
+    """The table from above, the cobweb up to here, and θ0 over the cycles."""
+    figure = style.new_figure(*INCHES)
+    table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
+    ratios: style.Look = {"width_ratios": (1.3, 1.0), "height_ratios": (1.4, 1.0)}
+    stairs, course = style.panels(figure, ".a;.b", keys=0, **ratios)
+    theta = result.theta[: moment.cycle + 1]
+    _draw_table(table, result, moment)
+    doing = "push" if moment.pushing else "drag back"
+    start = f"from θ0 = {math.degrees(theta[-1]) % 360:.1f}°"
+    table.set_title(f"Cycle {moment.cycle + 1}, {start}: {doing}")
+    corners = np.repeat(theta, 2)
+    walked, curve = np.stack([corners[:-1], corners[1:]], axis=1), result.curve
+    cobweb = Cobweb(curve[0, 0], curve[-1, 0], ((curve[:, 0], curve[:, 1]),), (walked,))
+    draw_cobweb(stairs, cobweb, result.directions)
+    stairs.set_aspect("auto")
+    stairs.set_title("The cycle map")
+    course.axhline(math.degrees(result.stable), **style.SECOND)
+    course.plot(np.degrees(theta), "o", **{**style.MARKS, "markersize": 3.5})
+    style.count_axis(course, "cycle", result.cycles)
+    low, high = np.degrees([result.theta.min(), result.theta.max()])
+    course.set(ylim=(low - 12.0, high + 15.0), ylabel="θ0 (°)")
+    for axis in (stairs.xaxis, stairs.yaxis, course.yaxis):
+        axis.set_major_locator(MultipleLocator(45.0))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360:.0f}"))
+    return figure
 
 
-def _on_the_circle(axis: object) -> None:
-    """Ticks each eighth of a turn, named in [0, 360)."""
-    axis.set_major_locator(MultipleLocator(45.0))  # type: ignore[attr-defined]
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360:.0f}"))  # type: ignore[attr-defined]
+def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
+    """The table from above; the world's origin is where the ring is set down."""
+    everything = MM * np.concatenate([moment.outline for moment in result.moments])
+    low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", anchor="W")
+    axes.set(xticks=[], yticks=[], facecolor=TABLE_COLOUR)
+    axes.spines[:].set_visible(False)
+    style.cross(axes, zorder=1)
+    draw_object(axes, moment.outline)
+    side: style.Look = {"color": style.PREDICTED, "linewidth": 4.5, "solid_capstyle": "butt"}
+    draw_way(axes, moment.side, zorder=3, **side)
+    draw_ring(axes, moment.ring, edgecolor=style.PREDICTED, linewidth=1.6)
+    dash = "-" if moment.pushing else ":"
+    draw_way(axes, moment.rod_path, dash, color=style.INK, linewidth=1.2, zorder=4)
+    draw_rod(axes, moment.rod, result.rod_radius)
+    x, y = (low + 14.0).tolist()
+    axes.plot([x, x + 50.0], [y, y], color=style.INK, linewidth=2.0)
+    axes.text(x + 25.0, y + 4.0, "50 mm", ha="center", fontsize=7.5)
 
 
 def animated_gif(frames: Iterable[Frame]) -> bytes:

@@ -12,15 +12,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from cyclemap.views.style import QUIET, legend_above, new_figure, picture_style
+from cyclemap.views import style
+from cyclemap.views.style import QUIET
 
 One = TypeVar("One", bound=Any)
 
-PANEL_INCHES = (5.2, 3.6)
+PANEL_INCHES = (5.2, 3.7)
 SIMULATED_FILL = "#c4c4c4"
-_SIDE, _HEAD, _FOOT = 0.75, 0.75, 0.85
 
 
+@style.picture_style()
 def draw_materials(
     names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]
 ) -> Figure:
@@ -30,22 +31,13 @@ def draw_materials(
     columns = 2 if len(names) <= 4 else 3
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
-    with picture_style():
-        figure = new_figure(width * columns, height * rows + 0.1)
-        grid = figure.add_gridspec(
-            rows,
-            columns,
-            left=_SIDE / (width * columns),
-            right=1.0 - 0.2 / (width * columns),
-            bottom=_FOOT / (height * rows),
-            top=1.0 - _HEAD / (height * rows),
-            hspace=0.5,
-            wspace=0.22,
-        )
-        for place, (name, one) in enumerate(zip(names, panels, strict=True)):
-            axes = figure.add_subplot(grid[place // columns, place % columns])
-            axes.set_title(name)
-            draw_one(axes, one)
+    figure = style.new_figure(width * columns, height * rows)
+    places = style.panels(figure, style.rows_of(*(columns,) * rows), keys=2)
+    for axes, name, one in zip(places, names, panels, strict=False):
+        draw_one(axes, one)
+        style.entitle(axes, name)
+    for axes in places[len(names) :]:
+        axes.remove()
     return figure
 
 
@@ -57,7 +49,6 @@ def as_simulated(axes: Axes) -> None:
             continue
         artist.set_label("simulated")
         if isinstance(artist, Line2D):
-            artist.set_color(QUIET)
+            artist.set(color=QUIET, markeredgecolor=QUIET)
         elif isinstance(artist, Patch):
             artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)
-    legend_above(axes, 2)

@@ -20,6 +20,7 @@ from cyclemap.evidence.data_blocks.force_blocks import SCAN_FIELDS
 from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.tables.push_sets import FEWEST
+from cyclemap.views.sentences import listed
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 
@@ -102,16 +103,6 @@ def not_found(what: str, surfaces: Iterable[str]) -> str:
     """
     names = list(surfaces)
     return f"Recorded {what} on {listed(names)}: {NO_DATA}." if names else ""
-
-
-def listed(names: Iterable[str]) -> str:
-    """Words as people list them.
-
-    >>> listed(["plywood", "abs", "pu"])
-    'plywood, abs and pu'
-    """
-    *first, last = names
-    return f"{', '.join(first)} and {last}" if first else last
 
 
 @lru_cache(maxsize=32)

@@ -5,13 +5,10 @@ elsewhere.
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
 from scipy.optimize import brentq
@@ -21,7 +18,10 @@ from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprin
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
-from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE, new_figure, picture_style
+from cyclemap.views import style
+from cyclemap.views.object_page import draw_object, draw_way
+from cyclemap.views.rotation_panels import draw_shades
+from cyclemap.views.style import INK, PREDICTED, QUIET
 
 from .catalogue import MeasuredFolder
 from .loop_family import (
@@ -179,110 +179,58 @@ def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> First
     return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
 
 
+@style.picture_style()
 def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
     rows.
     """
-    with picture_style():
-        figure = new_figure(11.4, 4.9)
-        grid = GridSpec(
-            1,
-            2,
-            figure,
-            width_ratios=(1.75, 1.0),
-            left=0.07,
-            right=0.985,
-            bottom=0.125,
-            top=0.86,
-            wspace=0.22,
-        )
-        _draw_plane(figure.add_subplot(grid[0]), result)
-        axes = figure.add_subplot(grid[1])
-        plane = result.plane
-        looks = ((QUIET, ":"), (PREDICTED, "-."), (PREDICTED, "-"), (INK, "--"))
-        axes.axhline(0.0, color=QUIET, linewidth=0.8)
-        for scale, (color, dashes) in zip(ROWS, looks, strict=True):
-            column = int(np.argmin(np.abs(plane.second_values - scale)))
-            label = "isotropic" if scale == 0.0 else f"× {plane.second_values[column]:.2g}"
-            turn = 360 * plane.value[:, column]
-            axes.plot(
-                MM * plane.first_values, turn, dashes, color=color, linewidth=1.7, label=label
-            )
-        axes.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
-        axes.set_xlim(MM * RADII[0], MM * RADII[1])
-        axes.set_title("Along rows", pad=24)
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
-            ncols=4,
-            borderaxespad=0.2,
-            columnspacing=1.0,
-        )
+    figure = style.new_figure(11.4, 5.2)
+    plane, rows = style.panels(figure, "ab", width_ratios=(1.75, 1.0))
+    _draw_plane(plane, result)
+    found = result.plane
+    rows.axhline(0.0, **style.ZERO)
+    for scale, look in zip(ROWS[::-1], style.LINES, strict=True):
+        column = int(np.argmin(np.abs(found.second_values - scale)))
+        label = "isotropic" if scale == 0.0 else f"× {found.second_values[column]:.2g}"
+        rows.plot(MM * found.first_values, 360 * found.value[:, column], label=label, **look)
+    rows.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
+    rows.set_xlim(MM * RADII[0], MM * RADII[1])
+    style.entitle(rows, "Along rows")
     return figure
 
 
 def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
-    plane = result.plane
-    radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value.T
-    axes.grid(visible=False)
-    shades = axes.pcolormesh(
-        radius,
-        scale,
-        np.abs(turn),
-        cmap="YlGnBu",
-        vmin=-4,
-        vmax=45,
-        shading="gouraud",
-        rasterized=True,
-    )
-    figure = axes.get_figure(root=True)
-    assert figure is not None
-    bar = figure.colorbar(
-        shades, ax=axes, fraction=0.05, pad=0.03, label="size of the mean turn of a cycle (°)"
-    )
+    plane, first = result.plane, result.first
+    radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value
+    look = {"cmap": "YlGnBu", "vmin": -4, "vmax": 45, "shading": "gouraud"}
+    label = "size of the mean turn of a cycle (°)"
+    bar = draw_shades(axes, radius, scale, np.abs(turn), label, **look)
     bar.ax.set_ylim(0.0, np.abs(turn).max())
-    lines = axes.contour(radius, scale, turn, levels=LEVELS, colors=INK, linewidths=0.7)
+    lines = axes.contour(radius, scale, turn.T, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
     _draw_tongue(axes, result)
-    first = result.first
-    axes.plot(
-        MM * first.radius,
-        first.scale,
-        "--",
-        color=INK,
-        linewidth=1.3,
-        label="first order",
-        zorder=3,
-    )
-    look: dict[str, Any] = {
-        "markerfacecolor": UNSTABLE,
-        "markeredgecolor": INK,
-        "markersize": 11,
-        "linestyle": "none",
-        "zorder": 6,
-    }
-    axes.plot(MM * result.mit, 1.0, "*", label="MIT ring, plywood", **look)
+    axes.plot(MM * first.radius, first.scale, label="first order", **style.SECOND)
+    star: style.Look = {"marker": "*", "markersize": 11, "zorder": 6, **style.OPEN}
+    axes.plot(MM * result.mit, 1.0, label="MIT ring, plywood", **star)
     axes.text(20.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
-    axes.set(
-        xlabel="distance of the ring from the centre (mm)",
-        ylabel="anisotropy over that of Table I (1)",
-    )
-    axes.set_xlim(MM * RADII[0], MM * RADII[1])
-    axes.set_ylim(*SCALES)
-    outline = MM * CollectionLoop.mit("plywood").slider.outline.points(4)
-    inset = axes.inset_axes((0.72, 0.62, 0.27, 0.36))
-    inset.add_patch(Polygon(outline, facecolor="#f4f4f4", edgecolor=QUIET))
+    axes.set_xlabel("distance of the ring from the centre (mm)")
+    axes.set_ylabel("anisotropy over that of Table I (1)")
+    axes.set(xlim=(MM * RADII[0], MM * RADII[1]), ylim=SCALES)
+    _draw_object(axes.inset_axes((0.72, 0.62, 0.27, 0.36)), result, star)
+    style.entitle(axes, "Mean turn of a cycle")
+
+
+def _draw_object(axes: Axes, result: PhaseDiagram, star: style.Look) -> None:
+    """The object, and the way of its ring."""
+    outline = CollectionLoop.mit("plywood").slider.outline.points(4)
+    draw_object(axes, outline, facecolor="#f4f4f4", edgecolor=QUIET)
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
-    inset.plot(*np.outer([MM * RADII[0], MM * RADII[1]], way).T, color=PREDICTED, linewidth=1.0)
-    inset.plot(0.0, 0.0, "+", color=INK, markersize=6)
-    inset.plot(
-        *(MM * result.mit * way), "*", markerfacecolor=UNSTABLE, markeredgecolor=INK, markersize=9
-    )
-    inset.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
-    inset.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
-    inset.axis("off")
-    axes.set_title("Mean turn of a cycle", pad=24)
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.2)
+    draw_way(axes, np.outer(RADII, way), color=PREDICTED, linewidth=1.0, zorder=3)
+    style.cross(axes, colour=INK)
+    axes.plot(*(MM * result.mit * way), **star)
+    axes.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
+    axes.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
+    axes.axis("off")
 
 
 def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
@@ -293,12 +241,10 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
         for side in (result.inner, result.outer)
     )
     corners = [(MM * RADII[1], SCALES[1]), (MM * RADII[0], SCALES[1])]
-    axes.fill(
-        *np.concatenate([outer, corners, inner[::-1]]).T, facecolor="white", linewidth=0, zorder=2
-    )
-    look: dict[str, Any] = {"color": PREDICTED, "markersize": 4, "linewidth": 2.0, "zorder": 4}
-    axes.plot(*inner.T, "o-", label="saddle-nodes", **look)
-    axes.plot(*outer.T, "o-", **look)
+    tongue = np.concatenate([outer, corners, inner[::-1]])
+    axes.fill(*tongue.T, facecolor="white", linewidth=0, zorder=2)
+    for edge in (inner, outer):
+        axes.plot(*edge.T, marker="o", markersize=4, label="saddle-nodes", **style.LINE)
 
 
 def caption(result: PhaseDiagram) -> str:

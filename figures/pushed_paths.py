@@ -23,11 +23,11 @@ from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
-from cyclemap.views.style import QUIET
+from cyclemap.views import style
+from cyclemap.views.sentences import listed
 
 from .catalogue import MeasuredFolder
 from .measured_sets import (
-    listed,
     measured_run,
     measured_theta0,
     not_found,
@@ -244,21 +244,18 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     return crossed, int(np.sum(later))
 
 
-def shade_bar(
-    figure: Figure, place: tuple[float, float, float, float], surfaces: list[PushedPaths]
-) -> ScalarMappable:
-    """Draw the bar of shades at a place (left, bottom, width, height) of the figure, and return the
-    shades.
-
-    They are those of the turns (degrees) of all pushes, from the least to the largest in whole
+def shades_of(surfaces: list[PushedPaths]) -> ScalarMappable:
+    """The shades of the turns (degrees) of all pushes, from the least to the largest in whole
     degrees.
     """
     turns = np.degrees(np.concatenate([paths.turn for paths in surfaces]))
-    shades = ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
-    bar = figure.add_axes(place)
-    figure.colorbar(shades, cax=bar, label="Δθ, turn of the push (°)")
-    bar.grid(False)
-    return shades
+    return ScalarMappable(Normalize(np.floor(turns.min()), np.ceil(turns.max())), SHADES)
+
+
+def shade_bar(figure: Figure, panels: list[Axes], shades: ScalarMappable) -> None:
+    """The bar of shades at the right of all panels."""
+    bar = figure.colorbar(shades, ax=panels, label="Δθ, turn of the push (°)", shrink=0.6)
+    bar.ax.grid(visible=False)
 
 
 def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) -> None:
@@ -269,7 +266,7 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
         list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75
     )
     axes.add_collection(collection)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
+    style.cross(axes)
     axes.set_aspect("equal")
 
 

@@ -5,29 +5,18 @@ and meet.
 import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import FuncFormatter, NullFormatter
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    PREDICTED,
-    QUIET,
-    UNSTABLE,
-    degree_axis,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.map_panels import draw_turns
+from cyclemap.views.orbit_panels import LOST, STABLE
 
 from .catalogue import MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
@@ -141,141 +130,66 @@ def _counted(loop: CollectionLoop, slow: float) -> float:
         theta, cycles = following, cycles + 1
 
 
+@style.picture_style()
 def draw(result: SaddleNode) -> Figure:
     """The pair over the radius, its multiplier, the passage beyond,
     and three graphs of the turn."""
-    with picture_style():
-        figure = new_figure(10.0, 7.2)
-        grid = GridSpec(
-            2,
-            1,
-            figure,
-            height_ratios=(2.0, 1.0),
-            left=0.075,
-            right=0.98,
-            bottom=0.08,
-            top=0.95,
-            hspace=0.36,
-        )
-        upper = grid[0].subgridspec(2, 2, width_ratios=(1.35, 1.0), hspace=0.62, wspace=0.24)
-        _draw_pair(figure.add_subplot(upper[:, 0]), result)
-        axes = figure.add_subplot(upper[0, 1])
-        branch = result.branch
-        for _, chosen, look in _sides(branch):
-            axes.plot(MM * branch.parameter[chosen], branch.multiplier[chosen], **look)
-        axes.axhline(1.0, color=QUIET, linewidth=0.8)
-        _mark(axes, result.fold, 1.0)
-        axes.set(xlabel="distance of the ring (mm)", ylabel="multiplier f'(θ0) (1)")
-        axes.set_xlim(MM * RADII[0], MM * RADII[1])
-        axes.set_title("Multipliers meet at 1")
-        axes = figure.add_subplot(upper[1, 1])
-        beyond = MM * result.distances
-        axes.loglog(
-            beyond,
-            result.cycles_a_turn,
-            "o-",
-            color=PREDICTED,
-            markersize=3.5,
-            label="cycles a turn",
-        )
-        axes.loglog(
-            beyond, result.passage, "--", color=INK, linewidth=1.2, label="bottleneck, π/√(εa)"
-        )
-        if result.counted.size:
-            look = {
-                "markerfacecolor": MEASURED,
-                "markeredgecolor": INK,
-                "markersize": 7,
-                "zorder": 5,
-            }
-            axes.plot(
-                MM * result.counted[:, 0],
-                result.counted[:, 1],
-                "D",
-                label="run cycle by cycle",
-                **look,
-            )
-        axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
-        axes.set_xticks((0.01, 0.03, 0.1, 0.3, 1.0))
-        axes.set_yticks((20, 50, 100, 200))
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-            axis.set_minor_formatter(NullFormatter())
-        axes.set_title("What is left: a passage")
-        axes.legend(loc="upper right", borderaxespad=0.1)
-        lower = grid[1].subgridspec(1, 3, wspace=0.12)
-        first: Axes | None = None
-        for place, graph in enumerate(result.graphs):
-            axes = figure.add_subplot(lower[place], sharey=first)
-            first = first or axes
-            _draw_graph(axes, graph, place)
+    figure = style.new_figure(10.0, 8.2)
+    pair, multiplier, passage = style.panels(figure, "ab;ac", (0.33, 1.0), width_ratios=(1.35, 1.0))
+    branch, fold = result.branch, result.fold
+    _draw_sides(pair, branch, np.degrees(branch.points[:, 0]))
+    pair.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
+    middle = 0.5 * MM * (RADII[0] + fold.radius)
+    pair.text(middle, 60, "no fixed\ndirection", ha="center", color=style.QUIET)
+    place = MM * fold.radius, math.degrees(fold.theta)
+    pair.plot(*place, "o", markersize=7, zorder=5, **style.OPEN)
+    told = f"saddle-node {place[0]:.3f} mm, {place[1]:.1f}°"
+    style.name_beside(pair, *place, told, (10, -4))
+    pair.set_ylabel("direction θ0 (°)")
+    pair.set_yticks(range(45, 226, 45))
+    style.entitle(pair, "Directions that repeat")
+    _draw_sides(multiplier, branch, branch.multiplier)
+    multiplier.axhline(1.0, **style.ZERO)
+    multiplier.plot(MM * fold.radius, 1.0, "o", markersize=7, zorder=5, **style.OPEN)
+    multiplier.set_ylabel("multiplier f'(θ0) (1)")
+    style.entitle(multiplier, "Multipliers meet at 1")
+    _draw_passage(passage, result)
+    graphs = zip(result.graphs, ("two zeros", "a touch", "none"), strict=True)
+    lower = style.panels(figure, "abc", (0.0, 0.36), sharey=True)
+    for axes, ((radius, theta, turn), zeros) in zip(lower, graphs, strict=True):
+        draw_turns(axes, theta, {"turn": turn})
+        style.degree_axis(axes, "θ0 (°)", 90)
+        axes.set_ylabel("turn of a cycle (°)")
+        axes.label_outer()
+        axes.set_title(f"ring {MM * radius:.{3 if zeros == 'a touch' else 1}f} mm: {zeros}")
     return figure
 
 
-def _sides(branch: OrbitBranch) -> list[tuple[str, NDArray[np.intp], dict[str, Any]]]:
-    """The stable and the unstable part, by radius, each from the fold on, and its look."""
+def _draw_sides(axes: Axes, branch: OrbitBranch, values: Array) -> None:
+    """Values along the stable and the unstable part of the branch, by radius, each from the fold
+    on.
+    """
     fold = int(np.argmin(branch.parameter))
-    sides = []
-    for stable, name in ((True, "stable"), (False, "unstable")):
-        chosen = np.union1d(np.flatnonzero(branch.stable == stable), [fold])
-        look = {
-            "color": PREDICTED if stable else QUIET,
-            "linestyle": "-" if stable else "--",
-            "linewidth": 2.0,
-        }
-        sides.append((name, chosen[np.argsort(branch.parameter[chosen])], look))
-    return sides
-
-
-def _draw_pair(axes: Axes, result: SaddleNode) -> None:
-    branch, fold = result.branch, result.fold
-    for name, chosen, look in _sides(branch):
-        axes.plot(
-            MM * branch.parameter[chosen], np.degrees(branch.points[chosen, 0]), label=name, **look
-        )
-    axes.axvspan(MM * RADII[0], MM * fold.radius, color="#eeeeee", zorder=0, linewidth=0)
-    axes.text(
-        MM * (RADII[0] + fold.radius) / 2, 60, "no fixed\ndirection", ha="center", color=QUIET
-    )
-    _mark(axes, fold, math.degrees(fold.theta))
-    axes.annotate(
-        f"saddle-node\n{MM * fold.radius:.3f} mm, {math.degrees(fold.theta):.1f}°",
-        (MM * fold.radius, math.degrees(fold.theta)),
-        (16, -4),
-        textcoords="offset points",
-        va="center",
-    )
-    axes.set(xlabel="distance of the ring from the centre (mm)", ylabel="direction θ0 (°)")
+    for side, look in ((branch.stable, STABLE), (~branch.stable, LOST)):
+        chosen = np.union1d(np.flatnonzero(side), [fold])
+        chosen = chosen[np.argsort(branch.parameter[chosen])]
+        axes.plot(MM * branch.parameter[chosen], values[chosen], **look)
+    axes.set_xlabel("distance of the ring from the centre (mm)")
     axes.set_xlim(MM * RADII[0], MM * RADII[1])
-    axes.set_yticks(range(45, 226, 45))
-    axes.set_title("Directions that repeat")
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2)
 
 
-def _mark(axes: Axes, fold: RingFold, height: float) -> None:
-    look: dict[str, Any] = {
-        "markerfacecolor": UNSTABLE,
-        "markeredgecolor": INK,
-        "markersize": 7,
-        "zorder": 5,
-    }
-    axes.plot(MM * fold.radius, height, "o", **look)
-
-
-def _draw_graph(axes: Axes, graph: tuple[float, Array, Array], place: int) -> None:
-    radius, theta, turn = graph
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.plot(np.degrees(theta), np.degrees(turn), color=PREDICTED, linewidth=1.8)
-    axes.set_title(
-        f"ring {MM * radius:.{3 if place == 1 else 1}f} mm: "
-        f"{('two zeros', 'a touch', 'none')[place]}"
-    )
-    degree_axis(axes, "θ0 (°)")
-    axes.set_xticks(range(0, 361, 90))
-    if place == 0:
-        axes.set_ylabel("turn of a cycle (°)")
-    else:
-        axes.tick_params(labelleft=False)
+def _draw_passage(axes: Axes, result: SaddleNode) -> None:
+    beyond = MM * result.distances
+    axes.loglog(beyond, result.cycles_a_turn, marker=".", label="cycles a turn", **style.LINE)
+    axes.loglog(beyond, result.passage, label="bottleneck, π/√(εa)", **style.SECOND)
+    if result.counted.size:
+        distance, counted = result.counted.T
+        axes.plot(MM * distance, counted, "D", label="run cycle by cycle", **style.MARKS)
+    axes.set(xlabel="distance inside the saddle-node (mm)", ylabel="cycles")
+    style.plain_ticks(axes.xaxis, (0.01, 0.03, 0.1, 0.3, 1.0))
+    style.plain_ticks(axes.yaxis, (20, 50, 100, 200))
+    axes.set_title("What is left: a passage")
+    axes.legend(loc="upper right", borderaxespad=0.1)
 
 
 def caption(result: SaddleNode) -> str:

@@ -4,38 +4,26 @@ other.
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Circle, Polygon
 
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.object_page import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET
 
 from .catalogue import MeasuredFolder
 
-MM = 1000.0
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
 START = math.radians(270.0)
 # The shade of the first cycle and of the second, by lightness.
 _CYCLE_COLOURS = (QUIET, PREDICTED)
-# Drawn size of the ring, mm: as in the drawing of a cycle elsewhere.
-_RING = 7.0
 _ARROW, _WORDS = 38.0, 46.0
+_NAMES = (("k", "ᵏ"), ("k+1", "ᵏ⁺¹"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,145 +50,65 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
     return SetupAndCycles(loop, (first, second), (first.scene(), second.scene()))
 
 
+@style.picture_style()
 def draw(result: SetupAndCycles) -> Figure:
     """Draw the set-up in the object's frame on the left,
     the two cycles in the world on the right."""
-    with picture_style():
-        figure = new_figure(10.6, 5.9)
-        grid = GridSpec(
-            1,
-            2,
-            figure,
-            left=0.06,
-            right=0.985,
-            bottom=0.1,
-            top=0.9,
-            wspace=0.18,
-            width_ratios=(1, 1.33),
-        )
-        _draw_setup(figure.add_subplot(grid[0]), result)
-        _draw_cycles(figure.add_subplot(grid[1]), result)
+    figure = style.new_figure(11.0, 5.9)
+    setup, cycles = style.panels(figure, "ab", keys=2)
+    draw_setup(setup, result.loop)
+    _draw_lengths(setup, result)
+    _draw_cycles(cycles, result)
     return figure
 
 
-def _draw_setup(axes: Axes, result: SetupAndCycles) -> None:
-    loop = result.loop
-    outline = MM * loop.slider.outline.points(4)
-    axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
-    axes.plot(0.0, 0.0, "+", color=INK, markersize=9)
-    _name(axes, (3.0, -5.0), "centre", ha="left")
-    for number, middle in enumerate(0.5 * (outline[:-1] + outline[1:])):
-        place = middle * (38.0 / 45.0) if number else np.add(middle, (34.0, -7.0))
-        _name(
-            axes,
-            (float(place[0]), float(place[1])),
-            f"side {number}",
-            rotation=90.0 if number % 2 else 0.0,
-        )
-    hitch = MM * np.array(loop.slider.hitch)
-    axes.add_patch(Circle(tuple(hitch), _RING, fill=False, edgecolor=INK, linewidth=1.4))
-    axes.plot([0.0, hitch[0]], [0.0, hitch[1]], color=QUIET, linewidth=1.0, linestyle="--")
-    _name(axes, (-1.0, 20.0), f"ring, {np.hypot(*hitch):.0f} mm\nfrom centre", ha="left")
+def _draw_lengths(axes: Axes, result: SetupAndCycles) -> None:
+    """The lengths of the set-up, and the ring's distance from the centre."""
     loop, contact = result.loop, MM * result.contact
-    radius, length = MM * loop.pusher.radius, MM * loop.push.distance
-    rod = np.add(contact, (0.0, radius))
-    axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
-    arrow(axes, rod, (rod[0], rod[1] - length), FORCE, 2.0)
-    _name(axes, (rod[0] - 3.0, -88.0), f"push,\n{length:.0f} mm", ha="right", color=FORCE)
-    _name(axes, (rod[0] - 8.0, rod[1] + 2.0), f"rod, radius {radius:.2f} mm", ha="right")
-    _dimension(axes, (contact[0], 62.0), (0.0, 62.0), f"{abs(contact[0]):.0f} mm", above=True)
-    _dimension(axes, (-45.0, -57.0), (45.0, -57.0), f"{np.ptp(outline[:, 0]):.0f} mm")
-    axes.set(
-        xlim=(-78, 68),
-        ylim=(-118, 78),
-        aspect="equal",
-        xlabel="x (mm), object's frame",
-        ylabel="y (mm)",
-    )
-    axes.set_title("Set-up, to scale")
+    hitch, (left, low) = MM * np.array(loop.slider.hitch), MM * loop.slider.outline.points(4).min(0)
+    axes.plot([0.0, hitch[0]], [0.0, hitch[1]], color=QUIET, linewidth=1.0, linestyle="--")
+    _dimension(axes, contact[0], 0.0, contact[1] + 22.0)
+    _dimension(axes, left, -left, low - 15.0)
 
 
-def _dimension(
-    axes: Axes,
-    start: tuple[float, float],
-    end: tuple[float, float],
-    words: str,
-    above: bool = False,
-) -> None:
+def _dimension(axes: Axes, start: float, end: float, level: float) -> None:
     """A level line with arrows at both ends and its length."""
-    axes.annotate(
-        "",
-        xy=end,
-        xytext=start,
-        arrowprops={"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0},
-    )
-    place = 0.5 * (start[0] + end[0]), start[1] + (3.0 if above else -3.0)
-    _name(axes, place, words, va="bottom" if above else "top")
-
-
-def _name(axes: Axes, place: tuple[float, float], words: str, **look: Any) -> None:
-    given: dict[str, Any] = {"fontsize": 8, "ha": "center", "va": "center", "zorder": 6, **look}
-    axes.text(*place, words, **given)
+    look = {"arrowstyle": "<->", "color": INK, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=(end, level), xytext=(start, level), arrowprops=look)
+    middle, told = 0.5 * (start + end), f"{abs(end - start):.0f} mm"
+    axes.text(middle, level + 2.0, told, fontsize=8, ha="center", va="bottom")
 
 
 def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
     corners = []
-    for number, (cycle, scene) in enumerate(zip(result.cycles, result.scenes, strict=True)):
-        colour = _CYCLE_COLOURS[number]
+    told = zip(result.cycles, result.scenes, _NAMES, _CYCLE_COLOURS, strict=True)
+    for cycle, scene, (index, raised), colour in told:
         for outline, width in ((scene.push.before, 1.6), (scene.push.after, 0.7)):
-            axes.add_patch(Polygon(MM * outline, fill=False, edgecolor=colour, linewidth=width))
-        _path(axes, scene.push, colour, "-", f"push {_INDEX[number]}")
-        _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {_INDEX[number]}")
+            draw_object(axes, outline, facecolor="none", edgecolor=colour, linewidth=width)
+        _path(axes, scene.push, colour, "-", f"push {index}")
+        _path(axes, scene.drag, colour, (0, (4, 2)), f"drag back {index}")
         tip = MM * scene.push.rod[0]
         # The touched side's inward normal is -y in the object's frame.
-        way = placed(
-            np.array([0.0, 0.0, cycle.theta + result.loop.push.angle]), np.array([0.0, -1.0])
-        )
+        turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
+        way = placed(turned, np.array([0.0, -1.0]))
         corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
-        tail = tip - _ARROW * way
-        arrow(axes, tail, tip, FORCE, 2.2, 8)
-        words = (
-            f"push {_INDEX[number]}, from\nθ₀{_RAISED[number]} = {math.degrees(cycle.theta):.0f}°"
-        )
-        (x, y), lean = (
-            (tail - 4.0 * way).tolist(),
-            "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center",
-        )
+        style.arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
+        words = f"push {index}, from\nθ₀{raised} = {math.degrees(cycle.theta):.0f}°"
+        x, y = (tip - (_ARROW + 4.0) * way).tolist()
+        lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
-    axes.plot(
-        0.0,
-        0.0,
-        "x",
-        color=INK,
-        markersize=8,
-        markeredgewidth=1.8,
-        label="target of the ring",
-        zorder=7,
-    )
-    # A square window about all that is drawn, with room for the words behind the arrows.
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
-    middle, half = 0.5 * (low + high), (high - low).max() / 2 + 12.0
-    axes.set(
-        xlim=(middle[0] - half, middle[0] + half),
-        ylim=(middle[1] - half, middle[1] + half),
-        aspect="equal",
-    )
+    mark_target(axes)
+    style.square_window(axes, np.array(corners))
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
-    axes.set_title("Path of the centre in cycles k and k+1")
-    axes.legend(loc="lower right")
+    style.entitle(axes, "Path of the centre in cycles k and k+1")
 
 
-_INDEX, _RAISED = ("k", "k+1"), ("ᵏ", "ᵏ⁺¹")
-
-
-def _path(axes: Axes, stroke: StrokeScene, colour: str, style: Any, label: str) -> None:
+def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str) -> None:
     path = MM * stroke.centre
-    axes.plot(*path.T, color=colour, linewidth=2.2, linestyle=style, label=label, zorder=5)
+    line: style.Look = {"linestyle": dash, "linewidth": 2.2, "label": label, "zorder": 5}
+    axes.plot(*path.T, color=colour, **line)
     middle = len(path) // 2
-    look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
-    axes.annotate(
-        "", xy=tuple(path[middle + 1]), xytext=tuple(path[middle - 1]), arrowprops=look, zorder=6
-    )
+    style.arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
 
 
 def caption(result: SetupAndCycles) -> str:

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
@@ -17,16 +14,13 @@ from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.theta0_pairs import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
+from cyclemap.views import style
+from cyclemap.views.map_panels import (
+    OUTCOMES,
+    draw_curves,
+    draw_measured,
+    draw_measured_turns,
+    draw_turns,
 )
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
@@ -116,57 +110,29 @@ def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> Simu
     return SimulatedTurns(name, read_only(theta), push, cycle)
 
 
+@style.picture_style()
 def draw(result: SimulatedAgainstMeasured) -> Figure:
     """Draw Δθ of the push on the left, the turn of the whole cycle on the right."""
-    with picture_style():
-        figure = new_figure(12.2, 5.0)
-        grid = GridSpec(1, 2, figure, left=0.06, right=0.985, bottom=0.11, top=0.8, wspace=0.15)
-        push, cycle = (figure.add_subplot(grid[number]) for number in range(2))
-        published = published_statistics(SURFACE)
-        mean, spread = np.degrees([published.mean[0], published.std[0]])
-        push.axhspan(
-            mean - spread, mean + spread, color="#f6e3bd", zorder=0, label="published, mean ± σ"
-        )
-        push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
-        if result.recorded is not None:
-            pushes = result.recorded.pushes
-            _dots(push, pushes.theta, pushes.dtheta, "recorded pushes")
-        push.set_ylabel("Δθ, turn of the push (°)")
-        push.set_title("Push", pad=34.0)
-        cycle.axhline(0.0, color=QUIET, linewidth=0.9, zorder=1)
-        if result.cycles:
-            bins, pairs = result.cycles[0].bins, result.cycles[0].pairs
-            _dots(cycle, pairs.theta, pairs.turn, "measured cycles")
-            medians = np.degrees([bins.centre, bins.median])
-            squares: dict[str, Any] = {
-                "color": MEASURED_EDGE,
-                "markerfacecolor": "white",
-                "markersize": 4.5,
-                "linestyle": "none",
-            }
-            cycle.plot(*medians, "s", label="their medians in 5°", zorder=6, **squares)
-        cycle.set_ylabel("turn of push and drag (°)")
-        cycle.set_title("Whole cycle", pad=34.0)
-        for simulated, look in zip(result.simulated, _LOOKS, strict=True):
-            for axes, turns in ((push, simulated.push), (cycle, simulated.cycle)):
-                curve = np.degrees(turns.turn(_CURVE))
-                axes.plot(np.degrees(_CURVE), curve, label=simulated.name, zorder=5, **look)
-        for axes in (push, cycle):
-            degree_axis(axes, "θ0, orientation before the push (°)")
-            legend_above(axes, columns=2)
+    figure = style.new_figure(12.2, 5.0)
+    push, cycle = style.panels(figure, "ab", keys=2)
+    if result.cycles:
+        draw_measured_turns(cycle, result.cycles[0].pairs, result.cycles[0].bins)
+    draw_curves(push, _CURVE, {one.name: one.push.turn(_CURVE) for one in result.simulated})
+    draw_turns(cycle, _CURVE, {one.name: one.cycle.turn(_CURVE) for one in result.simulated})
+    published = published_statistics(SURFACE)
+    mean, spread = np.degrees([published.mean[0], published.std[0]])
+    band: style.Look = {"color": "#f6e3bd", "label": "published, mean ± σ", "zorder": 0}
+    push.axhspan(mean - spread, mean + spread, **band)
+    push.axhline(mean, color=style.MEASURED_EDGE, linewidth=1.0, zorder=1)
+    if result.recorded is not None:
+        pushes = result.recorded.pushes
+        draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), "recorded pushes")
+    style.degree_axis(push)
+    push.set_ylabel(OUTCOMES["dtheta"][1])
+    style.entitle(push, "Push")
+    cycle.set_ylabel("turn of push and drag (°)")
+    style.entitle(cycle, "Whole cycle")
     return figure
-
-
-_LOOKS: tuple[dict[str, Any], ...] = (
-    {"color": PREDICTED, "linewidth": 2.2, "linestyle": "-"},
-    {"color": INK, "linewidth": 1.5, "linestyle": (0, (5, 2))},
-    {"color": QUIET, "linewidth": 1.5, "linestyle": (0, (1, 1.2))},
-)
-
-
-def _dots(axes: Axes, theta: Array, turn: Array, label: str) -> None:
-    x, y = np.degrees(np.mod(theta, 2.0 * np.pi)), np.degrees(turn)
-    axes.plot(x, y, ".", color=MEASURED, markersize=2.5, alpha=0.6, label=label, zorder=2)
 
 
 def caption(result: SimulatedAgainstMeasured) -> str:

@@ -3,15 +3,13 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import ConvergenceError, InvalidInput
@@ -35,17 +33,8 @@ from cyclemap.maps import (
     slow_passages,
     transfer_operator,
 )
-from cyclemap.views.style import (
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    degree_axis,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views import style
+from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_turns
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .loop_family import with_ring_at
@@ -54,8 +43,8 @@ from .loop_family import with_ring_at
 WEAR_DEGREE = 2
 # The ring, in metres, a tenth of a millimetre inside the saddle-node; cycles drawn as a staircase.
 RADIUS, DRAWN = 0.0097, 800
-SAMPLED = "#9db8d2"
-_GRID = 2 * np.pi * np.arange(721) / 720
+
+SAMPLED: style.Look = {**style.BARS, "facecolor": "#9db8d2", "edgecolor": style.PREDICTED}
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +153,7 @@ def bottleneck(
         sigma,
         slowest,
         prediction,
-        operator.density(_GRID),
+        operator.density(CIRCLE),
         path,
         lengths,
         (mean, spread),
@@ -173,42 +162,26 @@ def bottleneck(
     )
 
 
+@style.picture_style()
 def draw(result: StaircaseBottleneck) -> Figure:
     """A row for the computed bottleneck and one for the measured, where there is one.
 
     Each shows map, directions, staircase, lengths of visits.
     """
-    with picture_style():
-        shown = [one for one in (result.computed, result.measured) if one is not None]
-        tall = len(shown) > 1
-        figure = new_figure(12.6, 6.6 if tall else 3.6)
-        ends = {"bottom": 0.085, "top": 0.875} if tall else {"bottom": 0.15, "top": 0.78}
-        grid = GridSpec(
-            len(shown), 4, figure, left=0.05, right=0.99, wspace=0.27, hspace=0.62, **ends
-        )
-        for row, one in enumerate(shown):
-            panels = [figure.add_subplot(grid[row, column]) for column in range(4)]
-            figure.text(
-                0.008,
-                panels[0].get_position().y1 + (0.055 if tall else 0.1),
-                one.title.capitalize(),
-                fontsize=12,
-                weight="bold",
-            )
-            for axes, panel in zip(
-                panels, (_draw_turn, _draw_directions, _draw_path, _draw_lengths), strict=True
-            ):
-                panel(axes, one)
-                if panel is not _draw_lengths:
-                    axes.legend(
-                        loc="lower left",
-                        bbox_to_anchor=(-0.02, 1.0),
-                        ncols=3,
-                        borderaxespad=0.1,
-                        columnspacing=0.9,
-                        handlelength=1.5,
-                        fontsize=7.5,
-                    )
+    shown = [one for one in (result.computed, result.measured) if one is not None]
+    figure = style.new_figure(13.6, 3.7 * len(shown))
+    panels = style.panels(figure, style.rows_of(*(4,) * len(shown)), keys=3)
+    for row, one in enumerate(shown):
+        turn, directions, path, lengths = panels[4 * row : 4 * row + 4]
+        _draw_turn(turn, one)
+        _draw_directions(directions, one)
+        _draw_path(path, one)
+        _draw_lengths(lengths, one)
+        for axes in (turn, directions):
+            style.degree_axis(axes, "θ0 (°)", 90)
+        style.entitle(turn, one.title.capitalize())
+        for axes in (directions, path, lengths):
+            style.legend_above(axes)
     return figure
 
 
@@ -223,106 +196,55 @@ def _parabola(one: Bottleneck) -> tuple[Array, Array]:
 
 
 def _draw_turn(axes: Axes, one: Bottleneck) -> None:
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
     if one.bins is not None:
-        look: dict[str, Any] = {
-            "markersize": 3,
-            "markeredgecolor": MEASURED_EDGE,
-            "markeredgewidth": 0.5,
-        }
-        axes.plot(
-            np.degrees(one.bins.centre),
-            np.degrees(one.bins.median),
-            "s",
-            color=MEASURED,
-            label="medians",
-            **look,
-        )
+        medians = np.degrees([one.bins.centre, one.bins.median])
+        axes.plot(*medians, "s", label="medians", **style.MARKS)
     name = "map" if one.bins is None else "fitted map"
-    axes.plot(
-        np.degrees(_GRID),
-        np.degrees(one.map.turn(_GRID)),
-        color=PREDICTED,
-        linewidth=1.8,
-        label=name,
-    )
-    axes.plot(*np.degrees(_parabola(one)), "--", color=INK, linewidth=1.4, label="ε + a x²")
-    degree_axis(axes, "θ0 (°)")
-    axes.set_xticks(range(0, 361, 90))
+    draw_turns(axes, CIRCLE, {name: one.map.turn(CIRCLE)})
+    axes.plot(*np.degrees(_parabola(one)), label="ε + a x²", **style.SECOND)
     axes.set_ylabel("turn of a cycle (°)")
 
 
 def _draw_directions(axes: Axes, one: Bottleneck) -> None:
-    per_degree, fill = math.radians(1.0), PREDICTED_FILL if one.bins is None else MEASURED
-    edges = np.degrees(one.histogram.edges)
-    axes.stairs(per_degree * one.histogram.density, edges, fill=True, color=fill, label=_seen(one))
-    axes.plot(
-        np.degrees(_GRID),
-        per_degree * one.density,
-        color=PREDICTED,
-        linewidth=1.5,
-        label="predicted",
-    )
+    edges, fill = np.degrees(one.histogram.edges), style.BAND if one.bins is None else style.BARS
+    heights = PER_DEGREE * one.histogram.density
+    axes.stairs(heights, edges, fill=True, label=_seen(one), **fill)
+    axes.plot(np.degrees(CIRCLE), PER_DEGREE * one.density, label="predicted", **style.LINE)
     theta, pace = _parabola(one)
-    share = per_degree / (2 * np.pi / float(one.prediction.mean_turn)) / pace
-    axes.plot(np.degrees(theta), share, "--", color=INK, linewidth=1.2, label="1/(ε + a x²)")
-    degree_axis(axes, "θ0 (°)")
-    axes.set_xticks(range(0, 361, 90))
-    axes.set(ylabel="share of cycles (per degree)")
+    share = PER_DEGREE * float(one.prediction.mean_turn) / (TWO_PI * pace)
+    axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **style.SECOND)
+    axes.set_ylabel("share of cycles (per degree)")
     axes.set_ylim(bottom=0.0)
 
 
 def _draw_path(axes: Axes, one: Bottleneck) -> None:
+    """The path in turns from its start, beside the fitted map's run, or its mean pace."""
     shown = one.path if one.bins is not None else one.path[: DRAWN + 1]
-    turns = (shown - shown[0]) / (2 * np.pi)
-    look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 2.0}
-    if one.bins is None:
-        look = {"color": PREDICTED, "linewidth": 1.2}
-    axes.plot(turns, label=_seen(one), **look)
-    if one.run is not None:
-        axes.plot(
-            (one.run - one.run[0]) / (2 * np.pi),
-            color=PREDICTED,
-            linewidth=1.0,
-            label="run of the map fitted with wear",
-        )
+    pace = float(one.prediction.mean_turn)
+    run = {**style.LINE, "linewidth": 1.2}
+    turns = (shown - shown[0]) / TWO_PI
+    axes.plot(turns, label=_seen(one), **(run if one.bins is None else style.PATH))
+    if one.run is None:
+        mean = pace / TWO_PI * np.arange(shown.size)
+        axes.plot(mean, label="its mean", **style.FOURTH)
     else:
-        pace = float(one.prediction.mean_turn) / (2 * np.pi)
-        axes.plot(
-            [0, shown.size - 1],
-            [0, pace * (shown.size - 1)],
-            ":",
-            color=INK,
-            linewidth=1.2,
-            label="its mean",
-        )
-    axes.set(xlabel="cycle", ylabel="turns climbed (1)", xlim=(0, shown.size - 1))
+        axes.plot((one.run - one.run[0]) / TWO_PI, label="run of the fitted map", **run)
+    style.count_axis(axes, "cycle", shown.size - 1)
+    axes.set_ylabel("turns climbed (1)")
 
 
 def _draw_lengths(axes: Axes, one: Bottleneck) -> None:
     mean, spread = one.visit
     top = 1.05 * max(float(one.lengths.max()), mean + 3 * spread)
-    color, edge = (SAMPLED, PREDICTED) if one.bins is None else (MEASURED, MEASURED_EDGE)
-    axes.hist(
-        one.lengths,
-        bins=np.linspace(0, top, 31).tolist(),
-        color=color,
-        edgecolor=edge,
-        linewidth=0.5,
-    )
-    axes.axvspan(
-        mean - spread, mean + spread, color=PREDICTED_FILL, alpha=0.55, zorder=0, linewidth=0
-    )
-    axes.axvline(mean, color=PREDICTED, linewidth=1.8, label=f"predicted {mean:.0f} ± {spread:.0f}")
-    law = one.passage.passage_cycles
-    axes.axvline(law, color=INK, linewidth=1.4, linestyle="--", label=f"π/√(εa) = {law:.0f}")
-    seen = float(one.lengths.mean())
-    axes.plot(
-        [], [], "s", color=color, markeredgecolor=edge, label=f"{_seen(one)}, mean {seen:.0f}"
-    )
+    label = f"{_seen(one)}, mean {one.lengths.mean():.0f}"
+    bars = SAMPLED if one.bins is None else style.BARS
+    axes.hist(one.lengths, np.linspace(0, top, 31).tolist(), label=label, **bars)
+    axes.axvspan(mean - spread, mean + spread, **style.BAND)
+    told, law = f"predicted {mean:.0f} ± {spread:.0f}", one.passage.passage_cycles
+    axes.axvline(mean, label=told, **style.LINE)
+    axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **style.SECOND)
     axes.set(xlabel="cycles on a step", ylabel="number of steps (1)", xlim=(0, top))
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-    axes.legend(loc="upper right", fontsize=7.5, borderaxespad=0.1, handlelength=1.5)
 
 
 def caption(result: StaircaseBottleneck) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,9 +12,8 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.evidence.tables.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.fit_page import CIRCLE
-from cyclemap.views.portrait_page import draw_staircase
-from cyclemap.views.style import PREDICTED_FILL, legend_above
+from cyclemap.views.map_panels import CIRCLE
+from cyclemap.views.staircase_panels import draw_staircase
 
 from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
@@ -109,17 +107,8 @@ def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
 
 
 def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
-    lower, upper = np.degrees(one.lower), np.degrees(one.upper)
-    look: dict[str, Any] = {
-        "color": PREDICTED_FILL,
-        "linewidth": 0,
-        "label": "95 % of predicted runs",
-        "zorder": 1,
-    }
-    axes.fill_between(np.arange(lower.size), lower, upper, **look)
-    draw_staircase(axes, one.climb.path, None if one.recorded is None else one.recorded.path)
-    axes.set_xlabel("push")
-    legend_above(axes, columns=2)
+    recorded = None if one.recorded is None else one.recorded.path
+    draw_staircase(axes, one.climb.path, recorded, (one.lower, one.upper), "push")
 
 
 def caption(result: tuple[MaterialStaircase, ...]) -> str:

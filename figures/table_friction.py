@@ -9,9 +9,10 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
+from cyclemap.views.sentences import listed
 
 from .catalogue import MeasuredFolder
-from .measured_sets import listed, measured_scans, not_found
+from .measured_sets import measured_scans, not_found
 from .simulated_collections import SIMULATED
 
 HEADER = (

@@ -6,9 +6,10 @@ import numpy as np
 
 from cyclemap.evidence import SetLaws
 from cyclemap.evidence.tables.set_fit import MotionLaw
+from cyclemap.views.sentences import listed
 
 from .catalogue import MeasuredFolder
-from .measured_sets import listed, not_found
+from .measured_sets import not_found
 from .published_statistics import PUBLISHED_CYCLES
 from .simulated_collections import (
     PAPER,

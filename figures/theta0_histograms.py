@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
-from cyclemap.views.fit_page import CIRCLE
-from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram
-from cyclemap.views.style import INK, PREDICTED, QUIET, degree_axis, legend_above, name_tag
+from cyclemap.views import style
+from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_recorded
+from cyclemap.views.sentences import listed
 
 from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
-from .measured_sets import listed, measured_theta0, not_found
+from .measured_sets import measured_theta0, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
 
 UNIFORM = 1.0 / (2 * np.pi)
@@ -90,46 +90,18 @@ def draw(result: tuple[MaterialDirections, ...]) -> Figure:
 
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:
-    if one.recorded is not None:
-        draw_measured_histogram(axes, one.recorded)
+    draw_recorded(axes, one.recorded)
     edges, height = np.degrees(one.simulated.edges), PER_DEGREE * one.simulated.density
-    axes.stairs(height, edges, color=INK, linewidth=0.9, label="simulated", zorder=3)
-    density = PER_DEGREE * one.density
-    axes.plot(
-        np.degrees(CIRCLE),
-        density,
-        color=PREDICTED,
-        linewidth=1.8,
-        label="stationary density",
-        zorder=4,
-    )
-    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
-    degree_axis(axes)
-    axes.set_ylabel("probability per degree")
-    shown = (
-        [height, density]
-        if one.recorded is None
-        else [height, density, PER_DEGREE * one.recorded.density]
-    )
-    axes.set_ylim(0.0, 1.3 * float(np.max(np.concatenate(shown))))
-    label, top = "paper's peak", axes.get_ylim()[1]
+    axes.stairs(height, edges, label="simulated", **{**style.SECOND, "linestyle": "-"})
+    around, density = np.degrees(CIRCLE), PER_DEGREE * one.density
+    axes.plot(around, density, label="stationary density", **style.LINE)
+    top = 1.3 * axes.dataLim.y1
+    axes.set_ylim(0.0, top)
     for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
-        axes.axvline(
-            place, ymax=0.9, color=INK, linewidth=1.1, linestyle="--", label=label, zorder=2
-        )
-        name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
-        label = "_"
+        axes.axvline(place, ymax=0.9, label="paper's peak", **style.THIRD)
+        style.name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
     if not PEAK_WORDS[one.run.surface]:
-        axes.text(
-            0.5,
-            0.94,
-            "paper: no stable direction",
-            transform=axes.transAxes,
-            ha="center",
-            va="center",
-            size=7.5,
-        )
-    legend_above(axes, columns=2)
+        style.name_tag(axes, 180.0, 0.94 * top, "paper: no stable direction")
 
 
 def _published(one: MaterialDirections) -> list[float]:

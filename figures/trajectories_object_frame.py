@@ -4,9 +4,8 @@ four surfaces.
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
-from cyclemap.views.style import new_figure, picture_style
+from cyclemap.views import style
 
 from .catalogue import MeasuredFolder
 from .published_statistics import published_statistics
@@ -20,6 +19,7 @@ from .pushed_paths import (
     material_sentence,
     paths_on_four_surfaces,
     shade_bar,
+    shades_of,
 )
 
 
@@ -30,26 +30,24 @@ def compute(
     return paths_on_four_surfaces(measured, cycles, drawn)
 
 
+@style.picture_style()
 def draw(result: list[PushedPaths]) -> Figure:
     """Draw four panels on one scale, y down the push, a darker shade for a larger turn."""
     ends = MM * np.concatenate([paths.object_frame.reshape(-1, 2) for paths in result])
     low, high = ends.min(axis=0) - 4.0, ends.max(axis=0) + 4.0
-    with picture_style():
-        figure = new_figure(10.6, 5.5)
-        shades = shade_bar(figure, (0.925, 0.2, 0.014, 0.55), result)
-        grid = GridSpec(1, 4, figure, left=0.065, right=0.9, bottom=0.1, top=0.91, wspace=0.12)
-        for number, paths in enumerate(result):
-            axes = figure.add_subplot(grid[number])
-            draw_paths(axes, paths.object_frame, paths.turn, shades)
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
-            axes.set_title(f"{paths.surface},\n{paths.origin}")
-            turn, dx, dy = paths.spread
-            told = f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
-            axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
-            if number:
-                axes.tick_params(labelleft=False)
-            else:
-                axes.set_ylabel("y (mm), object's frame before the push")
+    figure = style.new_figure(11.6, 5.5)
+    panels = style.panels(figure, style.rows_of(len(result)))
+    shades = shades_of(result)
+    for axes, paths in zip(panels, result, strict=True):
+        draw_paths(axes, paths.object_frame, paths.turn, shades)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
+        axes.set_ylabel("y (mm), object's frame before the push")
+        axes.label_outer()
+        axes.set_title(f"{paths.surface},\n{paths.origin}")
+        turn, dx, dy = paths.spread
+        told = f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+        axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
+    shade_bar(figure, panels, shades)
     return figure
 
 

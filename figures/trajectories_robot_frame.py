@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
-from cyclemap.views.style import FORCE, new_figure, picture_style
+from cyclemap.views import style
 
 from .catalogue import MeasuredFolder
 from .pushed_paths import (
@@ -24,6 +23,7 @@ from .pushed_paths import (
     material_sentence,
     paths_on_four_surfaces,
     shade_bar,
+    shades_of,
 )
 
 Arc = tuple[float, float]
@@ -89,36 +89,22 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
     ]
 
 
+@style.picture_style()
 def draw(result: RobotFramePaths) -> Figure:
     """Draw four panels on one scale, the crowded directions marked outside the ends
     of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
-    with picture_style():
-        figure = new_figure(8.8, 8.4)
-        shades = shade_bar(figure, (0.9, 0.28, 0.018, 0.44), result.surfaces)
-        grid = GridSpec(
-            2, 2, figure, left=0.085, right=0.86, bottom=0.065, top=0.94, wspace=0.25, hspace=0.22
-        )
-        for number, paths in enumerate(result.surfaces):
-            axes = figure.add_subplot(grid[number])
-            draw_paths(axes, paths.robot_frame, paths.turn, shades)
-            for arc in result.arcs[number]:
-                _mark(axes, paths, arc)
-            axes.set(
-                xlim=(-window, window),
-                ylim=(-window, window),
-                title=f"{paths.surface}, {paths.origin}",
-            )
-            axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        figure.text(
-            0.9,
-            0.2,
-            "thick arcs:\nwhere pushes\nfrom crowded\nθ0 end",
-            color=FORCE,
-            fontsize=8,
-            va="top",
-        )
+    figure = style.new_figure(8.8, 8.6)
+    panels = style.panels(figure, "ab;cd")
+    shades = shades_of(result.surfaces)
+    for axes, paths, arcs in zip(panels, result.surfaces, result.arcs, strict=True):
+        draw_paths(axes, paths.robot_frame, paths.turn, shades)
+        for arc in arcs:
+            _mark(axes, paths, arc)
+        axes.set(xlim=(-window, window), ylim=(-window, window), xlabel="x (mm)", ylabel="y (mm)")
+        style.entitle(axes, f"{paths.surface}, {paths.origin}")
+    shade_bar(figure, panels, shades)
     return figure
 
 
@@ -133,13 +119,9 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
     middle = float(np.angle(np.mean(np.exp(1j * ahead))))
     radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
     angle = np.linspace(*arc, 60) + middle
-    axes.plot(
-        radius * np.cos(angle),
-        radius * np.sin(angle),
-        color=FORCE,
-        linewidth=4.0,
-        solid_capstyle="butt",
-    )
+    look: style.Look = {"color": style.FORCE, "linewidth": 4.0, "solid_capstyle": "butt"}
+    label = "where pushes from crowded θ0 end"
+    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **look)
 
 
 def caption(result: RobotFramePaths) -> str:

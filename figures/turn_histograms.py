@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
+from cyclemap.views.map_panels import OUTCOMES
 from cyclemap.views.style import say
 
 from .catalogue import MeasuredFolder
@@ -96,18 +97,15 @@ def draw(result: TurnHistograms) -> Figure:
 
 
 def _draw_panel(axes: Axes, panel: TurnPanel) -> None:
-    turn = (
-        "turn of the whole cycle, push and drag (°)"
-        if panel.whole_cycle
-        else "turn of the push, Δθ (°)"
-    )
     if panel.histogram is None:
         say(axes, "no law")
-        axes.set(xlabel=turn, ylabel="pushes")
-        return
-    draw_turn_histogram(axes, panel.histogram)
-    low, high = np.degrees(np.quantile(panel.law.value, [0.002, 0.998]))
-    axes.set(xlabel=turn, xlim=(low - 0.1 * (high - low), high + 0.1 * (high - low)))
+        axes.set_ylabel("pushes")
+    else:
+        draw_turn_histogram(axes, panel.histogram)
+        low, high = np.degrees(np.quantile(panel.law.value, [0.002, 0.998]))
+        axes.set_xlim(low - 0.1 * (high - low), high + 0.1 * (high - low))
+    whole = "turn of the whole cycle, push and drag (°)"
+    axes.set_xlabel(whole if panel.whole_cycle else OUTCOMES["dtheta"][1])
     if not panel.recorded:
         as_simulated(axes)
 

@@ -12,12 +12,15 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.evidence.tables.set_fit import MotionLaw
-from cyclemap.views.fit_page import CIRCLE, draw_law
-from cyclemap.views.style import INK, QUIET, legend_above
+from cyclemap.views import style
+from cyclemap.views.fit_page import draw_motion_law
+from cyclemap.views.map_panels import CIRCLE, draw_curves
+from cyclemap.views.sentences import listed
+from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .material_panels import as_simulated, draw_materials
-from .measured_sets import MeasuredRun, listed, measured_run, not_found
+from .measured_sets import MeasuredRun, measured_run, not_found
 from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
 
 # Share of the pushes whose arc is told.
@@ -83,33 +86,19 @@ def draw(result: tuple[MaterialTurns, ...]) -> Figure:
 
 
 def _draw_material(axes: Axes, one: MaterialTurns) -> None:
-    shown = np.degrees(np.concatenate([one.curves.ravel(), one.law.value]))
-    draw_law(axes, one.law)
-    band_low, band_high = axes.get_ylim()
-    if one.measured is not None:
-        theta = np.degrees(np.mod(one.run.pushes.theta, 2 * np.pi))
-        dots = np.degrees(one.run.pushes.dtheta)
-        axes.plot(
-            theta, dots, ".", color=QUIET, markersize=2, alpha=0.5, label="simulated", zorder=2
-        )
-    names = ("mechanics",) if len(one.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
-    for curve, name, dash in zip(one.curves, names, ("--", ":"), strict=False):
-        axes.plot(
-            np.degrees(CIRCLE),
-            np.degrees(curve),
-            color=INK,
-            linewidth=1.3,
-            linestyle=dash,
-            label=name,
-            zorder=5,
-        )
-    margin = 0.08 * float(np.ptp(shown)) + 0.5
-    axes.set_ylim(
-        min(float(np.min(shown)) - margin, band_low), max(float(np.max(shown)) + margin, band_high)
-    )
+    draw_motion_law(axes, one.law)
     if one.measured is None:
         as_simulated(axes)
-    legend_above(axes, columns=2)
+    else:
+        theta, turn = np.degrees(one.run.pushes.theta) % 360.0, np.degrees(one.run.pushes.dtheta)
+        axes.plot(theta, turn, label="simulated", **{**style.DOTS, "color": QUIET, "zorder": 1})
+    names = ("mechanics",) if len(one.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
+    curves = dict(zip(names, one.curves, strict=True))
+    draw_curves(axes, CIRCLE, curves, (style.SECOND, style.FOURTH))
+    shown = np.degrees(np.concatenate([one.curves.ravel(), one.law.value]))
+    margin = 0.08 * float(np.ptp(shown)) + 0.5
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(shown.min() - margin, low), max(shown.max() + margin, high))
 
 
 def caption(result: tuple[MaterialTurns, ...]) -> str:

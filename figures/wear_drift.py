@@ -4,12 +4,9 @@ cycles.
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
@@ -18,17 +15,10 @@ from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.evidence.tables.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
+from cyclemap.views import style
+from cyclemap.views.map_panels import CIRCLE, draw_turns
 from cyclemap.views.sentences import LONGEST_STAY
-from cyclemap.views.style import (
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    QUIET,
-    degree_axis,
-    legend_above,
-    new_figure,
-    picture_style,
-)
+from cyclemap.views.staircase_panels import draw_pace
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 
@@ -36,11 +26,7 @@ MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
 # Cycles: pushes that far from an age say where the measured map of that age is known.
 NEAR = 240
-_GRID = 2 * np.pi * np.arange(721) / 720
 _EVEN = 2 * np.pi * np.arange(4096) / 4096
-# The ages in shades and dashes that differ in grey too.
-_LOOKS = (("#9db8d2", "-"), ("#4d86b8", "--"), (PREDICTED, "-."))
-_MEASURED_LOOKS = (("#f3c766", "-"), (MEASURED, "--"), (MEASURED_EDGE, "-."))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +34,7 @@ class WearDrift:
     """The map over the cycles, computed and measured.
 
     cycles : (n,). least, measured_least : (n,) rad, the least turn of
-        a cycle, where the bottleneck is. turns : the turn (rad) at `_GRID` at AGES, computed;
+        a cycle, where the bottleneck is. turns : the turn (rad) at `CIRCLE` at AGES, computed;
         measured_turns : as fitted, nan
         where the robot hardly was; None without
     data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error :
@@ -112,9 +98,9 @@ def compute(
         means.append(float(np.mean(density * frozen.turn(_EVEN))) * 2 * np.pi)
     mean_turn = np.array(means)
     cycles = np.linspace(0.0, wear.cycles, 41)
-    turns = tuple(drifting.at(float(age)).turn(_GRID) for age in AGES)
+    turns = tuple(drifting.at(float(age)).turn(CIRCLE) for age in AGES)
     error = drifting.max_error
-    least = np.array([drifting.at(float(age)).turn(_GRID).min() for age in cycles])
+    least = np.array([drifting.at(float(age)).turn(CIRCLE).min() for age in cycles])
     computed, file = (
         WearDrift(cycles, least, turns, ages, mean_turn, error),
         measured.find(THETA0_FILE),
@@ -122,109 +108,60 @@ def compute(
     if file is None:
         return computed
     fitted = measured_cycle_map(read_theta0_pairs(file), harmonics=harmonics, runs=runs)
-    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(_GRID).min() for n in cycles])
+    fitted_least = np.array([fitted.fitted.map_at(float(n)).turn(CIRCLE).min() for n in cycles])
     seen = tuple(_where_seen(fitted, age) for age in AGES)
     pace = None if fitted.forecast is None else fitted.forecast.pace
     return replace(computed, pace=pace, measured_least=fitted_least, measured_turns=seen)
 
 
 def _where_seen(fitted: MeasuredCycleMap, age: int) -> Array:
-    """The fitted turn at `_GRID`, nan where no push within NEAR cycles of the age began within 8°
+    """The fitted turn at `CIRCLE`, nan where no push within NEAR cycles of the age began within 8°
     of there.
     """
     pairs = fitted.pairs
     assert pairs.cycle is not None
     near = np.sort(np.mod(pairs.theta[np.abs(pairs.cycle - age) <= NEAR], 2 * np.pi))
     around = np.concatenate([near[-1:] - 2 * np.pi, near, near[:1] + 2 * np.pi])
-    after = np.clip(np.searchsorted(around, _GRID), 1, around.size - 1)
-    apart = np.minimum(np.abs(around[after] - _GRID), np.abs(_GRID - around[after - 1]))
-    turn = fitted.fitted.map_at(float(age)).turn(_GRID)
+    after = np.clip(np.searchsorted(around, CIRCLE), 1, around.size - 1)
+    apart = np.minimum(np.abs(around[after] - CIRCLE), np.abs(CIRCLE - around[after - 1]))
+    turn = fitted.fitted.map_at(float(age)).turn(CIRCLE)
     return np.asarray(np.where(apart <= math.radians(8.0), turn, np.nan))
 
 
+@style.picture_style()
 def draw(result: WearDrift) -> Figure:
     """The turn at three ages, computed and measured; the least turn and the cycles of a turn over
     the cycles.
     """
-    with picture_style():
-        figure = new_figure(10.5, 6.6)
-        grid = GridSpec(
-            2, 2, figure, left=0.065, right=0.985, bottom=0.08, top=0.9, wspace=0.2, hspace=0.55
-        )
-        computed = figure.add_subplot(grid[0, :] if result.measured_turns is None else grid[0, 0])
-        least, pace = (figure.add_subplot(grid[1, k]) for k in range(2))
-        _draw_turns(computed, result.turns, _LOOKS)
-        computed.set_title("Computed: turn of a cycle", pad=22)
-        if result.measured_turns is not None:
-            seen = figure.add_subplot(grid[0, 1], sharey=computed)
-            seen.set_title("Measured: turn of a cycle, fitted", pad=22)
-            _draw_turns(seen, result.measured_turns, _MEASURED_LOOKS)
-        least.axhline(0.0, color=QUIET, linewidth=0.9)
-        least.plot(
-            result.cycles,
-            np.degrees(result.least),
-            color=PREDICTED,
-            linewidth=1.8,
-            label="computed",
-        )
-        if result.measured_least is not None:
-            look: dict[str, Any] = {"color": MEASURED_EDGE, "linewidth": 1.8, "linestyle": "--"}
-            least.plot(
-                result.cycles, np.degrees(result.measured_least), label="measured, fitted", **look
-            )
-        least.set(xlabel="cycle", ylabel="least turn of a cycle (°)", xlim=(0, result.cycles[-1]))
-        least.set_title("The bottleneck opens", pad=22)
-        legend_above(least)
-        _draw_pace(pace, result)
+    figure = style.new_figure(10.5, 6.8)
+    seen = result.measured_turns
+    computed, *measured, least, pace = style.panels(figure, "aa;cd" if seen is None else "ab;cd")
+    draw_turns(computed, CIRCLE, _by_age(result.turns))
+    style.entitle(computed, "Computed: turn of a cycle")
+    if seen is not None:
+        draw_turns(measured[0], CIRCLE, _by_age(seen))
+        measured[0].sharey(computed)
+        style.entitle(measured[0], "Measured: turn of a cycle, fitted")
+    least.axhline(0.0, **style.ZERO)
+    least.plot(result.cycles, np.degrees(result.least), label="computed", **style.LINE)
+    if result.measured_least is not None:
+        fitted = np.degrees(result.measured_least)
+        least.plot(result.cycles, fitted, label="measured, fitted", **style.THIRD)
+    style.count_axis(least, "cycle", int(result.cycles[-1]))
+    least.set_ylabel("least turn of a cycle (°)")
+    style.entitle(least, "The bottleneck opens")
+    pace.plot(result.ages, result.cycles_a_turn, marker="o", label="computed", **style.LINE)
+    if result.pace is not None:
+        draw_pace(pace, result.pace)
+    pace.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
+    pace.set_ylim(15, 1000)
+    style.plain_ticks(pace.yaxis, (20, 50, 100, 200, 500))
+    style.entitle(pace, "Cycles a turn")
     return figure
 
 
-def _draw_turns(axes: Axes, turns: tuple[Array, ...], looks: tuple[tuple[str, str], ...]) -> None:
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    for age, turn, (color, dashes) in zip(AGES, turns, looks, strict=True):
-        axes.plot(
-            np.degrees(_GRID),
-            np.degrees(turn),
-            dashes,
-            color=color,
-            linewidth=1.8,
-            label=f"cycle {age}",
-        )
-    degree_axis(axes, "θ0 (°)")
-    axes.set_ylabel("turn of a cycle (°)")
-    legend_above(axes)
-
-
-def _draw_pace(axes: Axes, result: WearDrift) -> None:
-    axes.plot(
-        result.ages, result.cycles_a_turn, "o-", color=PREDICTED, markersize=4, label="computed"
-    )
-    pace = result.pace
-    if pace is not None:
-        middle = pace.start + 0.5 * pace.measured
-        spread = np.abs(np.clip([pace.lower, pace.upper], 1, 1e4) - pace.predicted)
-        axes.errorbar(
-            middle,
-            pace.predicted,
-            spread,
-            fmt="none",
-            ecolor=QUIET,
-            elinewidth=1.0,
-            capsize=2,
-            label="fitted map, 95 %",
-        )
-        look: dict[str, Any] = {
-            "color": MEASURED,
-            "markeredgecolor": MEASURED_EDGE,
-            "linestyle": "none",
-        }
-        axes.plot(middle, pace.measured, "s", label="measured turns", zorder=4, **look)
-    axes.set(xlabel="cycle", ylabel="cycles a turn", xlim=(0, result.cycles[-1]), yscale="log")
-    axes.set_ylim(15, 1000)
-    axes.set_yticks((20, 50, 100, 200, 500), labels=("20", "50", "100", "200", "500"))
-    axes.minorticks_off()
-    axes.set_title("Cycles a turn", pad=22)
-    legend_above(axes)
+def _by_age(turns: tuple[Array, ...]) -> dict[str, Array]:
+    return {f"cycle {age}": turn for age, turn in zip(AGES, turns, strict=True)}
 
 
 def caption(result: WearDrift) -> str:

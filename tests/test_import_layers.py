@@ -28,7 +28,10 @@ ROOMS = (
 )
 RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.split()}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
-SMALL = ("arrays errors lazy_names one_thread plain_text", "checks file_text inline_svg text_files")
+SMALL = (
+    "arrays errors lazy_names one_thread plain_text written",
+    "checks file_text inline_svg text_files",
+)
 SHARED = {name: rank for rank, names in enumerate(SMALL) for name in names.split()}
 DOORS = {"__init__": 10, "__main__": 10}
 ALL_RANKS = RANK | SHARED | DOORS
@@ -204,7 +207,7 @@ ROWS = {
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature"},
-    "evidence": {"motion_check"},
+    "evidence": {"motion_check", "predicted_strokes"},
     "resets": set(),
 }
 

@@ -22,6 +22,7 @@ from cyclemap.cli.options import (
     quiet_option,
     result_options,
     run_options,
+    seed_option,
     select_option,
     set_option,
     table_options,
@@ -108,11 +109,17 @@ def cli() -> None:
 def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
-    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it.
+    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it. Where that
+    file has NameOptions, all that was asked comes as one of these.
     """
 
     def work(**given: Any) -> None:
-        getattr(import_module(f"cyclemap.cli.run_{name}"), f"run_{name}")(**given)
+        module = import_module(f"cyclemap.cli.run_{name}")
+        run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
+        if hasattr(module, options):
+            run(getattr(module, options)(**given))
+        else:
+            run(**given)
 
     cli.command(name, help=says)(decorated(work, *takes))
 
@@ -251,7 +258,7 @@ command(
     option(
         "--until-deg", type=_ABOVE_ZERO, default=5.0, help="Enough, where 95 % are within so much."
     ),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the pushes that are looked at."),
+    seed_option("Seed of the pushes that are looked at."),
     result_options("plan_OBJECT.csv, .png and .json, and the robot's schedule"),
 )
 command(
@@ -362,7 +369,7 @@ command(
         "--out", "folder", metavar="DIR", type=PATH, required=True, help="Folder of the collection."
     ),
     option("--cycles", type=Whole(1, MOST_CYCLES), default=2000, help="How many pushes."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of all noise."),
+    seed_option("Seed of all noise."),
     option("--start-deg", type=Real(), default=0.0, help="θ0 of the first push."),
     option(
         "--noise-deg",
@@ -395,7 +402,7 @@ command(
         "--harmonics", type=Whole(0, 50), help="Order of every law. [default: by cross-validation]"
     ),
     option("--wear/--no-wear", default=True, help="Let the cycle map drift in time."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of folds and paths."),
+    seed_option("Seed of folds and paths."),
     table_options,
     result_options("fit_NAME.png and .json, for each set,"),
 )
@@ -453,7 +460,7 @@ command(
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
     option("--student", type=RealRange(min=1.0, min_open=True), default=4.0, help=_STUDENT),
     option("--starts", type=Whole(min=1), default=2, help="Searches."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of starts, folds and draws."),
+    seed_option("Seed of starts, folds and draws."),
     option("--name", help="Of the material. [default: SURFACE-identified]"),
     option("--force", is_flag=True, help="Write a material that cannot be right, too."),
     result_options("NAME.toml, identify_NAME.png and .json"),
@@ -467,7 +474,7 @@ command(
     option("--first", type=Whole(min=0), default=0, help="Leave out pushes before this one."),
     select_option,
     option("--runs", type=Whole(min=19), default=199, help="Simulated collections."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of their noise."),
+    seed_option("Seed of their noise."),
     result_options("compare_MATERIAL.png and .json"),
 )
 command(
@@ -538,7 +545,7 @@ command(
     option("--likely", metavar="MATERIAL", multiple=True, help=_LIKELY),
     option("--pushes", type=Whole(1, 10_000), default=500, help="How many to collect."),
     option("--cycles", type=Whole(1, 10_000_000), default=2000, help="Schedule's length."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the schedule."),
+    seed_option("Seed of the schedule."),
     result_options("reset_MATERIAL.png and .json, the protocol (.toml) and the schedule (.csv)"),
 )
 command(
@@ -565,7 +572,7 @@ command(
     protocol_options,
     option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),
     option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
-    option("--seed", type=Whole(min=0), default=0, help="Seed of the sample."),
+    seed_option("Seed of the sample."),
     option(
         "--sequence",
         type=Choice(["sobol", "uniform"]),

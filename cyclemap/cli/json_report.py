@@ -3,82 +3,85 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Iterable
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from cyclemap.file_text import MILLIMETRES
+from cyclemap import file_text
+from cyclemap.written import (
+    DEGREES,
+    MILLIMETRES,
+    NUMBER,
+    Json,
+    Unit,
+    degrees,
+    direction_deg,
+    json_of,
+    rows,
+    written,
+)
 
 if TYPE_CHECKING:
-    from cyclemap.collection.lock_forecast import LockForecast
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.collection.portrait import Portrait, StaircaseForecast
     from cyclemap.collection.uncertain_directions import DirectionUncertainty
     from cyclemap.evidence import MeasuredOverlay, MeasuredStaircase
-    from cyclemap.maps import (
-        Orbit,
-        RestMultiplier,
-        SlowZone,
-        StaircaseSummary,
-        StepComparison,
-        Steps,
-    )
+    from cyclemap.maps import Orbit, StepComparison, Steps
+    from cyclemap.mechanics import SidePush
     from cyclemap.resets import ResetStrategy
-    from cyclemap.sweeps.direction_margins import DirectionMargin
+    from cyclemap.sweeps.direction_margins import DirectionChange, DirectionMargin
 
-Json = dict[str, object]
+# What a push changes, what is known of it, and what these are written in.
+UNITS = {"dtheta": DEGREES, "dx": MILLIMETRES, "dy": MILLIMETRES}
+# The same where the unit is said elsewhere.
+PLAIN_UNITS = {name: Unit("", unit.of_si) for name, unit in UNITS.items()}
+FACT_UNITS = {
+    "surface": NUMBER,
+    "object": NUMBER,
+    "acceleration": Unit("mm_s2", MILLIMETRES.of_si),
+    "speed": Unit("mm_s", MILLIMETRES.of_si),
+    "side": NUMBER,
+    "fraction": NUMBER,
+    "angle": DEGREES,
+}
+_STAIRCASE = ("mean_turn", "mean_residence_cycles", "step")
 
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
-    rotation, operator, turns = portrait.rotation, portrait.operator, portrait.turns
+    rotation, operator = portrait.rotation, portrait.operator
     locked = rotation.locked
     stationary: Json = {
         "noise_deg": degrees(portrait.noise.sigma),
-        "peaks_deg": sorted(direction_deg(peak) for peak in portrait.highest_peaks),
-        **numbers_of(operator, "spectral_gap", "mixing_cycles"),
-        "tv_from_uniform": number(portrait.tv_from_uniform),
+        "peaks_deg": sorted(map(direction_deg, portrait.highest_peaks)),
+        "spectral_gap": written(operator.spectral_gap),
+        "mixing_cycles": written(operator.mixing_cycles),
+        "tv_from_uniform": written(portrait.tv_from_uniform),
     }
     if portrait.held:
-        stationary["held"] = [
-            {"peak_deg": direction_deg(held.peak), **numbers_of(held, "share", "leaving")}
-            for held in portrait.held
-        ]
-    report: Json = {
+        stationary["held"] = [json_of(held, "peak", "share", "leaving") for held in portrait.held]
+    told: Json = {
         "map": {
-            "degree": int(portrait.map.degree),
-            "samples": int(portrait.map.samples),
+            "degree": portrait.map.degree,
+            "samples": portrait.map.samples,
             "max_error_deg": degrees(portrait.map.max_error),
-            "mean_turn_deg": degrees(turns.mean),
-            "min_turn_deg": degrees(turns.minimum),
-            "max_turn_deg": degrees(turns.maximum),
-            **numbers_of(turns, "min_slope", "max_slope"),
+            **json_of(portrait.turns),
         },
         "fixed_points": [*map(orbit_report, portrait.fixed_points)],
         "rotation_number": {
-            **numbers_of(rotation, "value", "lower", "upper"),
+            **json_of(rotation, "value", "lower", "upper"),
             "locked": None if locked is None else f"{locked.numerator}/{locked.denominator}",
         },
         "stationary": stationary,
-        "staircase": _staircase(portrait.prediction),
+        "staircase": json_of(portrait.prediction, *_STAIRCASE),
+        **_prospects(portrait),
     }
-    if portrait.uncertainty is not None:
-        report["uncertainty"] = uncertainty_report(portrait.uncertainty)
-    if portrait.forecast is not None:
-        report["forecast"] = forecast_report(portrait.forecast)
-    if portrait.worn is not None:
-        report["worn"] = _with_zones(portrait.worn)
     if measured is not None:
-        agreement = measured.agreement
-        told: Json = {
-            "pairs": agreement.pairs,
+        told["data"] = {
+            "pairs": measured.agreement.pairs,
             "dropped": dict(measured.pairs.dropped),
-            "bins": agreement.bins,
+            **json_of(measured.agreement, "bins", "rms", "bin_rms"),
         }
-        report["data"] = {**told, **degrees_of(agreement, "rms", "bin_rms")}
-    return report
+    return told
 
 
 def staircase_report(
@@ -86,23 +89,30 @@ def staircase_report(
 ) -> Json:
     """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
     zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
-    report: Json = {
+    told: Json = {
         "noise_deg": degrees(forecast.noise.sigma),
         "prediction": {
-            **_staircase(forecast.prediction),
+            **json_of(forecast.prediction, *_STAIRCASE),
             "zones": [
-                {**_zone(zone), "log10_residence_cycles": number(log10)} for zone, log10 in zones
+                {**json_of(zone), "log10_residence_cycles": written(log10)} for zone, log10 in zones
             ],
         },
         "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
+        **_prospects(forecast),
     }
-    if forecast.uncertainty is not None:
-        report["uncertainty"] = uncertainty_report(forecast.uncertainty)
-    if forecast.forecast is not None:
-        report["forecast"] = forecast_report(forecast.forecast)
-    if forecast.worn is not None:
-        report["worn"] = _with_zones(forecast.worn)
-    return report if measured is None else {**report, "data": measured_report(measured)}
+    return told if measured is None else {**told, "data": measured_report(measured)}
+
+
+def _prospects(result: Portrait | StaircaseForecast) -> Json:
+    """How sure a prediction is, what the next pushes bring, and the worn surface, where known."""
+    told: Json = {}
+    if result.uncertainty is not None:
+        told["uncertainty"] = uncertainty_report(result.uncertainty)
+    if result.forecast is not None:
+        told["forecast"] = json_of(result.forecast)
+    if result.worn is not None:
+        told["worn"] = json_of(result.worn)
+    return told
 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
@@ -112,11 +122,8 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
     return [
         {
             "name": action_words(action),
-            "weight": number(share),
-            "side": acted.push.side,
-            "fraction": number(acted.push.fraction),
-            "angle_deg": degrees(acted.push.angle),
-            "push_mm": millimetres(acted.push.distance),
+            "weight": written(share),
+            **push_report(acted.push),
             "way_points_mm": [[*map(millimetres, place)] for place in acted.reset.way_points],
             "gripper_turn_deg": degrees(action.turn),
         }
@@ -126,14 +133,16 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
     ]
 
 
+def push_report(push: SidePush) -> Json:
+    """How the rod pushes."""
+    told = json_of(push, "side", "fraction")
+    return {**told, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
+
+
 def orbit_report(orbit: Orbit) -> Json:
     """Where a fixed point is, and whether it is stable."""
     theta = direction_deg(float(orbit.points[0]))
-    return {
-        "theta_deg": theta,
-        "multiplier": number(orbit.multiplier),
-        "stable": bool(orbit.stable),
-    }
+    return {"theta_deg": theta, **json_of(orbit, "multiplier", "stable")}
 
 
 def json_text(report: Json) -> str:
@@ -146,185 +155,86 @@ def uncertainty_report(found: DirectionUncertainty) -> Json:
     are no chances.
     """
     return {
-        "source": found.source,
-        "method": found.method,
-        "first_order_error_deg": degrees(found.first_order_error),
-        "samples": found.samples,
-        "samples_that_lock": found.locks,
+        **json_of(found, "source", "method", "first_order_error", "samples", "locks"),
         "chance_of_lock_in": found.chance if found.is_posterior else None,
-        "directions": [
-            {
-                "theta_deg": None if one.theta is None else direction_deg(one.theta),
-                "lower_deg": degrees(one.lower),
-                "upper_deg": degrees(one.upper),
-                "share": one.share,
-            }
-            for one in found.directions
-        ],
+        **json_of(found, "directions"),
     }
 
 
-def multiplier_report(found: RestMultiplier | None) -> Json | None:
-    """The multiplier of the last cycles; None where they do not rest."""
-    if found is None:
-        return None
-    numbers_told = numbers_of(found, "value", "lower", "upper")
-    return {**numbers_told, "cycles": found.cycles, "theta_deg": direction_deg(found.theta)}
-
-
-def margins_report(margins: Iterable[DirectionMargin]) -> list[Json]:
-    """How far each setting is from a change of the stable directions, nearest first, in the units
-    of the keys.
-    """
+def margin_report(margin: DirectionMargin) -> Json:
+    """How far a setting is from a change of the stable directions, in the unit of its key."""
     from cyclemap.protocol.setting_table import SETTINGS
 
-    found: list[Json] = []
-    for one in margins:
-        unit = float(SETTINGS[one.key].unit.in_si)
-        told: Json = {"key": one.key, "value": one.value / unit, "directions": one.directions}
-        for side, change in (("below", one.below), ("above", one.above)):
-            told[side] = (
-                None
-                if change is None
-                else {
-                    "value": change.value / unit,
-                    "error": change.value.error_bound / unit,
-                    "kind": change.kind,
-                    "theta_deg": None if math.isnan(change.theta) else direction_deg(change.theta),
-                    "directions": change.directions,
-                }
-            )
-        found.append(
-            {**told, "searched": [one.low / unit, one.high / unit], "share": number(one.share)}
-        )
-    return found
-
-
-def forecast_report(found: LockForecast) -> Json:
-    """What the next pushes will bring."""
-    middle, low, high = found.orientations
-    where = [
-        {"theta_deg": direction_deg(theta), "share": share, "within_deg": degrees(within)}
-        for theta, share, within in found.directions
-    ]
-    seen = {"median": middle, "lower": low, "upper": high}
+    factor = float(SETTINGS[margin.key].unit.in_si)
+    unit = Unit("", lambda value: value / factor)
     return {
-        "cycles": found.cycles,
-        "chance_of_lock_in": found.chance,
-        "directions": where,
-        "orientations_of_36": seen,
+        **json_of(margin, "key", "value", "directions", unit=unit),
+        "below": None if margin.below is None else _change(margin.below, unit),
+        "above": None if margin.above is None else _change(margin.above, unit),
+        "searched": written((margin.low, margin.high), unit),
+        "share": written(margin.share),
     }
 
 
-def _staircase(prediction: StaircaseSummary) -> Json:
-    return {
-        "mean_turn_deg": degrees(prediction.mean_turn),
-        "mean_residence_cycles": number(prediction.mean_residence_cycles),
-        "step_deg": degrees(prediction.step),
-    }
-
-
-def _with_zones(prediction: StaircaseSummary) -> Json:
-    return {**_staircase(prediction), "zones": [_zone(zone) for zone in prediction.zones]}
-
-
-def _zone(zone: SlowZone) -> Json:
-    return {
-        "centre_deg": direction_deg(zone.centre),
-        "arc_deg": [degrees(end) for end in zone.arc],
-        "kind": zone.kind,
-        "residence_cycles": number(zone.residence_cycles),
-    }
+def _change(change: DirectionChange, unit: Unit) -> Json:
+    told = json_of(change, "value", unit=unit)
+    error = {"error": written(change.value.error_bound, unit)}
+    return {**told, **error, **json_of(change, "kind", "theta", "directions")}
 
 
 def steps_report(steps: Steps) -> Json:
     """The dwells and steps of a path."""
+    dwells = rows(
+        first_cycle=steps.start,
+        cycles=steps.lengths,
+        level_deg=degrees(steps.levels),
+        censored=steps.censored,
+    )
     return {
-        "cycles": int(steps.cycles),
-        "climb_deg": degrees(steps.climb),
-        "steps": int(steps.count),
-        "heights_deg": [degrees(height) for height in steps.heights],
-        "dwells": [
-            {
-                "first_cycle": int(first),
-                "cycles": int(length),
-                "level_deg": degrees(level),
-                "censored": bool(censored),
-            }
-            for first, length, level, censored in zip(
-                steps.start, steps.lengths, steps.levels, steps.censored, strict=True
-            )
-        ],
+        **json_of(steps, "cycles", "climb"),
+        "steps": steps.count,
+        "heights_deg": degrees(steps.heights),
+        "dwells": dwells,
     }
 
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    found = measured.foretold
+    told, found = steps_report(measured.steps), measured.foretold
     if found is None:
-        return {
-            **steps_report(measured.steps),
-            "fitted": None,
-            "problem": measured.problem,
-            "comparison": None,
-        }
-    return {
-        **steps_report(measured.steps),
-        "fitted": {
-            "harmonics": found.fitted.law.harmonics,
-            "pairs": found.fitted.pairs,
-            "noise_deg": degrees(found.fitted.sigma),
-            **_with_zones(found.prediction),
-        },
-        "problem": None,
-        "comparison": comparison_report(found.comparison),
+        return {**told, "fitted": None, "problem": measured.problem, "comparison": None}
+    fitted = {
+        "harmonics": found.fitted.law.harmonics,
+        "pairs": found.fitted.pairs,
+        "noise_deg": degrees(found.fitted.sigma),
+        **json_of(found.prediction),
     }
+    comparison = comparison_report(found.comparison)
+    return {**told, "fitted": fitted, "problem": None, "comparison": comparison}
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:
     """Steps and visits measured beside those predicted; of visits also their standard errors where
     asked for.
     """
-    told: Json = {
-        "steps": number(comparison.net_steps),
-        **numbers_of(comparison, "expected_steps", "pace_p_value"),
-    }
-    visits = []
-    for one in comparison.visits:
-        visit: Json = {
-            "centre_deg": direction_deg(one.zone.centre),
-            "exits": one.exits,
-            "mean_cycles": number(one.mean),
+    means = ("mean", "standard_error") if errors else ("mean",)
+    visits = [
+        {
+            **json_of(visit.zone, "centre"),
+            **json_of(visit, "exits", *means, "predicted", "mean_p_value"),
         }
-        if errors:
-            visit["standard_error_cycles"] = number(one.standard_error)
-        visits.append(
-            {
-                **visit,
-                "predicted_cycles": number(one.predicted),
-                "p_value": number(one.mean_p_value),
-            }
-        )
-    return {**told, "visits": visits}
+        for visit in comparison.visits
+    ]
+    return {**json_of(comparison, "net_steps", "expected_steps", "pace_p_value"), "visits": visits}
 
 
-def number(value: float | None) -> float | None:
-    """Return the value, None where there is none or it is not finite.
-
-    >>> number(1.5), number(math.inf), number(None)
-    (1.5, None, None)
-    """
-    return float(value) if value is not None and math.isfinite(value) else None
-
-
-def numbers(values: Iterable[float]) -> list[float | None]:
-    """Return each value as `number` does."""
-    return [number(value) for value in values]
-
-
-def degrees(radians: float | None) -> float | None:
-    """Return an angle in degrees."""
-    return None if radians is None else number(math.degrees(radians))
+def facts_report(facts: Mapping[str, object], *left_out: str) -> Json:
+    """What the pushes of a set share, None where it is not known."""
+    return {
+        unit.named(name): written(facts.get(name), unit)
+        for name, unit in FACT_UNITS.items()
+        if name not in left_out
+    }
 
 
 def millimetres(metres: float) -> float:
@@ -333,19 +243,4 @@ def millimetres(metres: float) -> float:
     >>> millimetres(0.01378)
     13.78
     """
-    return float(MILLIMETRES.written(metres))
-
-
-def numbers_of(one: object, *names: str) -> Json:
-    """Return attributes by their names, as `number` does."""
-    return {name: number(getattr(one, name)) for name in names}
-
-
-def degrees_of(one: object, *names: str) -> Json:
-    """Return attributes in radians as name_deg."""
-    return {f"{name}_deg": degrees(getattr(one, name)) for name in names}
-
-
-def direction_deg(radians: float) -> float:
-    """Return a direction in degrees in [0, 360); a hair below zero must not round to 360."""
-    return float(np.degrees(radians) % 360.0) % 360.0
+    return float(file_text.MILLIMETRES.written(metres))

@@ -9,7 +9,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -53,6 +53,11 @@ select_option = click.option(
 )
 
 
+def seed_option(of: str) -> Callable[[Command], Command]:
+    """The option of the seed `of` something."""
+    return click.option("--seed", type=Whole(min=0), default=0, help=of)
+
+
 def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
@@ -66,7 +71,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
     """
 
     @wraps(command)
-    def gathered(
+    def chosen(
         material: str | None,
         material_file: str | None,
         protocol: Path | None,
@@ -87,7 +92,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         "The --set keys in TOML tables, and a [strategy].",
     )
     return decorated(
-        gathered,
+        chosen,
         click.argument("material", required=False),
         click.option("--material", "material_file", metavar="TOML", help=file),
         click.option("--protocol", metavar="TOML", type=PATH, help=tables),
@@ -122,7 +127,7 @@ def run_options(command: Command) -> Command:
             type=Whole(1, MOST_CYCLES),
             help="Length of the staircase. [default: 2000, or the data's]",
         ),
-        click.option("--seed", type=Whole(min=0), default=0, help="Seed of its noise."),
+        seed_option("Seed of its noise."),
         result_options("COMMAND_MATERIAL.png and .json"),
     )
 
@@ -166,12 +171,33 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
     return x, y
 
 
+@dataclass(frozen=True)
+class ResultOptions:
+    """Where results go, and as what."""
+
+    out: Path
+    picture_format: str
+    json_target: str | None
+
+
+def gathered(command: Command, name: str, kind: type) -> Command:
+    """Give `command` the options that are fields of `kind` as one object, called `name`."""
+
+    @wraps(command)
+    def gather(**given: Any) -> None:
+        own = {field.name: given.pop(field.name) for field in fields(kind)}
+        command(**given, **{name: kind(**own)})
+
+    return gather
+
+
 def result_options(files: str) -> Callable[[Command], Command]:
-    """Give a command the options of where results go, and as what;
-    `files` names them in the help."""
+    """Give a command the options of where results go, and as what, which reach it as results, a
+    `ResultOptions`; `files` names them in the help.
+    """
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
-        command,
+        gathered(command, "results", ResultOptions),
         click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
         click.option(
             "--format", "picture_format", type=formats, default="png", help="Format of the picture."
@@ -200,38 +226,39 @@ def is_quiet() -> bool:
 MOST_CYCLES = 1_000_000
 
 
-class Whole(click.IntRange):
+class _PlainDigits(click.ParamType):  # type: ignore[type-arg]
+    """Numbers written in plain digits; a usage error for any other."""
+
+    read: Callable[[str], float] = staticmethod(plain_number)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        try:
+            given = self.read(value) if isinstance(value, str) else value
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+        return super().convert(given, param, ctx)
+
+
+class Whole(_PlainDigits, click.IntRange):
     """A whole number of a range."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        return super().convert(_plain(self, plain_whole, value, param, ctx), param, ctx)
+    read = staticmethod(plain_whole)
 
 
-class Real(click.types.FloatParamType):
+class Real(_PlainDigits, click.types.FloatParamType):
     """Any number."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        return super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
 
-
-class RealRange(click.FloatRange):
+class RealRange(_PlainDigits, click.FloatRange):
     """A number of a range, which has no nan."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the number; a usage error for other than plain digits."""
-        found = super().convert(_plain(self, plain_number, value, param, ctx), param, ctx)
+        """Return the number."""
+        found = super().convert(value, param, ctx)
         if math.isnan(found):
             self.fail("nan is in no range", param, ctx)
         return found
-
-
-def _plain(kind: Whole | Real | RealRange, read: Any, value: Any, param: Any, ctx: Any) -> Any:
-    try:
-        return read(value) if isinstance(value, str) else value
-    except ValueError as error:
-        kind.fail(str(error), param, ctx)
 
 
 @dataclass(frozen=True)
@@ -256,25 +283,13 @@ def table_options(command: Command) -> Command:
     """Give `command` the options that tell what data mean: they reach it as table, a
     `TableOptions`.
     """
-
-    @wraps(command)
-    def gathered(
-        columns: str | None,
-        units: str | None,
-        angles: str | None,
-        frame: str | None,
-        offset_deg: float | None,
-        **others: Any,
-    ) -> None:
-        command(table=TableOptions(columns, units, angles, frame, offset_deg), **others)
-
     named = (
         "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; "
         "pose=TOPIC for a bag."
     )
     senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(
-        gathered,
+        gathered(command, "table", TableOptions),
         click.option("--columns", metavar="NAME=COLUMN,...", help=named),
         click.option(
             "--units",

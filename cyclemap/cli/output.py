@@ -18,11 +18,12 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import Json, json_text
-from cyclemap.cli.options import is_quiet, warnings_so_far
+from cyclemap.cli.json_report import json_text
+from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.text_files import file_stem as file_stem
 from cyclemap.text_files import write_whole
+from cyclemap.written import Json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from cyclemap.collection.loop import CollectionLoop
     from cyclemap.sweeps.direction_margins import DirectionMargin
 
+# What people are told: sentences and tables.
+Told = str | Text | Table
 PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
 # More letters than any table has in a row.
 _WIDEST = 10_000
@@ -83,18 +86,34 @@ def publish_json(report: Json, target: str | None) -> bool:
 
 
 def publish(
-    report: Json, figure: Figure, stem: Path, picture_format: str, json_target: str | None
-) -> Path | None:
-    """Write stem.json and the picture beside it, and send the report where --json says.
-
-    Return the picture's path where people are to be told, None where JSON took the terminal.
+    report: Json,
+    figure: Figure,
+    stem: Path,
+    results: ResultOptions,
+    *told: Told,
+    after: Sequence[str] = (),
+) -> None:
+    """Write stem.json and the picture beside it, and send the report where --json says; unless it
+    took the terminal, tell people the rest, where the picture is, and what comes after that.
     """
+    picture = write_result(report, figure, stem, results.picture_format)
+    if not publish_json(report, results.json_target):
+        PeopleConsole().tell(*told, f"picture: {picture}", *after)
+
+
+def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
+    """Write stem.json and the picture beside it, and return the picture's path."""
     from cyclemap.views.style import render
 
     write_json(stem.with_name(f"{stem.name}.json"), report)
     picture = stem.with_name(f"{stem.name}.{picture_format}")
     write_whole(picture, render(figure, picture_format))
-    return None if publish_json(report, json_target) else picture
+    return picture
+
+
+def styled(text: str, style: str) -> Text:
+    """Return a sentence to be told in a style."""
+    return Text(printable(text), style)
 
 
 def people_table(
@@ -176,11 +195,15 @@ class PeopleConsole(Console):
         """
         return super().render_str(printable(text), **options)
 
-    def tell(self, headline: str, *sentences: str) -> None:
-        """Print a headline in bold, and sentences below it."""
-        self.print(headline, style="bold")
-        for sentence in sentences:
-            self.print(sentence)
+    def tell(self, headline: Told, *told: Told) -> None:
+        """Print a headline, in bold where it is a sentence, and sentences and tables below it; what
+        is empty goes unsaid.
+        """
+        for item in (styled(headline, "bold") if isinstance(headline, str) else headline, *told):
+            if isinstance(item, Table):
+                self.print_table(item)
+            elif item:
+                self.print(item)
 
     def print_table(self, table: Table) -> None:
         """Print a table at its own width; in a terminal too narrow for it, row by row, a line a
@@ -221,13 +244,12 @@ def margins_of(loop: CollectionLoop) -> tuple[DirectionMargin, ...]:
         return direction_margins(loop, progress=report)
 
 
-def tell_margins(console: PeopleConsole, margins: Sequence[DirectionMargin]) -> None:
-    """Print them for people."""
+def told_margins(margins: Sequence[DirectionMargin]) -> list[Told]:
+    """What people are told of them."""
     from cyclemap.views import sentences
 
-    console.print(sentences.margin_sentence(margins))
+    told: list[Told] = [sentences.margin_sentence(margins)]
     if rows := sentences.margin_rows(margins):
-        table = people_table(
-            "Where stable directions come and go", sentences.MARGIN_COLUMNS, rows, words=(0,)
-        )
-        console.print_table(table)
+        title = "Where stable directions come and go"
+        told.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
+    return told

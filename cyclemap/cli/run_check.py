@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.own_object import check_collection
 from cyclemap.text_files import write_whole
 from cyclemap.views.object_page import object_page
 from cyclemap.views.style import render
+from cyclemap.written import Json
 
 
 def run_check(file: Path, out: Path, json_target: str | None) -> None:

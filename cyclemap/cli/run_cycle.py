@@ -3,12 +3,13 @@
 import math
 from pathlib import Path
 
-from cyclemap.cli.json_report import Json, actions_report, degrees, number
+from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.output import PeopleConsole, people_table, publish_json, result_stem, write_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.written import Json, degrees, written
 
 COLUMNS = (
     "θ0 (°)",
@@ -54,10 +55,10 @@ def run_cycle(
             found = {
                 "theta0_deg": start,
                 "push_turn_deg": degrees(cycle.push_turn),
-                "push_dx_mm": number(1000 * dx),
-                "push_dy_mm": number(1000 * dy),
+                "push_dx_mm": written(1000 * dx),
+                "push_dy_mm": written(1000 * dy),
                 "drag_turn_deg": degrees(cycle.drag_turn),
-                "drag_mm": number(1000 * cycle.drag_length),
+                "drag_mm": written(1000 * cycle.drag_length),
                 # What a gripper turns comes after the drag.
                 "theta1_deg": degrees(cycle.theta_next + turn),
             }

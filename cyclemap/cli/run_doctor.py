@@ -11,12 +11,12 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json
 from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import EngineNotBuilt, InvalidInput
 from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.mechanics.engine import library
+from cyclemap.written import Json
 
 PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
 # MIT's loop on plywood: theta0, turn of the push and of the drag that follows, degrees, by that

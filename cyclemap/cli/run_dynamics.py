@@ -2,19 +2,19 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
-from cyclemap.cli.json_report import Json, degrees, number
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
-    DynamicsComparison,
     compare_dynamics,
     isotropic_twin,
 )
+from cyclemap.collection.loop import Cycles
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
+from cyclemap.views.experiment_page import difference_sentence, dynamics_page
+from cyclemap.written import MILLIMETRES, Json, degrees, rows, written
 
 COLUMNS = (
     "law",
@@ -32,9 +32,7 @@ def run_dynamics(
     options: LoopOptions,
     theta0_deg: str,
     speed_mm_s: float,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the cycles of both models under both laws, draw them, and print them for people or as
     JSON.
@@ -48,48 +46,41 @@ def run_dynamics(
         report(0.5)
         isotropic = compare_dynamics(replace(loop, loop=isotropic_twin(chosen)), theta)
         report(1.0)
-    rows = {"anisotropic": _rows(starts_deg, material), "isotropic": _rows(starts_deg, isotropic)}
-    mu = {"mu": number(isotropic.loop.loop.material.friction.mu_a)}
-    told: Json = {
-        "speed_mm_s": number(1e3 * loop.speed),
-        **rows,
-        "isotropic": {**mu, **rows["isotropic"]},
+    cycles = {
+        law: {
+            "dynamic": _cycles(starts_deg, comparison.dynamic),
+            "quasi_static": _cycles(starts_deg, comparison.quasi_static),
+        }
+        for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
-    stem = result_stem(out, "dynamics", chosen)
-    picture = publish(told, dynamics_page(material, isotropic), stem, picture_format, json_target)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    console.tell(difference_sentence(material), difference_sentence(isotropic))
+    mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
+    told: Json = {
+        "speed_mm_s": written(loop.speed, MILLIMETRES),
+        **cycles,
+        "isotropic": {**mu, **cycles["isotropic"]},
+    }
+    stem = result_stem(results.out, "dynamics", chosen)
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
-    for law, models in rows.items():
+    for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
-    console.print_table(table)
-    console.print(f"picture: {picture}")
+    page = dynamics_page(material, isotropic)
+    words = (difference_sentence(material), difference_sentence(isotropic))
+    publish(told, page, stem, results, *words, table)
 
 
-def _rows(starts_deg: list[float], comparison: DynamicsComparison) -> dict[str, list[Json]]:
-    """The cycles of both models from each start angle (degrees)."""
-    return {
-        name: [
-            {
-                "theta0_deg": start,
-                "push_turn_deg": degrees(cycles.push_turn[k]),
-                "push_dx_mm": number(1e3 * cycles.push_displacement[k, 0]),
-                "push_dy_mm": number(1e3 * cycles.push_displacement[k, 1]),
-                "drag_turn_deg": degrees(cycles.drag_turn[k]),
-                "theta1_deg": degrees(cycles.theta_next[k]),
-                "left": bool(cycles.left[k]),
-            }
-            for k, start in enumerate(starts_deg)
-        ]
-        for name, cycles in (
-            ("dynamic", comparison.dynamic),
-            ("quasi_static", comparison.quasi_static),
-        )
-    }
+def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
+    """The cycles of a model, one from each start angle (degrees)."""
+    return rows(
+        theta0_deg=starts_deg,
+        push_turn_deg=degrees(cycles.push_turn),
+        push_dx_mm=written(cycles.push_displacement[:, 0], MILLIMETRES),
+        push_dy_mm=written(cycles.push_displacement[:, 1], MILLIMETRES),
+        drag_turn_deg=degrees(cycles.drag_turn),
+        theta1_deg=degrees(cycles.theta_next),
+        left=cycles.left,
+    )
 
 
 def _cells(row: Json) -> list[str]:

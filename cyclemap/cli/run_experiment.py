@@ -2,16 +2,13 @@
 a picture.
 """
 
-from pathlib import Path
-
-import numpy as np
-
-from cyclemap.cli.json_report import Json, degrees, direction_deg, number, numbers
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import DynamicLoop
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import experiment_page as page
+from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
 
 
 def run_experiment(
@@ -20,9 +17,7 @@ def run_experiment(
     cycles: int,
     speed_mm_s: float,
     quasi_static: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
     than cycles.
@@ -33,38 +28,36 @@ def run_experiment(
         experiment = batch_experiment(run, batches, cycles, report)
     told: Json = {
         "model": "quasi-static" if experiment.speed is None else "dynamic",
-        "speed_mm_s": None if experiment.speed is None else number(1e3 * experiment.speed),
+        "speed_mm_s": written(experiment.speed, MILLIMETRES),
         "cycles": experiment.cycles,
         "within_deg": degrees(WITHIN),
         "anisotropic": _run(experiment.anisotropic),
         "isotropic": _run(experiment.isotropic),
     }
-    stem = result_stem(out, "experiment", loop)
-    picture = publish(told, page.experiment_page(experiment), stem, picture_format, json_target)
-    if picture is not None:
-        tellers = (
-            page.experiment_headline,
-            page.spread_sentence,
-            page.isotropic_sentence,
-            page.method_line,
-        )
-        PeopleConsole().tell(*(tell(experiment) for tell in tellers), f"picture: {picture}")
+    stem = result_stem(results.out, "experiment", loop)
+    publish(
+        told,
+        page.experiment_page(experiment),
+        stem,
+        results,
+        page.experiment_headline(experiment),
+        page.spread_sentence(experiment),
+        page.isotropic_sentence(experiment),
+        page.method_line(experiment),
+    )
 
 
 def _run(run: BatchRun) -> Json:
     directions, settled = run.directions(), run.settled_after()
     return {
-        "directions_deg": [direction_deg(direction) for direction in directions],
+        "directions_deg": [*map(direction_deg, directions)],
         "all_agree": len(directions) == 1,
-        "spread_mm": number(1e3 * run.spread),
-        "batches": [
-            {
-                "start_deg": degrees(theta[0]),
-                "final_deg": direction_deg(theta[-1]),
-                "last_step_deg": degrees(step),
-                "settled_after_cycles": int(cycles) if directions else None,
-                "theta0_deg": numbers(np.degrees(theta)),
-            }
-            for theta, step, cycles in zip(run.theta, run.last_step, settled, strict=True)
-        ],
+        **json_of(run, "spread", unit=MILLIMETRES),
+        "batches": rows(
+            start_deg=degrees(run.theta[:, 0]),
+            final_deg=map(direction_deg, run.theta[:, -1]),
+            last_step_deg=degrees(run.last_step),
+            settled_after_cycles=settled if directions else [None] * len(run.theta),
+            theta0_deg=degrees(run.theta),
+        ),
     }

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish_json, write_json
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
 from cyclemap.text_files import only_writer, read_json, write_whole
+from cyclemap.written import Json, json_of, written
 
 INDEX_FILE = "figures.json"
 _KEYS = ("name", "title", "source", "caption", "file", "measured")
@@ -37,12 +38,9 @@ class WatchedFolder(MeasuredFolder):  # type: ignore[misc]
         return path
 
 
-def list_figures(json_target: str | None) -> None:
+def list_figures(results: ResultOptions) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
-    listed = [
-        {"name": entry.name, "source": entry.source, "title": entry.title} for entry in entries()
-    ]
-    if publish_json({"figures": listed}, json_target):
+    if publish_json({"figures": written(entries())}, results.json_target):
         return
     console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
     for entry in entries():
@@ -53,9 +51,7 @@ def list_figures(json_target: str | None) -> None:
 def run_figures(
     names: tuple[str, ...],
     data: Path | None,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Make every exhibit named, or list them where none is; what fails is told and loses none of
     the others.
@@ -64,20 +60,20 @@ def run_figures(
     before any work; CycleMapError at the end where something failed.
     """
     if not names:
-        list_figures(json_target)
+        list_figures(results)
         return
     chosen, folder, known = (
         entries(names),
         MeasuredFolder.found(data),
         [entry.name for entry in entries()],
     )
-    with only_writer(out):
-        index = _read_index(out / INDEX_FILE)
+    with only_writer(results.out):
+        index = _read_index(results.out / INDEX_FILE)
         console, made, failed = PeopleConsole(), list[Json](), list[Json]()
         for number, entry in enumerate(chosen, 1):
             try:
                 with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
-                    line, asked, header, rows = _make(entry, folder, out, picture_format)
+                    line, asked, header, rows = _make(entry, folder, results)
             except CycleMapError as error:
                 failed.append({"name": entry.name, "error": str(error)})
                 continue
@@ -87,8 +83,8 @@ def run_figures(
             kept = sorted(
                 index, key=lambda name: known.index(name) if name in known else len(known)
             )
-            write_json(out / INDEX_FILE, {"figures": [index[name] for name in kept]})
-            if json_target != "-":
+            write_json(results.out / INDEX_FILE, {"figures": [index[name] for name in kept]})
+            if results.json_target != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether
                 # measured data were there.
                 console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
@@ -97,15 +93,15 @@ def run_figures(
                 console.print(str(line["caption"]))
                 if asked:
                     console.print(f"measured data: {line['measured'] or NO_DATA}")
-                console.print(f"file: {out / str(line['file'])}\n")
-        publish_json({"figures": made, "failed": failed}, json_target)
+                console.print(f"file: {results.out / str(line['file'])}\n")
+        publish_json({"figures": made, "failed": failed}, results.json_target)
         if failed:
             told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
 
 
 def _make(
-    entry: Entry, folder: MeasuredFolder, out: Path, picture_format: str
+    entry: Entry, folder: MeasuredFolder, results: ResultOptions
 ) -> tuple[Json, bool, tuple[str, ...], tuple[tuple[str, ...], ...]]:
     """Make and write one exhibit: its line of the index, whether it asked for measured data, header
     and rows.
@@ -116,7 +112,8 @@ def _make(
     if hasattr(exhibit, "draw"):
         from cyclemap.views.style import render
 
-        suffix, content = picture_format, render(exhibit.draw(result), picture_format)
+        suffix = results.picture_format
+        content = render(exhibit.draw(result), suffix)
     elif hasattr(exhibit, "frames"):
         from cyclemap.figures.locking_in import animated_gif
 
@@ -125,15 +122,13 @@ def _make(
         header, rows, text = exhibit.HEADER, tuple(exhibit.rows(result)), io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([header, *rows])
         suffix, content = "csv", text.getvalue().encode()
-    path = out / f"{entry.name}.{suffix}"
+    path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)
-    names = {"name": entry.name, "title": entry.title, "source": entry.source}
-    found = ", ".join(data.there) or None
     line: Json = {
-        **names,
+        **json_of(entry, "name", "title", "source"),
         "caption": typeset(exhibit.caption(result)),
         "file": path.name,
-        "measured": found,
+        "measured": ", ".join(data.there) or None,
     }
     return line, bool(data.asked), header, rows
 

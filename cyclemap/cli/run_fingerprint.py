@@ -3,26 +3,18 @@ as a picture.
 """
 
 import math
-from pathlib import Path
 
-from cyclemap.cli.json_report import (
-    Json,
-    degrees,
-    degrees_of,
-    direction_deg,
-    margins_report,
-    number,
-    orbit_report,
-    uncertainty_report,
-)
+from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
+from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
-    PeopleConsole,
+    Told,
     margins_of,
     people_table,
     progress_bar,
     publish,
     result_stem,
-    tell_margins,
+    styled,
+    told_margins,
 )
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import (
@@ -37,6 +29,7 @@ from cyclemap.maps import Orbit
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views import fingerprint_page
 from cyclemap.views.sentences import uncertainty_sentence
+from cyclemap.written import DEGREES, Json, degrees, direction_deg, json_of, written
 
 COLUMNS = ("", "Ω (°)", "A₁ (°)", "δ₁ (°)", "A₂ (°)", "δ₂ (°)", "A₃ (°)", "δ₃ (°)")
 
@@ -45,9 +38,7 @@ def run_fingerprint(
     options: LoopOptions,
     check: bool,
     margin: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the fingerprint and the prediction, draw both,
     and print them for people or as JSON."""
@@ -80,37 +71,31 @@ def run_fingerprint(
         margins_of(loop) if margin else None,
     )
     if margins is not None:
-        told["margins"] = margins_report(margins)
+        told["margins"] = [*map(margin_report, margins)]
     page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    picture = publish(
-        told, page, result_stem(out, "fingerprint", loop, name), picture_format, json_target
-    )
-    if picture is None:
-        return
-    console = PeopleConsole()
-    rows = (
+    numbers = (
         (part, *fingerprint_page.seven_numbers(getattr(found, part)))
         for part in ("push", "drag", "cycle")
     )
-    console.print_table(people_table("Fingerprint of the protocol", COLUMNS, rows, words=(0,)))
-    lines = [fingerprint_page.protocol_sentence(found)]
+    lines: list[Told] = [
+        people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,)),
+        fingerprint_page.protocol_sentence(found),
+    ]
     if prediction is not None:
-        console.print(lines.pop())
-        console.print(fingerprint_page.surface_sentence(prediction, name))
-        console.print(fingerprint_page.direction_sentence(prediction, name), style="bold")
-        lines = [
+        lines += [
+            fingerprint_page.surface_sentence(prediction, name),
+            styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
             fingerprint_page.lock_in_sentence(prediction),
             fingerprint_page.trust_sentence(prediction),
         ]
+    if margins is not None:
+        lines += told_margins(margins)
     if bow:
         lines.append(fingerprint_page.bow_sentence(found, bow))
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
-    if margins is not None:
-        tell_margins(console, margins)
-    for line in filter(None, (*lines, f"picture: {picture}")):
-        console.print(line)
+    publish(told, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
 
 
 def fingerprint_report(
@@ -125,20 +110,9 @@ def fingerprint_report(
 
     "uncertainty" is of the stable directions of the full map.
     """
-    numbers: tuple[str, ...] = (
-        "turn",
-        "offset_amplitude",
-        "offset_phase",
-        "ellipse_amplitude",
-        "ellipse_phase",
-    )
-    numbers += ("bow_amplitude", "bow_phase")
     report: Json = {
-        **degrees_of(found.cycle, *numbers),
-        "push": degrees_of(found.push, *numbers),
-        "drag": degrees_of(found.drag, *numbers),
-        "remainder_per_rad": number(found.remainder),
-        "bow_remainder_deg": degrees(found.bow_remainder),
+        **json_of(found.cycle),
+        **json_of(found, "push", "drag", "remainder", "bow_remainder"),
     }
     if prediction is not None:
         report["prediction"] = _prediction(prediction, name)
@@ -161,17 +135,13 @@ def fingerprint_report(
 
 
 def _prediction(prediction: Prediction, name: str) -> Json:
-    surface, lock_in = prediction.anisotropy, prediction.lock_in
+    lock_in = prediction.lock_in
     locks = math.isfinite(lock_in.scale)
     return {
         "material": name,
-        "offset": number(surface.offset),
-        "offset_direction_deg": direction_deg(surface.offset_direction),
-        "ellipticity": number(surface.ellipticity),
-        "ellipse_direction_deg": direction_deg(surface.ellipse_direction),
-        "verdict": prediction.verdict,
-        "trusted": prediction.trusted,
-        "error_ratio": number(prediction.ratio),
+        **json_of(prediction.anisotropy),
+        **json_of(prediction, "verdict", "trusted"),
+        "error_ratio": written(prediction.ratio),
         "directions": [
             {
                 **orbit_report(one.orbit),
@@ -181,11 +151,11 @@ def _prediction(prediction: Prediction, name: str) -> Json:
             for one in prediction.directions
         ],
         "second_order_directions": [*map(orbit_report, prediction.second_order_points)],
-        "mean_turn_deg": degrees(prediction.mean_turn),
+        **json_of(prediction, "mean_turn", unit=DEGREES),
         "slowest_deg": direction_deg(prediction.slowest),
-        "slowest_turn_deg": degrees(float(prediction.turn(prediction.slowest))),
-        "lock_in_scale": number(lock_in.scale),
-        "lock_in_scale_range": [number(factor) for factor in prediction.lock_in_range],
+        "slowest_turn_deg": degrees(prediction.turn(prediction.slowest)),
+        "lock_in_scale": written(lock_in.scale),
+        "lock_in_scale_range": written(prediction.lock_in_range),
         "lock_in_deg": direction_deg(lock_in.theta) if locks else None,
     }
 

@@ -5,13 +5,14 @@ picture.
 import math
 import shlex
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, json_text, number
-from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables
+from cyclemap.cli.json_report import json_text
+from cyclemap.cli.options import ResultOptions, TableOptions, pair_in_metres, readable_tables
 from cyclemap.cli.output import PeopleConsole, file_stem, people_table, progress_bar, publish_json
 from cyclemap.cli.run_fit import selected_values
 from cyclemap.collection.loop import CollectionLoop
@@ -22,14 +23,18 @@ from cyclemap.evidence.data_blocks.collected_blocks import (
     telling_parameters,
 )
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.identify import Estimate, Identification, identify
+from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
 from cyclemap.evidence.identification.known_floor import (
     held_values,
     known_beliefs,
     known_shapes,
     known_spread,
 )
-from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
+from cyclemap.evidence.identification.surface_parameters import (
+    SURFACE,
+    ParameterSpace,
+    starting_space,
+)
 from cyclemap.evidence.identified_material import (
     Derived,
     derived_quantities,
@@ -39,7 +44,7 @@ from cyclemap.evidence.identified_material import (
     readable_unit,
 )
 from cyclemap.evidence.plausibility import implausible
-from cyclemap.mechanics import EllipseFriction, Material, load_material
+from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import plain_number
@@ -49,6 +54,7 @@ from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
 from cyclemap.views.style import render
+from cyclemap.written import Json, Unit, json_of, written
 
 # How units are named in the report.
 _NAMES = {"°": "deg", " mm": "mm", "": "1"}
@@ -59,82 +65,114 @@ _SIZES = (
 NOTHING = "–"
 
 
-def run_identify(
-    data: Sequence[Path],
-    table: TableOptions,
-    select: tuple[str, ...],
-    protocol: Path | None,
-    settings: tuple[str, ...],
-    start: str | None,
-    floor: str | None,
-    plate: tuple[str, ...],
-    target_mm: str | None,
-    free: str | None,
-    fix: tuple[str, ...],
-    first: int,
-    most: int,
-    wear: bool,
-    no_priors: bool,
-    name: str | None,
-    folds: int | None,
-    student: float,
-    starts: int,
-    seed: int,
-    force: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
-) -> None:
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """What `cyclemap identify` was asked, as it was typed."""
+
+    data: tuple[Path, ...]
+    table: TableOptions
+    select: tuple[str, ...]
+    protocol: Path | None
+    settings: tuple[str, ...]
+    first: int
+    most: int
+    start: str | None
+    floor: str | None
+    plate: tuple[str, ...]
+    target_mm: str | None
+    free: str | None
+    fix: tuple[str, ...]
+    wear: bool
+    no_priors: bool
+    folds: int | None
+    student: float
+    starts: int
+    seed: int
+    name: str | None
+    force: bool
+    results: ResultOptions
+
+
+def run_identify(asked: IdentifyOptions) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people
     or as JSON.
     """
-    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in settings):
+    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in asked.settings):
         raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    if floor is not None and start is not None:
+    if asked.floor is not None and asked.start is not None:
         raise InvalidInput(
             "--floor tells what is known, and where the search begins: leave --start out"
         )
-    begin = start if floor is None else floor
-    surface, fixed = None if begin is None else load_material(begin), fixed_values(fix)
-    known = None if floor is None else surface
-    target = None if target_mm is None else pair_in_metres("--target-mm", target_mm)
-    shapes = tuple(shape for one in plate for shape in load_plates(one))
-    options, chosen = LoopOptions("isotropic", protocol, settings), selected_values(select)
-    loop, told = chosen_loop(options, data[0])[0], told_settings(options, data[0])[1]
-    data, space = readable_tables(data, table, out), starting_space(loop, surface)
+    begin = asked.start if asked.floor is None else asked.floor
+    surface, fixed = None if begin is None else load_material(begin), fixed_values(asked.fix)
+    known = None if asked.floor is None else surface
+    target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
+    shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
+    options = LoopOptions("isotropic", asked.protocol, asked.settings)
+    chosen, loop = selected_values(asked.select), chosen_loop(options, asked.data[0])[0]
+    settings = told_settings(options, asked.data[0])[1]
+    read = readable_tables(asked.data, asked.table, asked.results.out)
+    space = starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
-            data,
+            read,
             loop,
             chosen,
-            first=first,
-            wear=wear,
-            most=most,
+            first=asked.first,
+            wear=asked.wear,
+            most=asked.most,
             progress=report,
-            push_length=loop.push.distance if "push_mm" in told else None,
+            push_length=loop.push.distance if "push_mm" in settings else None,
             population=known is not None,
             target=target,
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    named = tuple(one.strip() for one in (free or "").split(",") if one.strip())
+    found = _identified(asked, collected, fixed, known, space)
+    doubts = implausible(found, collected.loop.slider.outline.extent)
+    if doubts and not asked.force:
+        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
+        mend = "look at object, push, units and --angles; with --force it is written all the same"
+        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
+    for words in doubts:
+        click.echo(f"warning: this cannot be right: {words}", err=True)
+    since = f" from cycle {asked.first} on" if asked.first else ""
+    sources = [f"{path.name}{since}" for path in read]
+    default = collected.surface or chosen.get("surface", "surface")
+    name = asked.name or f"{default}-identified"
+    plate_name, last = collected.loop.slider.name, collected.last_cycle
+    material = identified_material(found, name, sources, last, plate_name, floor=known)
+    _conclude(collected, found, material, bool(doubts), asked)
+
+
+def _identified(
+    asked: IdentifyOptions,
+    collected: CollectedBlocks,
+    fixed: Mapping[str, float],
+    known: Material | None,
+    space: ParameterSpace,
+) -> Identification:
+    """Identify what was asked for, or else what the data tell, and is not fixed."""
+    blocks, plate = collected.blocks, collected.loop.slider.name
+    named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
     believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
     named = named or tuple(
-        one for one in telling_parameters(collected.blocks, believed) if one not in fixed
+        name for name in telling_parameters(blocks, believed) if name not in fixed
     )
-    held = held_values(collected.blocks, space, named, known)
-    beliefs = usual_beliefs(named) | known_beliefs(known, named, collected.loop.slider.name)
-    groups = sum(len(set(block.groups.tolist())) for block in collected.blocks)
+    held = held_values(blocks, space, named, known)
+    beliefs = usual_beliefs(named) | known_beliefs(known, named, plate)
+    groups = sum(len(set(block.groups.tolist())) for block in blocks)
+    usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:
         found = identify(
-            collected.blocks,
+            blocks,
             named,
             held | {key: at for key, at in fixed.items() if key not in named},
-            priors={} if no_priors else beliefs,
-            noise={**collected.noise, **known_spread(known, collected.blocks)},
-            folds=folds if folds is not None else min(5, groups) if groups > 1 else 0,
-            starts=starts,
-            student=None if student == math.inf else student,
-            seed=seed,
+            priors={} if asked.no_priors else beliefs,
+            noise={**collected.noise, **known_spread(known, blocks)},
+            folds=usual_folds if asked.folds is None else asked.folds,
+            starts=asked.starts,
+            student=None if asked.student == math.inf else asked.student,
+            seed=asked.seed,
             space=space,
             progress=report,
         )
@@ -142,18 +180,7 @@ def run_identify(
         raise ConvergenceError(
             f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters"
         )
-    doubts = implausible(found, collected.loop.slider.outline.extent)
-    if doubts and not force:
-        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
-        mend = "look at object, push, units and --angles; with --force it is written all the same"
-        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
-    for words in doubts:
-        click.echo(f"warning: this cannot be right: {words}", err=True)
-    sources = [f"{path.name} from cycle {first} on" if first else path.name for path in data]
-    name = name or f"{collected.surface or chosen.get('surface', 'surface')}-identified"
-    plate_name, last = collected.loop.slider.name, collected.last_cycle
-    material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, bool(doubts), seed, out, picture_format, json_target)
+    return found
 
 
 def _conclude(
@@ -161,16 +188,12 @@ def _conclude(
     found: Identification,
     material: Material,
     doubtful: bool,
-    seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    asked: IdentifyOptions,
 ) -> None:
+    results, seed = asked.results, asked.seed
     derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
-    told, answer = (
-        identify_report(material, data.notes, found, derived),
-        headline(material.name, derived, found.friction()),
-    )
+    told = identify_report(material, data.notes, found, derived)
+    answer = headline(material.name, derived, found.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
     # own.
     loop = data.loop.with_material(material)
@@ -178,28 +201,29 @@ def _conclude(
     page = identify_page(
         answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
     )
-    toml, picture = out / f"{stem}.toml", out / f"identify_{stem}.{picture_format}"
+    toml = results.out / f"{stem}.toml"
+    picture = results.out / f"identify_{stem}.{results.picture_format}"
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
-        out / f"identify_{stem}.json": json_text(told).encode(),
-        picture: render(page, picture_format),
+        results.out / f"identify_{stem}.json": json_text(told).encode(),
+        picture: render(page, results.picture_format),
     }
     for path, content in files.items():
         write_whole(path, content)
-    if publish_json(told, json_target):
+    if publish_json(told, results.json_target):
         return
-    console = PeopleConsole()
-    console.tell(answer, *(f"data: {note}" for note in data.notes))
-    for table in (
+    PeopleConsole().tell(
+        answer,
+        *(f"data: {note}" for note in data.notes),
         parameter_table(found),
-        *([derived_table(derived)] if derived else []),
+        derived_table(derived) if derived else "",
         error_table(found),
-    ):
-        console.print_table(table)
-    following = "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}"
-    for line in (*note_sentences(found), f"picture: {picture}", f"material: {toml}", following):
-        console.print(line, end="\n" if line else "")
+        *note_sentences(found),
+        f"picture: {picture}",
+        f"material: {toml}",
+        "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
+    )
 
 
 def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
@@ -222,81 +246,49 @@ def identify_report(
     material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]
 ) -> Json:
     """The report of an identification."""
-    wear = material.wear
+    wear, starts = material.wear, found.starts
+    spread = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
     return {
-        "name": material.name,
-        "provenance": material.provenance,
-        "misfit": material.misfit,
-        "inferred": material.inferred,
-        "friction": _friction(material.friction),
-        "worn": None if wear is None else {"cycles": wear.cycles, **_friction(wear.friction)},
+        **json_of(material, "name", "provenance", "misfit", "inferred", "friction"),
+        "worn": None if wear is None else {"cycles": wear.cycles, **json_of(wear.friction)},
         "converged": found.fit.converged,
         "level": found.level,
-        "parameters": [_parameter(one) for one in found.estimates],
-        "plates": {one.plate: _numbers(one.numbers) for one in material.plates},
-        "floor_shape": _numbers(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
+        "parameters": [
+            {**_in_its_unit(estimate), "at_bound": estimate.at_bound or None}
+            for estimate in found.estimates
+        ],
+        "plates": {plate.plate: written(plate.numbers) for plate in material.plates},
+        "floor_shape": written(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
         "sessions": {
-            one.name: _numbers(shape_numbers(one.shape, FLOOR_SHAPE_KEYS))
-            for one in material.sessions
+            session.name: written(shape_numbers(session.shape, FLOOR_SHAPE_KEYS))
+            for session in material.sessions
         },
-        "session_spread": _numbers(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
-        "priors": {
-            name: [number(value) for value in belief] for name, belief in found.priors.items()
-        },
-        "held": {name: number(value) for name, value in sorted(found.problem.fixed.items())},
-        "derived": [
-            {
-                "name": one.name,
-                "description": one.description,
-                "unit": _NAMES.get(unit, unit.strip()),
-                "known": one.known,
-            }
-            | {name: number(factor * getattr(one, name)) for name in ("value", "lower", "upper")}
-            for one in derived
-            for unit, factor in [readable_unit(one.unit)]
-        ],
-        "errors": [
-            {
-                "block": one.block,
-                "kind": kind,
-                "unit": _NAMES.get(unit, unit.strip()),
-                "rows": one.rows,
-            }
-            | {name: number(factor * getattr(one, name)) for name in _SIZES}
-            for one in found.errors
-            for kind, unit, factor in [readable_kind(one.kind)]
-        ],
-        "starts": {
-            "count": found.starts.count,
-            "arrived": found.starts.arrived,
-            "failed": len(found.starts.failures),
-        },
+        "session_spread": written(spread),
+        "priors": written(found.priors),
+        "held": written(dict(sorted(found.problem.fixed.items()))),
+        "derived": [*map(_in_its_unit, derived)],
+        "errors": [*map(_error, found.errors)],
+        "starts": {**json_of(starts, "count", "arrived"), "failed": len(starts.failures)},
         "notes": list(found.notes),
         "data": list(data),
     }
 
 
-def _friction(law: EllipseFriction) -> Json:
-    told = {name: number(getattr(law, name)) for name in ("mu_a", "mu_b", "m0", "n0")}
-    return {**told, "phi_deg": number(math.degrees(law.phi))}
-
-
-def _numbers(named: Mapping[str, float]) -> Json:
-    return {key: number(value) for key, value in named.items()}
-
-
-def _parameter(one: Estimate) -> Json:
-    unit, factor = readable_unit(one.unit)
+def _in_its_unit(result: Estimate | Derived) -> Json:
+    unit, factor = readable_unit(result.unit)
     return {
-        "name": one.name,
-        "description": one.description,
+        **json_of(result, unit=Unit("", lambda value: factor * value)),
         "unit": _NAMES.get(unit, unit.strip()),
-        "value": number(factor * one.value),
-        "lower": number(factor * one.lower),
-        "upper": number(factor * one.upper),
-        "standard_error": number(factor * one.standard_error),
-        "identifiable": bool(one.identifiable),
-        "at_bound": one.at_bound or None,
+    }
+
+
+def _error(error: KindErrors) -> Json:
+    kind, unit, factor = readable_kind(error.kind)
+    return {
+        "block": error.block,
+        "kind": kind,
+        "unit": _NAMES.get(unit, unit.strip()),
+        **json_of(error, "rows", *_SIZES, unit=Unit("", lambda value: factor * value)),
     }
 
 

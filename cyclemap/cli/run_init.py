@@ -1,9 +1,8 @@
 """`cyclemap init`: a file for one's own object, made from its outline."""
 
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -32,36 +31,69 @@ COMMENTS = (
 )
 
 
-def run_init(file: Path, json_target: str | None, **asked: Any) -> None:
+@dataclass(frozen=True)
+class InitOptions:
+    """What `cyclemap init` was asked, as it was typed."""
+
+    file: Path
+    rectangle_mm: str | None
+    ellipse_mm: str | None
+    shape: str | None
+    outline: Path | None
+    unit: str | None
+    tolerance_mm: float
+    underside: bool
+    name: str | None
+    surface: str
+    settings: tuple[str, ...]
+    force: bool
+    json_target: str | None
+
+
+def run_init(asked: InitOptions) -> None:
     """Write the file that is asked for, check it, and draw it beside itself."""
+    file = asked.file
     if file.suffix != ".toml":
         raise InvalidInput(f"{file}: the file's name must end in .toml")
-    if file.exists() and not asked["force"]:
+    if file.exists() and not asked.force:
         raise InvalidInput(
             f"{file} is there already: choose another name, or give --force to write over it"
         )
-    if not any(asked[key] for key in ("rectangle_mm", "ellipse_mm", "shape", "outline")):
-        _ask(asked)
+    if not _outlines(asked):
+        asked = _answered(asked)
     outline, said = _outline(asked)
-    name = asked["name"] or asked["shape"] or (asked["outline"] or file).stem
-    own, sigma = without_noise(set_settings(asked["settings"]))
-    first = {"shape": asked["shape"]} if asked["shape"] else first_settings(outline, name)
+    name = asked.name or asked.shape or (asked.outline or file).stem
+    own, sigma = without_noise(set_settings(asked.settings))
+    first: dict[str, object] = (
+        {"shape": asked.shape} if asked.shape else first_settings(outline, name)
+    )
     loop = loop_from_settings(layered(first, own), CollectionLoop.mit("isotropic"))
     material = replace(
-        loop.material, name=asked["surface"], provenance="given with cyclemap init, not measured"
+        loop.material, name=asked.surface, provenance="given with cyclemap init, not measured"
     )
     loop = replace(loop, material=material)
-    if "push_mm" not in own and not asked["shape"]:
+    if "push_mm" not in own and not asked.shape:
         loop = within_reach(loop)
     notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
     text = collection_text(
         loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes
     )
     write_whole(file, text.encode())
-    tell_check(file, file.with_suffix(".png"), json_target, [*said, f"written: {file}"])
+    tell_check(file, file.with_suffix(".png"), asked.json_target, [*said, f"written: {file}"])
 
 
-def _ask(asked: dict[str, Any]) -> None:
+def _outlines(asked: InitOptions) -> list[str]:
+    """The options that say an outline, of those that were given."""
+    given = {
+        "--rectangle-mm": asked.rectangle_mm,
+        "--ellipse-mm": asked.ellipse_mm,
+        "--shape": asked.shape,
+        "--outline": asked.outline,
+    }
+    return [option for option, value in given.items() if value]
+
+
+def _answered(asked: InitOptions) -> InitOptions:
     """Ask people what was not said; InvalidInput where nobody answers."""
     if sys.stdin is None or not sys.stdin.isatty():
         raise InvalidInput(
@@ -73,49 +105,39 @@ def _ask(asked: dict[str, Any]) -> None:
         type=click.Choice(["rectangle", "ellipse", "mit", "file"]),
         default="rectangle",
     )
-    key: str = {
-        "rectangle": "rectangle_mm",
-        "ellipse": "ellipse_mm",
-        "mit": "shape",
-        "file": "outline",
-    }[kind]
-    words = {
-        "rectangle_mm": "Its width,height in mm",
-        "ellipse_mm": "Its widths along x,y in mm",
-        "shape": "Its name",
-    }
-    answer = click.prompt(words.get(key, "The file"), default="rect1" if key == "shape" else None)
-    asked[key] = Path(answer) if key == "outline" else answer
-    asked["name"] = asked["name"] or (
-        None if key == "shape" else click.prompt("A name for it", default="object")
-    )
-    asked["surface"] = click.prompt("A name for the surface", default=asked["surface"])
+    name = asked.name
+    if kind == "mit":
+        asked = replace(asked, shape=click.prompt("Its name", default="rect1"))
+    else:
+        if kind == "rectangle":
+            asked = replace(asked, rectangle_mm=click.prompt("Its width,height in mm"))
+        elif kind == "ellipse":
+            asked = replace(asked, ellipse_mm=click.prompt("Its widths along x,y in mm"))
+        else:
+            asked = replace(asked, outline=Path(click.prompt("The file")))
+        name = name or click.prompt("A name for it", default="object")
+    surface = click.prompt("A name for the surface", default=asked.surface)
+    return replace(asked, name=name, surface=surface)
 
 
-def _outline(asked: dict[str, Any]) -> tuple[Outline, list[str]]:
+def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
     """The outline that is asked for, and what is to be said of it."""
-    given = [key for key in ("rectangle_mm", "ellipse_mm", "shape", "outline") if asked[key]]
-    option = f"--{given[0].replace('_', '-')}"
-    if len(given) > 1:
-        raise InvalidInput(
-            f"{option} and --{given[1].replace('_', '-')} both say the outline: give one"
-        )
-    if given == ["outline"]:
-        found = read_outline(
-            asked["outline"], asked["unit"], 1e-3 * asked["tolerance_mm"], asked["underside"]
-        )
+    option, *others = _outlines(asked)
+    if others:
+        raise InvalidInput(f"{option} and {others[0]} both say the outline: give one")
+    if asked.outline:
+        found = read_outline(asked.outline, asked.unit, 1e-3 * asked.tolerance_mm, asked.underside)
         return found.outline, list(found.words)
-    if given == ["shape"]:
-        return Slider.mit(asked["shape"]).outline, []
+    if asked.shape:
+        return Slider.mit(asked.shape).outline, []
+    widths = asked.rectangle_mm or asked.ellipse_mm or ""
     try:
-        lengths = [plain_number(part) for part in asked[given[0]].split(",")]
+        lengths = [plain_number(part) for part in widths.split(",")]
     except ValueError:
         lengths = []
     if len(lengths) != 2 or not 0.0 < min(lengths) <= max(lengths) < float("inf"):
-        raise InvalidInput(f"{option} {asked[given[0]]}: give two lengths in mm, such as 120,60")
+        raise InvalidInput(f"{option} {widths}: give two lengths in mm, such as 120,60")
     x, y = (0.5e-3 * length for length in lengths)
-    return (
-        Polygon(((x, y), (-x, y), (-x, -y), (x, -y)))
-        if given == ["rectangle_mm"]
-        else Ellipse(x, y)
-    ), []
+    if asked.rectangle_mm:
+        return Polygon(((x, y), (-x, y), (-x, -y), (x, -y))), []
+    return Ellipse(x, y), []

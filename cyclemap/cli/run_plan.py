@@ -6,14 +6,22 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.table import Table
 
-from cyclemap.cli.json_report import Json, degrees, millimetres, uncertainty_report
-from cyclemap.cli.options import TableOptions, pair_in_metres, readable_tables, said_command
+from cyclemap.arrays import Array
+from cyclemap.cli.json_report import millimetres, push_report, uncertainty_report
+from cyclemap.cli.options import (
+    ResultOptions,
+    TableOptions,
+    pair_in_metres,
+    readable_tables,
+    said_command,
+)
 from cyclemap.cli.output import (
     PeopleConsole,
     file_stem,
@@ -21,10 +29,13 @@ from cyclemap.cli.output import (
     progress_bar,
     publish,
     publish_json,
+    styled,
 )
+from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill
 from cyclemap.plain_text import plain_number
@@ -32,90 +43,101 @@ from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
 from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
+from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
 
 
-def run_plan(
-    object_file: Path,
-    settings: tuple[str, ...],
-    floor: str,
-    pushes: int,
-    target: str,
-    grid: str,
-    room_mm: str,
-    by: str | None,
-    excel: bool,
-    error_mm: float,
-    error_deg: float,
-    after: Sequence[Path],
-    until_deg: float,
-    seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
-) -> None:
+@dataclass(frozen=True)
+class PlanOptions:
+    """What `cyclemap plan` was asked, as it was typed."""
+
+    object_file: Path
+    settings: tuple[str, ...]
+    floor: str
+    pushes: int
+    target: str
+    grid: str
+    room_mm: str
+    by: str | None
+    excel: bool
+    error_mm: float
+    error_deg: float
+    after: tuple[Path, ...]
+    until_deg: float
+    seed: int
+    results: ResultOptions
+
+
+def run_plan(asked: PlanOptions) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
     """
-    if object_file.suffix != ".toml":
+    if asked.object_file.suffix != ".toml":
         raise InvalidInput(
-            f"{object_file}: give the file of your object; cyclemap init makes one, MIT's with "
-            "--shape"
+            f"{asked.object_file}: give the file of your object; cyclemap init makes one, MIT's "
+            "with --shape"
         )
-    step = _orientation_step(grid)
-    room = pair_in_metres("--room-mm", room_mm)
+    step = _orientation_step(asked.grid)
+    room = pair_in_metres("--room-mm", asked.room_mm)
     if not 0.0 < min(room) <= max(room) <= 100.0:
         raise InvalidInput(
-            f"--room-mm {room_mm!r}: give the width and depth of the table in mm, such as 600,400"
+            f"--room-mm {asked.room_mm!r}: give the width and depth of the table in mm, such as "
+            "600,400"
         )
-    loop = chosen_loop(LoopOptions(floor, object_file, settings))[0]
-    stem = out / f"plan_{file_stem(loop.slider.name)}"
-    within, measured = math.radians(until_deg), None
-    if after:
-        readable = readable_tables(after, TableOptions(), out)
-        with progress_bar("identifying") as report:
-            measured = measured_plan(loop, readable, seed=seed, progress=report)
-        for words in implausible(measured.identification, loop.slider.outline.extent):
-            click.echo(f"warning: this cannot be right: {words}", err=True)
+    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings))[0]
+    stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
+    within, measured = math.radians(asked.until_deg), None
+    if asked.after:
+        measured = _measured(asked, loop)
         loop = measured.loop
         write_whole(stem.with_name(f"{stem.name}_measured.toml"), collection_text(loop).encode())
         if measured.is_enough(within):
-            _tell_enough(measured, within, stem, json_target)
+            _tell_enough(measured, within, stem, asked.results)
             return
     with progress_bar("choosing pushes") as report:
         plan = plan_pushes(
             loop,
-            pushes,
-            target=target,
+            asked.pushes,
+            target=asked.target,
             grid=step,
             room=room,
-            seed=seed,
+            seed=asked.seed,
             progress=report,
-            read=(1e-3 * error_mm, math.radians(error_deg)),
+            read=(1e-3 * asked.error_mm, math.radians(asked.error_deg)),
         )
-    by = by or ("pose" if step is None else "corners")
-    content = table_to_fill(plan, by, excel)
-    table = _unused(stem, ".xlsx" if excel else ".csv", content)
+    content = table_to_fill(plan, asked.by or ("pose" if step is None else "corners"), asked.excel)
+    table = _unused(stem, ".xlsx" if asked.excel else ".csv", content)
     stem = table.with_suffix("")
     robot = stem.with_name(f"{stem.name}_robot.csv")
     write_whole(table, content)
     write_whole(robot, robot_schedule(plan))
-    report_of = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
-    picture = publish(report_of, plan_page(plan), stem, picture_format, json_target)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    if measured is not None:
-        console.tell(*filter(None, measured_sentences(measured, within)))
-    console.tell(*plan_sentences(plan))
-    console.print_table(push_table(plan))
-    console.print_table(knowledge_table(plan))
-    console.print(f"picture: {picture}")
-    console.print(f"for a robot: {robot}")
-    console.print(f"to fill in: {table}")
+    told = plan_report(plan) | ({} if measured is None else measured_report(measured, within))
+    known = [] if measured is None else measured_sentences(measured, within)
     following = shlex.join([*said_command("json_target"), "--after", str(table)])
-    console.print(f"next: {following}")
+    headline, *sentences = plan_sentences(plan)
+    publish(
+        told,
+        plan_page(plan),
+        stem,
+        asked.results,
+        *known,
+        styled(headline, "bold"),
+        *sentences,
+        push_table(plan),
+        knowledge_table(plan),
+        after=(f"for a robot: {robot}", f"to fill in: {table}", f"next: {following}"),
+    )
+
+
+def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
+    """What the tables that were filled in tell; doubts about it go to stderr."""
+    readable = readable_tables(asked.after, TableOptions(), asked.results.out)
+    with progress_bar("identifying") as report:
+        measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
+    for words in implausible(measured.identification, loop.slider.outline.extent):
+        click.echo(f"warning: this cannot be right: {words}", err=True)
+    return measured
 
 
 def _orientation_step(grid: str) -> float | None:
@@ -133,15 +155,11 @@ def _orientation_step(grid: str) -> float | None:
     return math.radians(step)
 
 
-def _tell_enough(
-    measured: MeasuredPlan, within: float, stem: Path, json_target: str | None
-) -> None:
-    if publish_json(measured_report(measured, within), json_target):
+def _tell_enough(measured: MeasuredPlan, within: float, stem: Path, results: ResultOptions) -> None:
+    if publish_json(measured_report(measured, within), results.json_target):
         return
     floor = stem.with_name(f"{stem.name}_measured.toml")
-    PeopleConsole().tell(
-        *filter(None, measured_sentences(measured, within)), f"floor and plate: {floor}"
-    )
+    PeopleConsole().tell(*measured_sentences(measured, within), f"floor and plate: {floor}")
     PeopleConsole().print(f"next: cyclemap portrait {shlex.quote(str(floor))}")
 
 
@@ -163,21 +181,7 @@ def plan_report(plan: PushPlan) -> Json:
         "floor": plan.loop.material.name,
         "for": plan.target,
         "chance_of_lock_in": plan.chance,
-        "pushes": [
-            {
-                "side": planned.push.side,
-                "fraction": planned.push.fraction,
-                "angle_deg": degrees(planned.push.angle),
-                "push_mm": millimetres(planned.push.distance),
-                "set_x_mm": millimetres(planned.start.x),
-                "set_y_mm": millimetres(planned.start.y),
-                "set_theta_deg": degrees(planned.start.theta),
-                "likely_x1_mm": millimetres(float(end[0])),
-                "likely_y1_mm": millimetres(float(end[1])),
-                "likely_theta1_deg": degrees(float(end[2])),
-            }
-            for planned, end in zip(plan.pushes, plan.ends, strict=True)
-        ],
+        "pushes": [*map(_push, plan.pushes, plan.ends)],
         "knowledge": [
             {
                 "pushes": after.pushes,
@@ -187,8 +191,19 @@ def plan_report(plan: PushPlan) -> Json:
             for after in plan.knowledge
         ],
         "one_push_lost": _known(plan.without),
-        "samples": plan.samples,
-        "candidates": plan.candidates,
+        **json_of(plan, "samples", "candidates"),
+    }
+
+
+def _push(planned: SetPush, end: Array) -> Json:
+    return {
+        **push_report(planned.push),
+        "set_x_mm": millimetres(planned.start.x),
+        "set_y_mm": millimetres(planned.start.y),
+        "set_theta_deg": degrees(planned.start.theta),
+        "likely_x1_mm": millimetres(float(end[0])),
+        "likely_y1_mm": millimetres(float(end[1])),
+        "likely_theta1_deg": degrees(end[2]),
     }
 
 

@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margins_report, portrait_report
-from cyclemap.cli.options import TableOptions, measured_orientations
+from cyclemap.cli.json_report import margin_report, portrait_report
+from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
 from cyclemap.cli.output import (
-    PeopleConsole,
     margins_of,
     people_table,
     progress_bar,
     publish,
     result_stem,
-    tell_margins,
+    styled,
+    told_margins,
 )
 from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -36,13 +36,11 @@ def run_portrait(
     cycles: int | None,
     seed: int,
     margin: bool,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
     pairs, chosen = (
-        measured_orientations(data, table, out),
+        measured_orientations(data, table, results.out),
         chosen_collection(options, data).simplified(),
     )
     loop, sigma = chosen.loop, chosen.sigma
@@ -55,9 +53,7 @@ def run_portrait(
                 "has many"
             )
 
-        run_strategy_portrait(
-            chosen, chosen.strategy, pairs, cycles, seed, out, picture_format, json_target
-        )
+        run_strategy_portrait(chosen, chosen.strategy, pairs, cycles, seed, results)
         return
     # The staircase starts where the data start and is as long, unless told otherwise.
     path = None if pairs is None else pairs.path
@@ -69,40 +65,36 @@ def run_portrait(
     measured = None if pairs is None else _overlay(pairs, found)
     page, stem = (
         portrait_page(found, portrait_curves(found), measured),
-        result_stem(out, "portrait", loop),
+        result_stem(results.out, "portrait", loop),
     )
     report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
     if margins is not None:
-        report["margins"] = margins_report(margins)
-    picture = publish(report, page, stem, picture_format, json_target)
-    if picture is None:
-        return
-    console, material = PeopleConsole(), found.loop.material
-    told = [
+        report["margins"] = [*map(margin_report, margins)]
+    material = found.loop.material
+    rows = [
+        (f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
+        for orbit in found.fixed_points
+    ]
+    columns = ("θ0 (°)", "multiplier", "")
+    publish(
+        report,
+        page,
+        stem,
+        results,
+        sentences.headline(found),
         sentences.lock_sentence(found),
         sentences.noise_sentence(found),
         sentences.staircase_sentence(found),
-    ]
-    told.append(sentences.uncertainty_sentence(material.name, found.uncertainty))
-    told.append(sentences.ahead_sentence(found.forecast))
-    if measured is not None:
-        told.append(sentences.agreement_sentence(measured.agreement))
-    console.tell(sentences.headline(found), *filter(None, told))
-    if found.fixed_points:
-        rows = [
-            (f"{math.degrees(o.points[0]):.3f}", f"{o.multiplier:.4f}", o.kind)
-            for o in found.fixed_points
-        ]
-        console.print_table(
-            people_table("Fixed points of the cycle map", ("θ0 (°)", "multiplier", ""), rows)
-        )
-    if margins is not None:
-        tell_margins(console, margins)
-    if line := sentences.material_line(material):
-        console.print(line)
-    for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line):
-        console.print(tell(found), style="dim")
-    console.print(f"picture: {picture}")
+        sentences.uncertainty_sentence(material.name, found.uncertainty),
+        sentences.ahead_sentence(found.forecast),
+        "" if measured is None else sentences.agreement_sentence(measured.agreement),
+        people_table("Fixed points of the cycle map", columns, rows) if rows else "",
+        *([] if margins is None else told_margins(margins)),
+        sentences.material_line(material),
+        styled(sentences.push_line(found), "dim"),
+        styled(sentences.parameters_line(found), "dim"),
+        styled(sentences.accuracy_line(found), "dim"),
+    )
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:

@@ -2,15 +2,14 @@
 picture.
 """
 
-import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cyclemap.cli.json_report import Json
-from cyclemap.cli.options import TableOptions, readable_data
+from cyclemap.cli.json_report import FACT_UNITS
+from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
-    PeopleConsole,
     file_stem,
     people_table,
     progress_bar,
@@ -28,6 +27,7 @@ from cyclemap.evidence.replay.replay_table import (
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
 from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
 if TYPE_CHECKING:
     import pandas
@@ -55,36 +55,21 @@ def run_replay(
     table: TableOptions,
     select: tuple[str, ...],
     pusher_friction: float | None,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's
     friction may be named.
     """
     loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
-    material, pusher = loop.material, loop.pusher
+    material = loop.material
     found = material.found_with.pusher_friction
     if pusher_friction is not None or ("pusher_mu" not in told and found is None):
-        pusher = replace(
-            pusher, friction=DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
-        )
+        friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
+        loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
-    read = readable_data(data, table, out)
+    read = readable_data(data, table, results.out)
     with progress_bar(f"replaying {data.name}") as report:
-        replayed = replay_pushes(
-            read,
-            material.friction,
-            pusher=pusher,
-            sliders=sliders,
-            plates=material.plates,
-            frames=material.frames,
-            floor=material.floor,
-            sessions=material.sessions,
-            field=material.field,
-            select=selected_values(select),
-            progress=report,
-        )
+        replayed = replay_pushes(read, loop, select=selected_values(select), progress=report)
     if not replayed.replays:
         raise CycleMapError(
             f"{data}: no push could be replayed: {reasons_of(replayed.not_replayed)}"
@@ -93,79 +78,65 @@ def run_replay(
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
-    stem, page = result_stem(out, "replay", loop), replay_page(replayed, material.name)
-    report_json = replay_report(replayed, material.name, pusher.friction, notes)
-    picture = publish(report_json, page, stem, picture_format, json_target)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    console.print(replay_headline(replayed), style="bold")
+    stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
+    as_json = replay_report(replayed, material.name, loop.pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
-        errors, turns = (
-            [
-                f"{scale * row[name]:.2f}"
-                for name in (f"mean_{of}", f"median_{of}", f"isotropic_mean_{of}")
-            ]
-            for of, scale in (("error", 1e3), ("turn_error", math.degrees(1.0)))
-        )
-        motion = f"{1e3 * row['mean_motion']:.1f}", f"{100 * row['relative_error']:.0f} %"
-        turn = f"{math.degrees(row['mean_turn']):.1f}", f"{100 * row['relative_turn_error']:.0f} %"
-        errors_table.add_row(
-            str(row["surface"]),
-            str(row["object"]),
-            str(row["count"]),
-            *errors,
-            *motion,
-            *turns,
-            *turn,
-        )
-    console.print_table(errors_table)
-    for note in notes:
-        console.print(f"note: {note}")
-    if replayed.not_replayed:
-        console.print(f"not replayed: {reasons_of(replayed.not_replayed)}")
-    console.print(f"picture: {picture}")
-
-
-# Columns in m, m/s or m/s^2 and in rad, and what they are called in mm and degrees.
-_MILLIMETRES = {
-    "speed": "speed_mm_s",
-    "acceleration": "acceleration_mm_s2",
-    **{
-        name: f"{name}_mm"
-        for name in (
-            "error",
-            "rms_error",
-            "measured_motion",
-            "predicted_motion",
-            "shift",
-            "start_gap",
-            "straightness",
-            "mean_error",
-            "median_error",
-            "mean_motion",
-            "mean_rms_error",
-            "isotropic_error",
-            "isotropic_mean_error",
-        )
-    },
-}
-_DEGREES = {
-    name: f"{name}_deg"
-    for name in (
-        "angle",
-        "turn_error",
-        "rms_turn_error",
-        "measured_turn",
-        "predicted_turn",
-        "mean_turn_error",
-        "median_turn_error",
-        "mean_turn",
-        "isotropic_turn_error",
-        "isotropic_mean_turn_error",
+        errors_table.add_row(*_cells(row))
+    left_out = replayed.not_replayed
+    publish(
+        as_json,
+        page,
+        stem,
+        results,
+        replay_headline(replayed),
+        errors_table,
+        *(f"note: {note}" for note in notes),
+        f"not replayed: {reasons_of(left_out)}" if left_out else "",
     )
-}
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    """The mean errors of an object on a surface: of the place, then of the turn."""
+    cells = [str(row["surface"]), str(row["object"]), str(row["count"])]
+    for error, motion, relative in (
+        ("error", "mean_motion", "relative_error"),
+        ("turn_error", "mean_turn", "relative_turn_error"),
+    ):
+        names = (f"mean_{error}", f"median_{error}", f"isotropic_mean_{error}")
+        cells += [f"{_UNITS[name].of_si(row[name]):.2f}" for name in names]
+        cells += [f"{_UNITS[motion].of_si(row[motion]):.1f}", f"{100 * row[relative]:.0f} %"]
+    return cells
+
+
+# What columns of the replays are written in, where it is not as measured.
+_LENGTHS = (
+    "error",
+    "rms_error",
+    "measured_motion",
+    "predicted_motion",
+    "shift",
+    "start_gap",
+    "straightness",
+    "mean_error",
+    "median_error",
+    "mean_motion",
+    "mean_rms_error",
+    "isotropic_error",
+    "isotropic_mean_error",
+)
+_TURNS = (
+    "turn_error",
+    "rms_turn_error",
+    "measured_turn",
+    "predicted_turn",
+    "mean_turn_error",
+    "median_turn_error",
+    "mean_turn",
+    "isotropic_turn_error",
+    "isotropic_mean_turn_error",
+)
+_UNITS = FACT_UNITS | dict.fromkeys(_LENGTHS, MILLIMETRES) | dict.fromkeys(_TURNS, DEGREES)
 
 
 def replay_report(
@@ -179,29 +150,16 @@ def replay_report(
         "material": material,
         "pusher_friction": pusher_friction,
         "pushes": len(replayed.table),
-        "mean_error_mm": _plain(1e3 * error),
-        "mean_turn_error_deg": _plain(math.degrees(turn_error)),
+        "mean_error_mm": written(error, MILLIMETRES),
+        "mean_turn_error_deg": degrees(turn_error),
         "notes": notes,
         "by_object": _rows(replayed.by("surface", "object")),
         "by_speed": _rows(replayed.by("speed")),
         "replays": _rows(replayed.table),
-        "not_replayed": [
-            {"path": str(file.path), "reason": file.reason} for file in replayed.not_replayed
-        ],
+        "not_replayed": written(replayed.not_replayed),
     }
 
 
 def _rows(table: "pandas.DataFrame") -> list[Json]:
-    scales = dict.fromkeys(_MILLIMETRES, 1e3) | dict.fromkeys(_DEGREES, math.degrees(1.0))
-    scaled = table.assign(
-        **{name: scale * table[name] for name, scale in scales.items() if name in table}
-    )
-    rows = scaled.rename(columns=_MILLIMETRES | _DEGREES).to_dict("records")
-    return [{str(name): _plain(value) for name, value in row.items()} for row in rows]
-
-
-def _plain(value: Any) -> object:
-    """A value that JSON can hold: no NaN, no numpy scalar."""
-    if hasattr(value, "item"):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    units = {name: _UNITS.get(name, NUMBER) for name in map(str, table)}
+    return rows(**{unit.named(name): written(table[name], unit) for name, unit in units.items()})

@@ -23,6 +23,7 @@ from cyclemap.views import compare_page, sentences
 from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
 from cyclemap.views.reset_page import design_sentences
 from cyclemap.views.style import render
+from cyclemap.views.verdicts import verdicts
 
 METHODS = (
     "The cycle map takes the object's orientation before a push to that before the next. Pushes "
@@ -120,11 +121,11 @@ def _beside_data(
     )
     name = found.loop.material.name
     told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
-    verdicts = (one.words for one in compared.verdicts)
+    answers = (one.words for one in verdicts(compared))
     trust = compare_page.trust_sentences(compared)
     page = compare_page.residual_page(compared)
     return [
-        Section("Recorded against predicted", (*told, *verdicts, *trust)),
+        Section("Recorded against predicted", (*told, *answers, *trust)),
         Section(
             "What explains it, and what is left",
             tuple(compare_page.explanation_sentences(name, compared)),

@@ -3,8 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from cyclemap.cli.json_report import Json, actions_report, degrees
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish, result_stem
+from cyclemap.cli.json_report import actions_report
+from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.output import people_table, progress_bar, publish, result_stem, styled
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.mechanics import load_material
 from cyclemap.protocol import write_protocol, write_schedule
@@ -27,13 +28,12 @@ from cyclemap.views.reset_page import (
     row_cells,
 )
 from cyclemap.views.sentences import material_line
+from cyclemap.written import Json, degrees, json_of
 
 
 def run_reset(
     options: LoopOptions,
-    json_target: str | None,
-    out: Path,
-    picture_format: str,
+    results: ResultOptions,
     cycles: int,
     seed: int,
     reach_mm: float | None,
@@ -68,31 +68,39 @@ def run_reset(
             seed=seed,
             progress=report,
         )
-    stem, strategy = result_stem(out, "reset", asked.loop), design.chosen.strategy
+    stem, strategy = result_stem(results.out, "reset", asked.loop), design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(
         protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen)
     )
     write_schedule(schedule, design.loop, strategy, cycles, seed)
     told = _report(design, protocol, schedule)
-    picture = publish(told, reset_page(design), stem, picture_format, json_target)
-    if picture is None:
-        return
-    console = PeopleConsole()
-    for sentence in miss_sentences(design):
-        console.print(sentence, style="bold red")
-    console.tell(*design_sentences(design))
-    title = f"It, and others beside it ({histogram_words(design)})"
-    console.print_table(people_table(title, COLUMNS, map(row_cells, design.rows), words=(0, 1)))
-    files = (f"picture: {picture}", f"protocol: {protocol}", f"schedule: {schedule}")
-    console.print("\n".join(filter(None, (material_line(design.loop.material), *files))))
+    table = people_table(
+        f"It, and others beside it ({histogram_words(design)})",
+        COLUMNS,
+        map(row_cells, design.rows),
+        words=(0, 1),
+    )
+    headline, *sentences = design_sentences(design)
+    publish(
+        told,
+        reset_page(design),
+        stem,
+        results,
+        *(styled(sentence, "bold red") for sentence in miss_sentences(design)),
+        styled(headline, "bold"),
+        *sentences,
+        table,
+        material_line(design.loop.material),
+        after=(f"protocol: {protocol}", f"schedule: {schedule}"),
+    )
 
 
 def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
     """The report of `cyclemap reset`; the chosen row is the first."""
     rows: list[Json] = [
         {
-            "roles": list(row.roles),
+            **json_of(row, "roles"),
             "recipe": recipe(row.strategy),
             "actions": actions_report(row.strategy, design.loop),
             **_predicted(row),
@@ -102,8 +110,7 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
             "seconds": row.seconds,
             "reach_mm": 1e3 * row.room,
             "shortest_contact_mm": 1e3 * row.contact,
-            "misses": list(row.misses),
-            "lacking": list(row.lacking),
+            **json_of(row, "misses", "lacking"),
         }
         for row in design.rows
     ]
@@ -111,10 +118,9 @@ def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:
         "material": design.loop.material.name,
         "noise_deg": degrees(design.sigma),
         "range": {
-            "told": design.about.told,
-            "materials": [one.name for one in design.about.materials],
-            "share": design.about.share,
-            "confidence": design.about.confidence,
+            **json_of(design.about, "told"),
+            "materials": [material.name for material in design.about.materials],
+            **json_of(design.about, "share", "confidence"),
         },
         "met": design.met,
         "reasons": list(miss_sentences(design)),

@@ -2,7 +2,7 @@
 in words or as JSON."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,73 +13,70 @@ from cyclemap.evidence.simulated_collection import simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.written import json_of
 
 # Far below any noise of a cycle, and twice as fast as the default.
 ACCURACY = 1e-6
 
 
-def run_simulate(
-    options: LoopOptions,
-    folder: Path,
-    cycles: int,
-    seed: int,
-    start_deg: float,
-    noise_deg: float | None,
-    pose_noise_mm: float,
-    pose_noise_deg: float,
-    force_noise_n: float,
-    wear_to: str | None,
-    speed_mm_s: float,
-    scans: bool,
-    suffix: str,
-    json_target: str | None,
-) -> None:
+@dataclass(frozen=True)
+class SimulateOptions:
+    """What `cyclemap simulate` was asked, as it was typed."""
+
+    options: LoopOptions
+    folder: Path
+    cycles: int
+    seed: int
+    start_deg: float
+    noise_deg: float | None
+    pose_noise_mm: float
+    pose_noise_deg: float
+    force_noise_n: float
+    wear_to: str | None
+    speed_mm_s: float
+    scans: bool
+    suffix: str
+    json_target: str | None
+
+
+def run_simulate(asked: SimulateOptions) -> None:
     """Write the collection that is asked for, or the rest of it, and tell where it is."""
-    chosen = chosen_collection(options).simplified()
-    loop, strategy, cycle_by_cycle = (
-        replace(chosen.loop, accuracy=ACCURACY),
-        chosen.strategy,
-        dict[str, Any](),
-    )
+    chosen = chosen_collection(asked.options).simplified()
+    loop, strategy = replace(chosen.loop, accuracy=ACCURACY), chosen.strategy
+    cycle_by_cycle = dict[str, Any]()
     if strategy is not None:
         # What it changes from cycle to cycle is the same that its schedule of this seed says.
-        loop, actions = strategy.prepared(loop), strategy.run(cycles, seed)
+        loop, actions = strategy.prepared(loop), strategy.run(asked.cycles, asked.seed)
         cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
         cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
-    own = loop.material.noise if noise_deg is None and chosen.sigma is None else None
+    own = loop.material.noise if asked.noise_deg is None and chosen.sigma is None else None
     measured = None if own is None else LocalNoise(own.log_sigma, own.correlation)
     sigma = DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     noise = RecordingNoise(
-        turn=sigma if noise_deg is None else math.radians(noise_deg),
-        position=1e-3 * pose_noise_mm,
-        angle=math.radians(pose_noise_deg),
-        force=force_noise_n,
+        turn=sigma if asked.noise_deg is None else math.radians(asked.noise_deg),
+        position=1e-3 * asked.pose_noise_mm,
+        angle=math.radians(asked.pose_noise_deg),
+        force=asked.force_noise_n,
     )
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
             loop,
-            folder,
-            cycles,
-            start=math.radians(start_deg),
+            asked.folder,
+            asked.cycles,
+            start=math.radians(asked.start_deg),
             noise=noise,
             cycle_noise=measured,
-            speed=1e-3 * speed_mm_s,
-            wear_to=None if wear_to is None else load_material(wear_to),
-            seed=seed,
-            scans=scans,
-            suffix=f".{suffix}",
+            speed=1e-3 * asked.speed_mm_s,
+            wear_to=None if asked.wear_to is None else load_material(asked.wear_to),
+            seed=asked.seed,
+            scans=asked.scans,
+            suffix=f".{asked.suffix}",
             progress=report,
             **cycle_by_cycle,
         )
-    told = {name: getattr(made, name) for name in ("cycles", "written", "resumed")}
     last_deg = math.degrees(made.theta_last)
-    report_json = {
-        "folder": str(made.folder),
-        **told,
-        "theta0_deg_last": last_deg,
-        "bytes": made.bytes,
-    }
-    if publish_json(report_json, json_target):
+    told = json_of(made, "folder", "cycles", "written", "resumed")
+    if publish_json({**told, "theta0_deg_last": last_deg, "bytes": made.bytes}, asked.json_target):
         return
     also = f" and {made.scans} friction scans" if made.scans else ""
     added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from cyclemap.cli.json_report import staircase_report
-from cyclemap.cli.options import TableOptions, measured_orientations
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.portrait import DEFAULT_CYCLES, staircase_forecast
 from cyclemap.evidence import measured_staircase
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
@@ -18,15 +18,13 @@ def run_staircase(
     table: TableOptions,
     cycles: int | None,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Predict the staircase, set the measured one beside it, draw both, and print them for people
     or as JSON.
     """
     pairs, chosen = (
-        measured_orientations(data, table, out),
+        measured_orientations(data, table, results.out),
         chosen_collection(options, data).simplified(),
     )
     loop, sigma = chosen.loop, chosen.sigma
@@ -34,9 +32,7 @@ def run_staircase(
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_staircase
 
-        run_strategy_staircase(
-            chosen, chosen.strategy, measured, cycles, seed, out, picture_format, json_target
-        )
+        run_strategy_staircase(chosen, chosen.strategy, measured, cycles, seed, results)
         return
     # The run starts where the data start and is as long, unless told otherwise.
     length, start = (
@@ -48,20 +44,18 @@ def run_staircase(
         forecast = staircase_forecast(
             loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=report
         )
-    stem = result_stem(out, "staircase", loop)
+    stem = result_stem(results.out, "staircase", loop)
     page = staircase_page.staircase_page(forecast, measured)
-    picture = publish(staircase_report(forecast, measured), page, stem, picture_format, json_target)
-    if picture is None:
-        return
-    told = [staircase_page.worn_sentence(forecast), staircase_page.run_sentence(forecast)]
-    told += [
+    publish(
+        staircase_report(forecast, measured),
+        page,
+        stem,
+        results,
+        staircase_page.forecast_sentence(forecast),
+        staircase_page.worn_sentence(forecast),
+        staircase_page.run_sentence(forecast),
         uncertainty_sentence(loop.material.name, forecast.uncertainty),
         ahead_sentence(forecast.forecast),
-    ]
-    if measured is not None:
-        told += [
-            staircase_page.measured_sentence(measured),
-            staircase_page.fitted_sentence(measured),
-        ]
-    words = staircase_page.forecast_sentence(forecast), *filter(None, told), f"picture: {picture}"
-    PeopleConsole().tell(*words)
+        "" if measured is None else staircase_page.measured_sentence(measured),
+        "" if measured is None else staircase_page.fitted_sentence(measured),
+    )

@@ -1,21 +1,13 @@
 """`cyclemap portrait` and `staircase` with a strategy whose cycles differ."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.cli.json_report import (
-    Json,
-    actions_report,
-    degrees,
-    direction_deg,
-    measured_report,
-    number,
-    steps_report,
-)
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish, result_stem
+from cyclemap.cli.json_report import actions_report, measured_report, steps_report
+from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
@@ -24,6 +16,7 @@ from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page
+from cyclemap.written import Json, degrees, direction_deg, written
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
@@ -35,9 +28,7 @@ def run_strategy_portrait(
     pairs: Theta0Pairs | None,
     cycles: int | None,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
@@ -67,7 +58,7 @@ def run_strategy_portrait(
         "fixed_points": [],
         "fixed_points_reason": _EACH,
         "rotation_number": {
-            "value": number(mean_turn / (2.0 * math.pi)),
+            "value": written(mean_turn / (2.0 * math.pi)),
             "lower": None,
             "upper": None,
             "locked": None,
@@ -75,11 +66,11 @@ def run_strategy_portrait(
         "stationary": {
             "noise_deg": degrees(sigma),
             "peaks_deg": [direction_deg(math.radians(peak)) for peak in peaks.tolist()],
-            "spectral_gap": number(1.0 - factor),
-            "mixing_cycles": number(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
-            "tv_from_uniform": number(law.total_variation),
-            "tv_error": number(law.error),
-            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": number(law.after)},
+            "spectral_gap": written(1.0 - factor),
+            "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+            "tv_from_uniform": written(law.total_variation),
+            "tv_error": written(law.error),
+            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
         },
         "staircase": {
             "mean_turn_deg": degrees(mean_turn),
@@ -102,9 +93,7 @@ def run_strategy_portrait(
         "average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    picture = publish(told, figure, result_stem(out, "portrait", loop), picture_format, json_target)
-    if picture is not None:
-        PeopleConsole().tell(*words, f"picture: {picture}")
+    publish(told, figure, result_stem(results.out, "portrait", loop), results, *words)
 
 
 def run_strategy_staircase(
@@ -113,9 +102,7 @@ def run_strategy_staircase(
     measured: MeasuredStaircase | None,
     cycles: int | None,
     seed: int,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
+    results: ResultOptions,
 ) -> None:
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
@@ -141,11 +128,9 @@ def run_strategy_staircase(
     )
     page, stem = (
         strategy_page(words, loop, strategy, theta, data),
-        result_stem(out, "staircase", loop),
+        result_stem(results.out, "staircase", loop),
     )
-    picture = publish(told, page, stem, picture_format, json_target)
-    if picture is not None:
-        PeopleConsole().tell(*words, f"picture: {picture}")
+    publish(told, page, stem, results, *words)
 
 
 def _run(

@@ -4,14 +4,14 @@ import math
 import time
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
 from cyclemap import sweeps
-from cyclemap.cli.json_report import Json, number, numbers
-from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem
+from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json, result_stem, styled
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.protocol.chosen_loop import LoopOptions, set_settings, told_settings
@@ -26,6 +26,7 @@ from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
+from cyclemap.written import Json, json_of, written
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
@@ -35,37 +36,45 @@ _OBJECT_KEYS = {
 }
 
 
-def run_sweep(
-    options: LoopOptions,
-    export: str,
-    draw: str,
-    status: bool,
-    workers: int | None,
-    out: Path,
-    picture_format: str,
-    json_target: str | None,
-    **asked: Any,
-) -> None:
+@dataclass(frozen=True)
+class SweepOptions:
+    """What `cyclemap sweep` was asked, as it was typed."""
+
+    options: LoopOptions
+    over: tuple[str, ...]
+    sample: int | None
+    seed: int
+    sequence: str
+    quantities: str
+    tolerance_deg: float | None
+    rotation_tolerance: float
+    workers: int | None
+    export: str
+    draw: str
+    status: bool
+    results: ResultOptions
+
+
+def run_sweep(asked: SweepOptions) -> None:
     """Run what is missing of the sweep, then export, draw and tell; with --status only tell how far
     it is.
-
-    asked : the points and quantities, see `sweep_plan`.
     """
-    exports, drawn = _words(export, _EXPORTS, "format to export"), _words(draw)
-    plan = sweep_plan(options, **asked)
-    _words(draw, [one.name for one in plan.numbers.quantities if not one.many], "quantity to draw")
+    _words(asked.export, _EXPORTS, "format to export")
+    plan = sweep_plan(asked)
+    drawable = [quantity.name for quantity in plan.numbers.quantities if not quantity.many]
+    _words(asked.draw, drawable, "quantity to draw")
     # The material, or the first few letters of those that are swept.
     name = (
         "_".join(plan.materials)[:_LONGEST_NAME]
         if MATERIAL_KEY in plan.keys
         else plan.materials[""].name
     )
-    stem = result_stem(out, "sweep", _object_loop(plan), name)
+    stem = result_stem(asked.results.out, "sweep", _object_loop(plan), name)
     store = stem.with_name(f"{stem.name}.sqlite")
-    if status:
+    if asked.status:
         now = sweeps.sweep_status(store, plan)
         told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
-        if not publish_json(_status_report(now, store), json_target):
+        if not publish_json(_status_report(now, store), asked.results.json_target):
             stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
@@ -73,7 +82,10 @@ def run_sweep(
     try:
         with progress_bar(f"sweep of {len(plan)} points") as report:
             sweeps.run_sweep(
-                plan, store, workers=workers, progress=lambda now: report(now.stored / now.points)
+                plan,
+                store,
+                workers=asked.workers,
+                progress=lambda now: report(now.stored / now.points),
             )
     except KeyboardInterrupt:
         now = sweeps.sweep_status(store, plan)
@@ -83,42 +95,31 @@ def run_sweep(
             err=True,
         )
         raise
-    _publish(load_sweep(store, plan), stem, store, exports, drawn, picture_format, json_target)
+    _publish(load_sweep(store, plan), store, asked)
 
 
-def _publish(
-    sweep: Sweep,
-    stem: Path,
-    store: Path,
-    exports: tuple[str, ...],
-    drawn: tuple[str, ...],
-    picture_format: str,
-    json_target: str | None,
-) -> None:
-    files, keys = [store], len(sweep.keys)
-    for name in exports:
+def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
+    files, keys, results = [store], len(sweep.keys), asked.results
+    for name in _words(asked.export):
         ending, write = _EXPORTS[name]
-        files.append(stem.with_name(f"{stem.name}{ending}"))
+        files.append(store.with_suffix(ending))
         write(sweep, files[-1])
     # One or two keys make a picture; two of a sample only where both are numbers.
     if keys < _MOST_DRAWN_KEYS or (
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
-        files.append(stem.with_name(f"{stem.name}.{picture_format}"))
-        write_whole(
-            files[-1], render(sweep_page(sweep, sweep_curves(sweep, drawn)), picture_format)
-        )
-    if publish_json(sweep_report(sweep, store), json_target):
+        files.append(store.with_suffix(f".{results.picture_format}"))
+        page = sweep_page(sweep, sweep_curves(sweep, _words(asked.draw)))
+        write_whole(files[-1], render(page, results.picture_format))
+    if publish_json(sweep_report(sweep, store), results.json_target):
         return
-    console = PeopleConsole()
-    console.tell(
-        sweep_headline(sweep), *sweep_sentences(sweep), *(f"file: {path}" for path in files)
+    undrawn = "more than two keys: select values of the others in Python, or export, to draw"
+    PeopleConsole().tell(
+        sweep_headline(sweep),
+        *sweep_sentences(sweep),
+        *(f"file: {path}" for path in files),
+        styled(undrawn, "dim") if keys > _MOST_DRAWN_KEYS else "",
     )
-    if keys > _MOST_DRAWN_KEYS:
-        console.print(
-            "more than two keys: select values of the others in Python, or export, to draw",
-            style="dim",
-        )
 
 
 def _object_loop(plan: SweepPlan) -> CollectionLoop:
@@ -133,39 +134,35 @@ def _object_loop(plan: SweepPlan) -> CollectionLoop:
     return CollectionLoop.mit()
 
 
-def sweep_plan(
-    options: LoopOptions,
-    over: tuple[str, ...],
-    sample: int | None,
-    seed: int,
-    sequence: str,
-    quantities: str,
-    tolerance_deg: float | None,
-    rotation_tolerance: float,
-) -> SweepPlan:
+def sweep_plan(asked: SweepOptions) -> SweepPlan:
     """The plan that the options ask for: what is swept overrules the protocol file,
     as --set does."""
-    ranges = tuple(map(parse_over, over))
-    swept = {one.key for one in ranges}
-    material, told, strategy = told_settings(options)
+    ranges = tuple(map(parse_over, asked.over))
+    swept = {over.key for over in ranges}
+    material, told, strategy = told_settings(asked.options)
     if strategy is not None:
         raise InvalidInput(
-            f"{options.protocol or material}: a sweep is about one push and one drag back: take "
-            "the table [strategy] out of it"
+            f"{asked.options.protocol or material}: a sweep is about one push and one drag back: "
+            "take the table [strategy] out of it"
         )
     # What is swept takes the place of what a file says, as --set does.
     settings = {
         key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
     }
-    settings |= set_settings(options.settings)
+    settings |= set_settings(asked.options.settings)
     warn_of_defaults(settings)
-    tolerance = {} if tolerance_deg is None else {"tolerance": math.radians(tolerance_deg)}
-    numbers = PortraitNumbers(
-        _words(quantities), rotation_tolerance=rotation_tolerance, **tolerance
+    tolerance = (
+        {} if asked.tolerance_deg is None else {"tolerance": math.radians(asked.tolerance_deg)}
     )
-    if sample is None:
-        return SweepPlan(Grid(ranges), material, settings, numbers)  # type: ignore[arg-type]
-    return SweepPlan(Sample(ranges, sample, seed, sequence), material, settings, numbers)
+    numbers = PortraitNumbers(
+        _words(asked.quantities), rotation_tolerance=asked.rotation_tolerance, **tolerance
+    )
+    points: Grid | Sample = (
+        Grid(ranges)  # type: ignore[arg-type]
+        if asked.sample is None
+        else Sample(ranges, asked.sample, asked.seed, asked.sequence)
+    )
+    return SweepPlan(points, material, settings, numbers)
 
 
 def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tuple[str, ...]:
@@ -182,15 +179,11 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan, results = sweep.description["plan"], []
     for place in range(len(sweep)):
-        found: Json = {key: sweep.swept[key][place] for key in sweep.keys}
-        for one in sweep.quantities:
-            if one.many:
-                found[one.written_name] = numbers(
-                    one.written(sweep.lists[one.name][place]).tolist()
-                )
-            else:
-                found[one.written_name] = number(float(one.written(sweep.columns[one.name][place])))
-        results.append({**found, "refusal": sweep.refusals[place] or None})
+        told: Json = {key: sweep.swept[key][place] for key in sweep.keys}
+        for quantity in sweep.quantities:
+            values = (sweep.lists if quantity.many else sweep.columns)[quantity.name][place]
+            told[quantity.written_name] = written(quantity.written(values))
+        results.append({**told, "refusal": sweep.refusals[place] or None})
     return {
         **_status_report(status, store),
         "over": plan["points"],
@@ -202,5 +195,4 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
 
 
 def _status_report(status: SweepStatus, store: Path) -> Json:
-    told = {name: getattr(status, name) for name in ("points", "stored", "refused", "complete")}
-    return {"store": str(store), **told}
+    return {"store": str(store), **json_of(status, "points", "stored", "refused", "complete")}

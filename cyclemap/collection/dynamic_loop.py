@@ -28,7 +28,33 @@ QUANTITIES = ("push_turn", "drag_turn", "theta_next", "push_displacement")
 
 @dataclass(frozen=True, eq=False)
 class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
-    """One push and reset by the dynamic simulation, told as a `Cycle`'s."""
+    """One push and reset by the dynamic simulation, told as a `Cycle`'s.
+
+    Attributes
+    ----------
+    theta : float
+        Orientation before, rad.
+    push : DynamicPush
+        The push.
+    drag : DynamicDrag
+        The drag back.
+    push_turn, drag_turn : float
+        Turns of the object, rad.
+    push_displacement : ndarray, shape (2,)
+        Of the object's origin in its initial frame, m.
+    drag_length : float
+        Path of the rod in the drag, m.
+    theta_next : float
+        Orientation after, rad on the lift: theta + push_turn + drag_turn.
+    ended : str
+        Why the push ended, `distance`, or `left` where the rod lost the object.
+
+    Examples
+    --------
+    >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(1.0)
+    >>> cycle.ended, round(math.degrees(cycle.theta_next), 1)
+    ('distance', 57.6)
+    """
 
     @property
     def trajectory(self) -> CycleTrajectory[DynamicTrajectory]:
@@ -40,12 +66,24 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
 class DynamicLoop:
     """A collection loop whose strokes are run by `DynamicModel`, at rest in between.
 
-    Attributes
+    Parameters
     ----------
     loop : CollectionLoop
         The protocol; it stands on its own support points, or else on those that carry its
-        patch's pressure (`on_points`). speed (m/s), stiffness (N/m), regularisation, tolerance
-        : as `DynamicModel` takes and checks them.
+        patch's pressure (`on_points`).
+    speed : float, default 0.02
+        Speed of the rod, m/s, as `DynamicModel` takes and checks it.
+    stiffness : float, default 1e6
+        Of the contact and the ring, N/m, as `DynamicModel`'s.
+    regularisation : float, default 1e-4
+        Speed below which friction fades, as a share of the rod's, as `DynamicModel`'s.
+    tolerance : float, default 1e-7
+        Relative error of a step, as `DynamicModel`'s.
+
+    Raises
+    ------
+    InvalidInput
+        For a loop that is none, and where the parts do not fit each other.
 
     Examples
     --------
@@ -109,6 +147,23 @@ class DynamicLoop:
 class DynamicsComparison:
     """Cycles from the same orientations by the dynamic simulation and by the quasi-static model, on
     the same points.
+
+    Attributes
+    ----------
+    loop : DynamicLoop
+        What was compared.
+    dynamic : Cycles
+        Cycles by the dynamic simulation.
+    quasi_static : Cycles
+        Cycles by the quasi-static model.
+
+    Examples
+    --------
+    >>> comparison = compare_dynamics(DynamicLoop(CollectionLoop.mit()), [0.0])
+    >>> np.degrees(comparison.quasi_static.push_turn).round(1).tolist()
+    [73.9]
+    >>> bool(abs(np.degrees(comparison.difference("push_turn")[0])) < 0.05)
+    True
     """
 
     loop: DynamicLoop
@@ -128,12 +183,26 @@ class DynamicsComparison:
 
 
 def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
-    """Run the cycles from orientations (...), rad, by both routes, on the same support points
-    (`on_points`).
+    """Run cycles by the dynamic simulation and by the quasi-static model, on the same support
+    points.
+
+    Parameters
+    ----------
+    loop : DynamicLoop
+        The loop; its support points are those of `on_points`.
+    theta : array_like, shape (...)
+        Orientations that the cycles start from, rad.
 
     Returns
     -------
     DynamicsComparison
+        The cycles of both, in the shape of theta.
+
+    Examples
+    --------
+    >>> comparison = compare_dynamics(DynamicLoop(CollectionLoop.mit()), [0.0])
+    >>> np.degrees(comparison.dynamic.push_turn).round(1).tolist()
+    [73.9]
     """
     if not isinstance(loop, DynamicLoop):
         raise InvalidInput(
@@ -161,11 +230,15 @@ def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on a surface whose limit curve is the centred circle as large as its limit
     ellipse.
 
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop to take the preferred direction from.
+
     Returns
     -------
     CollectionLoop
-        The loop on a surface whose limit curve is the centred circle as large as its limit
-        ellipse.
+        The same protocol on friction that is alike in every direction.
 
     Examples
     --------

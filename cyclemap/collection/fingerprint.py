@@ -17,6 +17,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
 # overflow.
@@ -39,17 +40,18 @@ class Anisotropy:
     """The part of a friction ellipse that motion depends on; its mean radius sqrt(mu_a mu_b) drops
     out.
 
-    Attributes
+    Parameters
     ----------
     offset : float
-        |(m0, n0)| / sqrt(mu_a mu_b).
+        |(m0, n0)| / sqrt(mu_a mu_b), not negative.
     offset_direction : float
-        rad, of R(φ)(m0, n0) in the surface's axes.
+        Direction of R(φ)(m0, n0) in the surface's axes, rad.
     ellipticity : float
-        log(mu_a / mu_b) / 2, here never negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic
+        log(mu_a / mu_b) / 2, not negative; (mu_a - mu_b)/(mu_a + mu_b) is its hyperbolic
         tangent.
     ellipse_direction : float
-        rad in [0, π), of the axis along which friction is greater.
+        Direction of the axis along which friction is greater, rad; that of a friction ellipse
+        in [0, π).
 
     Raises
     ------
@@ -64,14 +66,16 @@ class Anisotropy:
     Examples
     --------
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
-    >>> round(seen.offset, 4), seen.offset_direction, round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
-    (0.2041, 0.5, 0.2027, 2.0708)
+    >>> round(seen.offset, 4), seen.offset_direction
+    (0.2041, 0.5)
+    >>> round(seen.ellipticity, 4), round(seen.ellipse_direction, 4)
+    (0.2027, 2.0708)
     """
 
     offset: float
-    offset_direction: float
+    offset_direction: float = field(metadata=DIRECTION)
     ellipticity: float
-    ellipse_direction: float
+    ellipse_direction: float = field(metadata=DIRECTION)
 
     def __post_init__(self) -> None:
         for name in ("offset", "ellipticity"):
@@ -154,44 +158,68 @@ class TurnResponse:
     """A turn G(z) about the isotropic surface, z the anisotropy as the object sees it
     (`Anisotropy.seen_from`).
 
+    Parameters
+    ----------
+    turn : float
+        G(0), rad.
+    gradient : array_like, shape (4,)
+        First derivatives of G at 0, rad.
+    hessian : array_like, shape (4, 4)
+        Second derivatives of G at 0, rad.
+    bow : array_like, shape (2,), optional
+        Derivative by b cos 2χ and b sin 2χ at θ = 0, b and χ bow and axis of the floor's shape.
+
+    Attributes
+    ----------
+    offset_amplitude : float
+        A₁, rad of turn a unit of offset.
+    offset_phase : float
+        δ₁, the object's orientation, seen from the offset, at which the offset turns it most,
+        rad in (-π, π].
+    ellipse_amplitude : float
+        A₂, rad of turn a unit of ellipticity.
+    ellipse_phase : float
+        δ₂, twice such an orientation, seen from the axis of greater friction, rad in (-π, π].
+    bow_amplitude : float
+        A₃, rad of turn a unit of bow.
+    bow_phase : float
+        δ₃, twice such an orientation, seen from the axis of the bow, rad in (-π, π].
+
     Raises
     ------
     InvalidInput
-        For wrong shapes.
+        For arrays of other shapes, and for what is not finite.
 
     Notes
     -----
-    G(z) = turn + gradient·z + z·hessian·z / 2 up to third order: turn in rad, gradient (4,),
-    hessian (4, 4). At orientation θ on a surface of offset u along ψ and ellipticity v along φ,
-    gradient·z is
+    G(z) = turn + gradient·z + z·hessian·z / 2 up to third order. At orientation θ on a surface of
+    offset u along ψ and ellipticity v along φ, gradient·z is
 
-        u·offset_amplitude·cos(θ - ψ - offset_phase) + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase);
+        u·offset_amplitude·cos(θ - ψ - offset_phase)
+            + v·ellipse_amplitude·cos(2(θ - φ) - ellipse_phase);
 
-    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ -
-    χ) - bow_phase), bow (2,) being the derivative by b cos 2χ and b sin 2χ at θ = 0.
-
-    offset_amplitude (A₁), ellipse_amplitude (A₂) : rad of turn a unit. offset_phase (δ₁) : rad
-    in (-π, π], the object's orientation, seen from the offset, at which the offset turns it
-    most. ellipse_phase (δ₂) : twice such an orientation, seen from the axis of greater
-    friction.
+    a floor of bow b (mean pressures at 50 mm) along the axis χ adds b·bow_amplitude·cos(2(θ - χ) -
+    bow_phase).
 
     Examples
     --------
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
-    >>> both.offset_amplitude, both.offset_phase, both.ellipse_amplitude, round(both.ellipse_phase, 6)
-    (2.0, 0.0, 1.0, -1.570796)
+    >>> both.offset_amplitude, both.offset_phase
+    (2.0, 0.0)
+    >>> both.ellipse_amplitude, round(both.ellipse_phase, 6)
+    (1.0, -1.570796)
     """
 
-    turn: float
-    gradient: Array
-    hessian: Array
-    bow: Array = field(default_factory=lambda: np.zeros(2))
-    offset_amplitude: float = field(init=False)
-    offset_phase: float = field(init=False)
-    ellipse_amplitude: float = field(init=False)
-    ellipse_phase: float = field(init=False)
-    bow_amplitude: float = field(init=False)
-    bow_phase: float = field(init=False)
+    turn: float = field(metadata=ANGLE)
+    gradient: Array = field(metadata=UNWRITTEN)
+    hessian: Array = field(metadata=UNWRITTEN)
+    bow: Array = field(default_factory=lambda: np.zeros(2), metadata=UNWRITTEN)
+    offset_amplitude: float = field(init=False, metadata=ANGLE)
+    offset_phase: float = field(init=False, metadata=ANGLE)
+    ellipse_amplitude: float = field(init=False, metadata=ANGLE)
+    ellipse_phase: float = field(init=False, metadata=ANGLE)
+    bow_amplitude: float = field(init=False, metadata=ANGLE)
+    bow_phase: float = field(init=False, metadata=ANGLE)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "turn", finite_number("turn", self.turn))
@@ -227,11 +255,11 @@ class Fingerprint:
         Largest asymmetry of the cycle's hessian as found, rad: what the differences that gave
         it are good for.
     remainder : float
-        1/rad, what the second order leaves of the turn of usual surfaces, root mean square,
-        over (offset·A₁ + ellipticity·A₂)²; it does not vanish with the anisotropy, since second
-        derivatives jump where contact phases come and go.
+        What the second order leaves of the turn of usual surfaces, root mean square, over
+        (offset·A₁ + ellipticity·A₂)², 1/rad; it does not vanish with the anisotropy, since
+        second derivatives jump where contact phases come and go.
     bow_remainder : float
-        rad, what the first order leaves of the turn on a floor of bow 1, at most; 0 for support
+        What the first order leaves of the turn on a floor of bow 1, at most, rad; 0 for support
         points, which have no bow.
 
     Notes
@@ -241,13 +269,19 @@ class Fingerprint:
     (`Anisotropy`), the floor bowed along χ. The protocol alone tells Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃:
     `cycle.turn`, `cycle.offset_amplitude`, `cycle.offset_phase`, `cycle.ellipse_amplitude`,
     `cycle.ellipse_phase`, `cycle.bow_amplitude`, `cycle.bow_phase`.
+
+    Examples
+    --------
+    >>> found = fingerprint(CollectionLoop.mit())
+    >>> round(math.degrees(found.push.turn), 2), round(math.degrees(found.drag.turn), 2)
+    (74.52, -66.52)
     """
 
     push: TurnResponse
     drag: TurnResponse
     hessian_error: float
-    remainder: float
-    bow_remainder: float = 0.0
+    remainder: float = field(metadata={"name": "remainder_per_rad"})
+    bow_remainder: float = field(default=0.0, metadata=ANGLE)
 
     @cached_property
     def cycle(self) -> TurnResponse:
@@ -274,14 +308,19 @@ class Fingerprint:
 def fingerprint(
     loop: CollectionLoop, progress: Callable[[float], None] | None = None
 ) -> Fingerprint:
-    """Return the fingerprint of a loop's protocol; its material's friction, and the floor's bow,
-    play no part.
+    """Return the fingerprint of a loop's protocol.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The protocol; its material's friction, and the floor's bow, play no part.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     Fingerprint
-        The fingerprint of a loop's protocol; its material's friction, and the floor's bow, play
-        no part.
+        How push, drag and cycle turn on surfaces that are nearly isotropic.
 
     Raises
     ------
@@ -292,13 +331,15 @@ def fingerprint(
     -----
     The gradient comes from the sensitivities of two isotropic cycles, the hessian from central
     differences of twelve nearly isotropic ones, the remainder from sixteen cycles on usual
-    surfaces. `progress` gets the fraction done.
+    surfaces.
 
     Examples
     --------
     >>> found = fingerprint(CollectionLoop.mit()).cycle
-    >>> round(math.degrees(found.turn), 3), round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
-    (8.002, 2.047, 1.769)
+    >>> round(math.degrees(found.turn), 3)
+    8.002
+    >>> round(found.offset_amplitude, 3), round(found.ellipse_amplitude, 3)
+    (2.047, 1.769)
     """
     if require_loop(loop).reset.way_points:
         raise InvalidInput(

@@ -144,12 +144,27 @@ class Prediction:
     """The cycle map of a surface to first order, from the fingerprint of the protocol and its
     anisotropy alone.
 
+    Parameters
+    ----------
+    fingerprint : Fingerprint
+        That of the protocol.
+    anisotropy : Anisotropy
+        That of the surface.
+
     Notes
     -----
     The first-order map is off by `turn_error(θ)`: the second-order term there, and the
     fingerprint's margin for what the second order leaves. That is an estimate, not a bound: of
     the directions of random surfaces (offset up to 0.2, ellipticity up to 0.12) on four
     protocols 96 % lay within their errors, and every verdict given was right.
+
+    Examples
+    --------
+    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> found = fingerprint(CollectionLoop.mit())
+    >>> prediction = Prediction(found, Anisotropy(0.02, 0.0, 0.02, 0.0))
+    >>> prediction.verdict, round(math.degrees(prediction.mean_turn), 2)
+    ('drifts', 7.49)
     """
 
     fingerprint: Fingerprint
@@ -327,10 +342,17 @@ class Prediction:
 def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Prediction:
     """Return what a fingerprint predicts of a surface of this anisotropy, or of this friction.
 
+    Parameters
+    ----------
+    found : Fingerprint
+        The fingerprint of the protocol.
+    anisotropy : Anisotropy or EllipseFriction
+        That of the surface, or its friction.
+
     Returns
     -------
     Prediction
-        What a fingerprint predicts of a surface of this anisotropy, or of this friction.
+        The cycle map to first order, and its errors.
 
     Raises
     ------
@@ -341,7 +363,6 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
     Examples
     --------
     >>> from cyclemap.collection.fingerprint import fingerprint
-    >>> from cyclemap.collection.loop import CollectionLoop
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> (direction,) = predict(fingerprint(loop), loop.material.friction).stable_directions
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
@@ -385,8 +406,25 @@ class CheckedDirection:
 
 @dataclass(frozen=True, eq=False)
 class PredictionCheck:
-    """The full map of a loop, its fixed points by angle, and every predicted direction beside what
-    it has.
+    """The full map of a loop beside what its fingerprint predicted.
+
+    Attributes
+    ----------
+    map : CircleMap
+        The full cycle map.
+    fixed_points : tuple of Orbit
+        Its fixed points, by angle.
+    directions : tuple of CheckedDirection
+        Every predicted direction beside what the full map has.
+
+    Examples
+    --------
+    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> loop = CollectionLoop.mit(material="plywood")
+    >>> prediction = predict(fingerprint(loop), loop.material.friction)
+    >>> check = check_prediction(prediction, loop, tolerance=1e-3)
+    >>> [round(math.degrees(orbit.points[0])) for orbit in check.stable_points]
+    [63]
     """
 
     map: CircleMap
@@ -405,22 +443,28 @@ def check_prediction(
     tolerance: float = 1e-5,
     progress: Callable[[float], None] | None = None,
 ) -> PredictionCheck:
-    """Compute the full map of a loop to `tolerance` (rad), a hundred cycles and more, and set it
-    beside a prediction.
+    """Compute the full map of a loop, a hundred cycles and more, and set it beside a prediction.
+
+    Parameters
+    ----------
+    prediction : Prediction
+        What was predicted.
+    loop : CollectionLoop
+        One of the protocol whose fingerprint predicted, on the surface that was predicted.
+    tolerance : float, default 1e-5
+        Error of the full map, rad.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     PredictionCheck
+        The full map, its fixed points, and the predicted directions beside them.
 
     Raises
     ------
     InvalidInput
         Where its friction has another anisotropy, or its floor a bow.
-
-    Notes
-    -----
-    The loop is one of the protocol whose fingerprint predicted, on the surface that was
-    predicted.
 
     Examples
     --------

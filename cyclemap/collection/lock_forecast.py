@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,38 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # A run has locked in where so many successive pushes stay within this (rad) of each other.
 REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
-# Samples of what is believed, runs on each, and angles between which a map is taken as straight:
+# Samples of what is believed, runs on them in all, and angles between which a map is taken as straight:
 # off by .1 degrees.
-_SAMPLES, _RUNS, _NODES = 40, 8, 96
+_SAMPLES, _RUNS, _NODES = 40, 320, 96
 _ACCURACY = 1e-5
 LEVEL = 0.9
+
+
+@dataclass(frozen=True)
+class LikelyDirection:
+    """A direction about which runs lock in.
+
+    theta : rad. share : of the runs. within : of it 90 % of these rest, rad.
+    """
+
+    theta: float = field(metadata=DIRECTION)
+    share: float
+    within: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True)
+class SeenOrientations:
+    """How many of 36 orientations will have been seen: the median and a 90 % interval."""
+
+    median: float
+    lower: float
+    upper: float
 
 
 @dataclass(frozen=True)
@@ -35,16 +57,14 @@ class LockForecast:
     of a cycle.
 
     cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions
-        : about which, rad, in what share of the runs, and within what of it 90
-        % of these rest, rad. orientations : how many of 36 will have been seen, in the median, and the ends of a 90
-        % interval. samples : of what is believed.
+        : about which, the likeliest first. samples : of what is believed.
     """
 
     cycles: int
-    chance: float
-    directions: tuple[tuple[float, float, float], ...]
-    orientations: tuple[float, float, float]
-    samples: int
+    chance: float = field(metadata={"name": "chance_of_lock_in"})
+    directions: tuple[LikelyDirection, ...]
+    orientations: SeenOrientations = field(metadata={"name": "orientations_of_36"})
+    samples: int = field(metadata=UNWRITTEN)
 
 
 def lock_forecast(
@@ -59,8 +79,8 @@ def lock_forecast(
     All is as of `forecast_from_turns`, on the loop's `sampled_turns`. Raises InvalidInput for a
     material without samples, and for fewer than 50 pushes.
     """
-    count = _cycles_ahead(cycles)
-    return forecast_from_turns(sampled_turns(loop), sigma, count, start, seed)
+    whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
+    return forecast_from_turns(sampled_turns(loop), sigma, cycles, start, seed)
 
 
 def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Array:
@@ -91,20 +111,33 @@ def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None
 
 
 def forecast_from_turns(
-    turns: Array, sigma: float, cycles: int, start: float = 0.0, seed: int = 0
+    turns: Array,
+    sigma: float,
+    cycles: int,
+    start: float = 0.0,
+    seed: int = 0,
+    *,
+    change: Array | None = None,
 ) -> LockForecast:
     """Return what the next `cycles` pushes will bring.
 
-    turns : of `sampled_turns`; taken as straight between their angles. sigma : standard deviation
-        (rad) of a cycle's
-    noise. start : rad, the first orientation. seed : of the runs. Raises InvalidInput for fewer
-        than 50 pushes, and for numbers that make no sense.
+    Parameters
+    ----------
+    turns : ndarray, (samples, 96)
+        Turns of a cycle, rad, of `sampled_turns` or `turns_after_log`.
+    sigma, cycles, start, seed, change
+        As `sampled_paths` takes them.
+
+    Returns
+    -------
+    LockForecast
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 50 pushes, and for numbers that make no sense.
     """
-    count = _cycles_ahead(cycles)
-    scatter = positive_number("sigma", sigma)
-    first = finite_number("start", start)
-    whole_number("seed", seed, least=0)
-    paths = _paths(np.repeat(turns, _RUNS, axis=0), scatter, count, first, seed)
+    paths = sampled_paths(turns, sigma, cycles, start, seed, change=change)
     resting, where = _rests(paths)
     seen = _orientations(paths)
     centres = clusters(where)
@@ -112,36 +145,73 @@ def forecast_from_turns(
     directions = []
     for number, centre in enumerate(centres.tolist()):
         own = away[np.argmin(away, axis=1) == number, number]
-        directions.append((centre, own.size / len(resting), float(np.quantile(own, LEVEL))))
-    directions.sort(key=lambda one: -one[1])
-    low, middle, high = np.quantile(seen, (0.5 - LEVEL / 2.0, 0.5, 0.5 + LEVEL / 2.0)).tolist()
+        within = float(np.quantile(own, LEVEL))
+        directions.append(LikelyDirection(centre, own.size / len(resting), within))
+    directions.sort(key=lambda direction: -direction.share)
+    ends = np.quantile(seen, (0.5, 0.5 - LEVEL / 2.0, 0.5 + LEVEL / 2.0)).tolist()
     return LockForecast(
-        count, float(resting.mean()), tuple(directions), (middle, low, high), len(turns)
+        cycles, float(resting.mean()), tuple(directions), SeenOrientations(*ends), len(turns)
     )
 
 
-def _cycles_ahead(cycles: int) -> int:
-    """The pushes of a forecast, enough to lock in and not too many to hold."""
-    count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
-    require_room("angles of a forecast", 2.0 * count * _SAMPLES * _RUNS, "forecast fewer pushes")
-    return count
+def sampled_paths(
+    turns: Array,
+    sigma: float,
+    cycles: int,
+    start: float = 0.0,
+    seed: int = 0,
+    *,
+    change: Array | None = None,
+) -> Array:
+    """Return the orientations of runs on samples of a map, unwrapped.
 
+    Parameters
+    ----------
+    turns : ndarray, (samples, 96)
+        Turns of a cycle, rad, from angles evenly all around, taken as straight between them.
+    sigma : float
+        Standard deviation of a cycle's noise, rad.
+    cycles : int
+        Pushes of a run, at least 50.
+    start : float
+        The first orientation, rad.
+    seed : int
+        Of the noise.
+    change : ndarray, (samples, 96), optional
+        By how much the turns will have changed at the end, rad, evenly on the way.
 
-def _paths(turns: Array, sigma: float, cycles: int, start: float, seed: int) -> Array:
-    """Unwrapped orientations (cycles + 1, c) of c runs, whose turns (c, nodes) are given all
-    around.
+    Returns
+    -------
+    ndarray, (cycles + 1, runs)
+        rad; at least 320 runs, the same number on every sample.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than 50 pushes, more than memory holds, and numbers that make no sense.
     """
-    rng = np.random.default_rng(seed)
-    run = np.arange(len(turns))
-    after = np.roll(turns, -1, axis=1)
-    paths = np.empty((cycles + 1, len(turns)))
-    paths[0] = start
-    for cycle in range(cycles):
-        place = np.mod(paths[cycle], TWO_PI) * (_NODES / TWO_PI)
-        node = np.minimum(place.astype(int), _NODES - 1)
+    count = whole_number("cycles of a forecast", cycles, least=REST_CYCLES)
+    runs = max(_RUNS, len(turns))
+    require_room("angles of a forecast", 2.0 * count * runs, "forecast fewer pushes")
+    scatter = positive_number("sigma", sigma)
+    rng = np.random.default_rng(whole_number("seed", seed, least=0))
+    each = -(-runs // len(turns))
+    now = np.repeat(turns, each, axis=0)
+    later = now if change is None else now + np.repeat(change, each, axis=0)
+    nodes = turns.shape[1]
+    run = np.arange(len(now))
+    paths = np.empty((count + 1, len(now)))
+    paths[0] = finite_number("start", start)
+    for cycle in range(count):
+        place = np.mod(paths[cycle], TWO_PI) * (nodes / TWO_PI)
+        node = np.minimum(place.astype(int), nodes - 1)
+        after = (node + 1) % nodes
         share = place - node
-        turn = (1.0 - share) * turns[run, node] + share * after[run, node]
-        paths[cycle + 1] = paths[cycle] + turn + sigma * rng.standard_normal(len(run))
+        done = cycle / count
+        left = (1.0 - done) * now[run, node] + done * later[run, node]
+        right = (1.0 - done) * now[run, after] + done * later[run, after]
+        turn = (1.0 - share) * left + share * right
+        paths[cycle + 1] = paths[cycle] + turn + scatter * rng.standard_normal(len(run))
     return paths
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -53,7 +53,21 @@ T = TypeVar("T", bound="Trajectory | DynamicTrajectory")
 
 @dataclass(frozen=True, eq=False)
 class CycleTrajectory(Generic[T]):
-    """The course of a cycle in the world, whose origin is the reset's target."""
+    """The course of a cycle in the world, whose origin is the reset's target.
+
+    Attributes
+    ----------
+    push : Trajectory or DynamicTrajectory
+        The course of the push.
+    drag : Trajectory or DynamicTrajectory
+        The course of the drag back.
+
+    Examples
+    --------
+    >>> course = CollectionLoop.mit().cycle(0.0).trajectory
+    >>> course.push.pose.shape[1], str(course.drag.mode[0])
+    (3, 'ring')
+    """
 
     push: T
     drag: T
@@ -63,28 +77,42 @@ class CycleTrajectory(Generic[T]):
 class StrokePair(Generic[P, D]):
     """A push and the drag that followed it.
 
-    theta : orientation before, rad; theta_next : after, on the lift (theta + push_turn +
-        drag_turn).
-    push, drag : the results of both strokes. push_turn, drag_turn : rad. push_displacement : of the
-        object's origin in its initial frame, (2,), m. drag_length : path of the ring, m. ended :
-        why the push ended, `distance`, or `left` where the rod lost the object.
+    theta : orientation before, rad. push, drag : the results of both strokes.
     """
 
     theta: float
     push: P
     drag: D
-    push_turn: float = field(init=False)
-    push_displacement: NDArray[np.float64] = field(init=False)
-    drag_turn: float = field(init=False)
-    drag_length: float = field(init=False)
-    theta_next: float = field(init=False)
-    ended: str = field(init=False)
 
-    def __post_init__(self) -> None:
-        push, drag = self.push, self.drag
-        told = (push.turn, push.displacement, drag.turn, drag.length, drag.end.theta, push.ended)
-        for one, value in zip(fields(StrokePair)[3:], told, strict=True):
-            object.__setattr__(self, one.name, value)
+    @property
+    def push_turn(self) -> float:
+        """Turn of the object by the push, rad."""
+        return self.push.turn
+
+    @property
+    def push_displacement(self) -> NDArray[np.float64]:
+        """Of the object's origin in its initial frame, (2,), m."""
+        return self.push.displacement
+
+    @property
+    def drag_turn(self) -> float:
+        """Turn of the object by the drag, rad."""
+        return self.drag.turn
+
+    @property
+    def drag_length(self) -> float:
+        """Path of the ring, m."""
+        return self.drag.length
+
+    @property
+    def theta_next(self) -> float:
+        """Orientation after, rad on the lift: theta + push_turn + drag_turn."""
+        return self.drag.end.theta
+
+    @property
+    def ended(self) -> str:
+        """Why the push ended, `distance`, or `left` where the rod lost the object."""
+        return self.push.ended
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,16 +121,26 @@ class Cycles:
 
     Attributes
     ----------
-    push_displacement : ndarray
-        (..., 2), m, initial object frame.
-    drag_length : ndarray
-        (...), m.
-    left : ndarray
-        (...), bool, where the rod lost the object before the push's distance was done.
+    theta : ndarray, shape (...)
+        Orientations before, rad.
+    push_turn : ndarray, shape (...)
+        Turns of the object by the push, rad.
+    push_displacement : ndarray, shape (..., 2)
+        Of the object's origin in its initial frame, m.
+    drag_turn : ndarray, shape (...)
+        Turns by the drag, rad.
+    drag_length : ndarray, shape (...)
+        Path of the ring, m.
+    theta_next : ndarray, shape (...)
+        Orientations after, rad on the lift.
+    left : ndarray of bool, shape (...)
+        Where the rod lost the object before the push's distance was done.
 
-    Notes
-    -----
-    theta, theta_next (lift), push_turn, drag_turn : (...), rad.
+    Examples
+    --------
+    >>> cycles = CollectionLoop.mit().cycles([[0.0, 1.0, 2.0]])
+    >>> cycles.push_displacement.shape, cycles.left.tolist()
+    ((1, 3, 2), [[True, False, False]])
     """
 
     theta: NDArray[np.float64]
@@ -168,7 +206,35 @@ _DRAWN = 60
 
 @dataclass(frozen=True, eq=False)
 class Cycle(StrokePair[PushResult, DragResult]):
-    """One push and reset, a `StrokePair`. loop : what was run."""
+    """One push and reset by the quasi-static model.
+
+    Attributes
+    ----------
+    loop : CollectionLoop
+        What was run.
+    theta : float
+        Orientation before, rad.
+    push : PushResult
+        The push.
+    drag : DragResult
+        The drag back.
+    push_turn, drag_turn : float
+        Turns of the object, rad.
+    push_displacement : ndarray, shape (2,)
+        Of the object's origin in its initial frame, m.
+    drag_length : float
+        Path of the ring, m.
+    theta_next : float
+        Orientation after, rad on the lift: theta + push_turn + drag_turn.
+    ended : str
+        Why the push ended, `distance`, or `left` where the rod lost the object.
+
+    Examples
+    --------
+    >>> cycle = CollectionLoop.mit("plywood").cycle(0.0)
+    >>> (1e3 * cycle.push_displacement).round(2).tolist(), round(math.degrees(cycle.theta_next), 3)
+    ([42.6, -66.68], 9.965)
+    """
 
     loop: CollectionLoop
 
@@ -209,11 +275,22 @@ class CycleSensitivity:
 
     Attributes
     ----------
+    theta : float
+        Orientation before, rad.
     theta_next : float
-        rad. `by("theta")` is d theta_next / d theta, the multiplier.
-    jacobian : ndarray
-        (6, k), derivatives of `outputs` (push_turn, push_dx, push_dy, drag_turn, drag_length,
-        theta_next) by `parameters`, SI units and radians.
+        Orientation after, rad. `by("theta")` is d theta_next / d theta, the multiplier.
+    jacobian : ndarray, shape (6, k)
+        Derivatives of `outputs` by `parameters`, SI units and radians.
+    parameters : tuple of str
+        Names of what was varied.
+    outputs : tuple of str
+        push_turn, push_dx, push_dy, drag_turn, drag_length, theta_next.
+
+    Examples
+    --------
+    >>> sensitivity = CollectionLoop.mit("plywood").sensitivity(0.0)
+    >>> round(sensitivity.by("theta"), 3), round(sensitivity.by("mu_a", "push_turn"), 3)
+    (0.766, 1.319)
     """
 
     theta: float
@@ -235,6 +312,24 @@ class CycleSensitivity:
 @dataclass(frozen=True)
 class CollectionLoop:
     """The protocol of a data collection: who is pushed where, on what, and how it is brought back.
+
+    Parameters
+    ----------
+    slider : Slider
+        The object that is pushed.
+    material : Material
+        The surface under it.
+    pusher : Pusher, optional
+        The rod.
+    push : SidePush, optional
+        Where and how it is pushed.
+    reset : DragBack, optional
+        How it is brought back: the drag by the ring.
+    footprint : Footprint or None, optional
+        How the weight is spread; None: evenly over the outline, leaning where the centre of
+        mass is not the centroid.
+    accuracy : float, default 1e-8
+        Error aimed at for a push or a drag, rad, as `QuasiStaticModel`'s.
 
     Notes
     -----
@@ -396,26 +491,27 @@ class CollectionLoop:
 
 
 def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
-    """Run one push and reset of each of k loops from each of n orientations: `Cycles` with the axes
-    (k, n).
+    """Run one push and reset of each of k loops from each of n orientations.
 
     Parameters
     ----------
     loops : sequence of CollectionLoop
         Any mixture.
-    theta : array_like
-        (n,), rad, orientations that all loops start from, or (k, n), those of each.
+    theta : array_like, shape (n,) or (k, n)
+        Orientations that all loops start from, or those of each, rad.
 
     Returns
     -------
     Cycles
+        With the axes (k, n).
 
     Raises
     ------
-    what
-        That raises where a cycle is refused, telling which loop and orientation.
     InvalidInput
         For loops that are none, or thetas in another shape.
+    CycleMapError
+        What `CollectionLoop.cycle` raises where a cycle is refused, telling which loop and
+        orientation.
 
     Notes
     -----

@@ -3,7 +3,7 @@ staircase alone.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -42,6 +42,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.written import ANGLE
 
 Array = NDArray[np.float64]
 Progress = Callable[[float], None]
@@ -69,9 +70,9 @@ _CUBIC_NODES = 24
 class TurnStatistics:
     """The turn f(θ) - θ over the whole circle (rad), and the slope f'(θ)."""
 
-    mean: float
-    minimum: float
-    maximum: float
+    mean_turn: float = field(metadata=ANGLE)
+    min_turn: float = field(metadata=ANGLE)
+    max_turn: float = field(metadata=ANGLE)
     min_slope: float
     max_slope: float
 
@@ -90,29 +91,40 @@ class Portrait:
         Statistics of the map's turn.
     fixed_points : tuple of Orbit
         The directions it maps to themselves.
-    rotation : RotationNumber
-        Its rotation number.
     gathering_jumps : tuple of float
         The jumps (rad) about which orbits gather from both sides, as about a stable point.
-    noise, operator : WrappedNormal
-        The noise added to every cycle, and the transfer operator of map plus noise.
+    rotation : RotationNumber
+        Its rotation number.
+    noise : WrappedNormal
+        The noise added to every cycle.
+    operator : TransferOperator
+        The transfer operator of map plus noise.
     staircase : Staircase
         One noisy run.
     prediction : StaircaseSummary
         What such a run looks like on average.
-    drifting, worn : DriftingMap or None
-        Where the surface wears, its map over the cycles of the run, which then follows it, and
-        what runs on the surface of the last cycle are like; all else is of the fresh surface.
-        None where it does not.
     cycle : Cycle
         One noiseless cycle, started at the most visited stable point, or at 0 where there is
         none.
+    drifting : DriftingMap or None
+        Where the surface wears, its map over the cycles of the run, which then follows it; all
+        else is of the fresh surface. None where it does not.
+    worn : StaircaseSummary or None
+        Where the surface wears, what runs on the surface of the last cycle are like; None where
+        it does not.
     uncertainty : DirectionUncertainty or None
         How well the stable directions are known, of the fresh surface; None where the mechanics
         is not.
     forecast : LockForecast or None
         What the pushes of the run will bring, of all that is believed; None where there are no
         samples of it.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit("plywood")
+    >>> result = portrait(loop, sigma=0.2, cycles=50, tolerance=1e-3)
+    >>> [round(float(np.degrees(orbit.points[0])), 1) for orbit in result.stable_points]
+    [63.2]
     """
 
     loop: CollectionLoop
@@ -204,21 +216,29 @@ def portrait(
     tolerance: float = 1e-6,
     progress: Progress | None = None,
 ) -> Portrait:
-    """Compute the portrait of `loop`.
+    """Compute the portrait of a loop: map, fixed points, rotation, stationary law and staircase.
 
     Parameters
     ----------
-    sigma : float, optional
-        Standard deviation (rad) of the noise of one cycle; None as in `staircase_forecast`.
-        cycles, start (rad), seed : of the noisy run.
-    tolerance : float, optional
-        Of the cycle map (rad).
-    progress : Progress, optional
+    loop : CollectionLoop
+        What is run.
+    sigma : float or None, optional
+        Standard deviation of the noise of one cycle, rad; None as in `staircase_forecast`.
+    cycles : int, optional
+        Cycles of the noisy run.
+    start : float, default 0.0
+        Orientation that the noisy run starts from, rad.
+    seed : int, default 0
+        Of the noisy run.
+    tolerance : float, default 1e-6
+        Error of the cycle map, rad.
+    progress : callable, optional
         Called with the fraction done, in [0, 1].
 
     Returns
     -------
     Portrait
+        What the loop does, cycle after cycle.
 
     Raises
     ------
@@ -226,6 +246,12 @@ def portrait(
         For values that make no sense.
     ConvergenceError
         Where a tolerance cannot be met.
+
+    Examples
+    --------
+    >>> result = portrait(CollectionLoop.mit("plywood"), sigma=0.2, cycles=50, tolerance=1e-3)
+    >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
+    (Fraction(0, 1), 2, (51,))
     """
     if sigma is not None:
         positive_number("sigma", sigma)
@@ -324,9 +350,9 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     turn = cycle_map.turn(theta)
     slope = cycle_map.derivative(theta)
     return TurnStatistics(
-        mean=float(weight @ turn / FULL_TURN),
-        minimum=float(turn.min()),
-        maximum=float(turn.max()),
+        mean_turn=float(weight @ turn / FULL_TURN),
+        min_turn=float(turn.min()),
+        max_turn=float(turn.max()),
         min_slope=float(slope.min()),
         max_slope=float(slope.max()),
     )
@@ -334,12 +360,13 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
 
 @dataclass(frozen=True, eq=False)
 class StaircaseForecast:
-    """A predicted staircase; loop, map, noise, prediction, drifting, worn and uncertainty as of a
-    `Portrait`.
+    """A predicted staircase.
 
     Attributes
     ----------
-    log10_residences : tuple[Estimate or None, ...]
+    loop, map, noise, prediction : as of a Portrait
+        What is run, its map, the noise of a cycle, and what such a run looks like on average.
+    log10_residences : tuple of Estimate or None
         Of each of the prediction's zones, log10 of its mean residence in cycles, beyond every
         float too; None where it could not be certified.
     run : Staircase
@@ -348,8 +375,16 @@ class StaircaseForecast:
         The dwells and steps found in it.
     comparison : StepComparison
         These steps beside the prediction, of the fresh surface.
-    forecast : LockForecast or None
-        As of a `Portrait`.
+    drifting, worn, uncertainty, forecast : as of a Portrait
+        How the surface wears, how well the directions are known, and what is believed of the
+        run.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit("isotropic")
+    >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
+    >>> forecast.prediction.zones, round(float(np.degrees(forecast.prediction.mean_turn)), 2)
+    ((), 8.0)
     """
 
     loop: CollectionLoop
@@ -376,18 +411,45 @@ def staircase_forecast(
     tolerance: float = 1e-6,
     progress: Callable[[float], None] | None = None,
 ) -> StaircaseForecast:
-    """Predict the staircase of `loop`.
+    """Predict the staircase of a loop.
 
     Parameters
     ----------
-    sigma : float, optional
-        Standard deviation (rad) of the noise of one cycle; None: the run takes the material's
+    loop : CollectionLoop
+        What is run.
+    sigma : float or None, optional
+        Standard deviation of the noise of one cycle, rad; None: the run takes the material's
         own, where it has one, and what is predicted the white noise that carries as far at its
-        slowest place, else 1.1 degrees. All else, and what is raised, as of `portrait`.
+        slowest place, else 1.1 degrees.
+    cycles : int, optional
+        Cycles of the noisy run.
+    start : float, default 0.0
+        Orientation that the noisy run starts from, rad.
+    seed : int, default 0
+        Of the noisy run.
+    tolerance : float, default 1e-6
+        Error of the cycle map, rad.
+    progress : callable or None, optional
+        Called with the fraction done, in [0, 1].
 
     Returns
     -------
     StaircaseForecast
+        One run, its steps, and what is predicted of both.
+
+    Raises
+    ------
+    InvalidInput
+        For values that make no sense.
+    ConvergenceError
+        Where a tolerance cannot be met.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit("plywood")
+    >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
+    >>> round(float(forecast.log10_residences[0]), 1)
+    7.6
     """
     from cyclemap.maps import (
         log10_passage_time,

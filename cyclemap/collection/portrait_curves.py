@@ -104,7 +104,7 @@ def cobweb(portrait: Portrait) -> Cobweb:
         *portrait.gathering_jumps,
     ]
     centre = places[0] if places else float(theta[np.argmin(np.abs(turn))])
-    largest = max(abs(portrait.turns.minimum), abs(portrait.turns.maximum))
+    largest = max(abs(portrait.turns.min_turn), abs(portrait.turns.max_turn))
     half = float(np.clip(4 * largest, np.deg2rad(20.0), np.pi))
     low, high = centre - half, centre + half
     # Every lift of the jumps and of the unstable points in the window.

@@ -22,10 +22,17 @@ MAP_TOLERANCE = 1e-4
 def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
     """Return the loop on its surface as it is after a number of cycles, from there on unchanging.
 
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop; where its surface does not wear, it is returned as it is.
+    cycles : float
+        How many cycles were made on the surface, 0 or more.
+
     Returns
     -------
     CollectionLoop
-        The loop on its surface as it is after a number of cycles, from there on unchanging.
+        The loop on the worn surface.
 
     Examples
     --------
@@ -62,23 +69,37 @@ def drifting_map(
     tolerance: float = BLEND_TOLERANCE,
     progress: Callable[[int], None] | None = None,
 ) -> DriftingMap:
-    """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within
-    `tolerance` (rad).
+    """Return the cycle map as the surface wears, over cycles 0 ... cycles - 1.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop, on a material that wears.
+    cycles : int
+        How many cycles.
+    tolerance : float, optional
+        Error of the blend between the maps that are computed, rad.
+    progress : callable or None, optional
+        Called with the number of maps computed so far.
 
     Returns
     -------
     DriftingMap
-        The cycle map as the surface wears, over cycles 0 ... cycles - 1, blended within
-        `tolerance` (rad).
+        The maps, and how they are blended.
 
     Raises
     ------
     InvalidInput
         Where the material does not wear.
 
-    Notes
-    -----
-    `progress` is called with the number of maps computed so far.
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> wear = cm.mechanics.Wear(cm.EllipseFriction.isotropic(0.2), cycles=10.0)
+    >>> slate = cm.Material("slate", cm.EllipseFriction.isotropic(0.25), wear=wear)
+    >>> drifting = drifting_map(CollectionLoop.mit(slate), cycles=10)
+    >>> drifting.max_error <= BLEND_TOLERANCE
+    True
     """
     if loop.material.wear is None:
         raise InvalidInput(

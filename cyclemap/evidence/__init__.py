@@ -31,11 +31,12 @@ push_end_block, drag_turn_block, cycle_pair_block, friction_scan_block, wrench_t
     by sort
 collected_blocks : the blocks of all data in files and folders
 friction_ellipse_from_scans, contact_force_ratio : from forces alone
-plan_pushes, PushPlan : which pushes to make, and what they will tell
+plan_pushes, PushPlan, table_to_fill : which pushes to make, what they will tell, the table for them
+measured_plan, MeasuredPlan, filled_text : what that table tells once it is filled in
 
 Comparing
 ---------
-compare, Comparison, Verdict : a prediction beside data, question by question
+compare, Comparison : a prediction beside data, question by question
 replay_pushes, ReplayedPushes, replay_push, Replay : recorded pushes, run again by the mechanics
 collection_p_values, PValue, CollectionModel, simulated_ensemble : p-values of a path by simulated
     collections
@@ -58,7 +59,7 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.evidence.comparison.compare import Comparison, Verdict, compare
+    from cyclemap.evidence.comparison.compare import Comparison, compare
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -88,6 +89,7 @@ if TYPE_CHECKING:
         measured_staircase,
     )
     from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
     from cyclemap.evidence.orientations.circular_distance import (
         CircularLaw,
         PValue,
@@ -103,6 +105,7 @@ if TYPE_CHECKING:
         simulated_ensemble,
     )
     from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
+    from cyclemap.evidence.push_plan.plan_table import table_to_fill
     from cyclemap.evidence.push_probe import (
         Probe,
         command_push,
@@ -112,6 +115,7 @@ if TYPE_CHECKING:
     )
     from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
     from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+    from cyclemap.evidence.pushes.planned_table import filled_text
     from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
     from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
     from cyclemap.evidence.pushes.theta0_pairs import (
@@ -147,7 +151,7 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["Comparison", "Verdict", "compare"]
+__all__ = ["Comparison", "compare"]
 __all__ += [
     "WrenchTwists",
     "collected_blocks",
@@ -169,7 +173,14 @@ __all__ += [
     "kernel_modes",
 ]
 __all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += ["PushPlan", "plan_pushes"]
+__all__ += [
+    "MeasuredPlan",
+    "PushPlan",
+    "filled_text",
+    "measured_plan",
+    "plan_pushes",
+    "table_to_fill",
+]
 __all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
 __all__ += [
     "AngleHistogram",

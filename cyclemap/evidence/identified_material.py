@@ -340,22 +340,40 @@ def identified_material(
 
     Parameters
     ----------
-    sources : sequence of str, optional
+    found : Identification
+        What was identified.
+    name : str
+        That of the material, not empty.
+    sources : sequence of str, default ()
         What the data were, for the provenance.
-    last_cycle : float, optional
+    last_cycle : float, default 0.0
         The number of cycles behind the first after which a surface that wears is the worn one.
-    plate : str, optional
+    plate : str, default 'rect1'
         The object whose shape was identified, where it is one alone.
-    floor : Material, optional
+    floor : Material or None, optional
         What was known of it, whose plates, sessions and frames are kept, but for shares of the
-        load, which belong to flat floors. Samples of the posterior are of new sessions. What
-        the data do not depend on is left open in `found_with`. Raises InvalidInput for an empty
-        name.
+        load, which belong to flat floors; None: nothing.
 
     Returns
     -------
     Material
-        What was identified as a material, marked as inferred.
+        With samples of its posterior, which are of new sessions; what the data do not depend on
+        is left open in `found_with`.
+
+    Raises
+    ------
+    InvalidInput
+        For an empty name.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import friction_ellipse_from_scans
+    >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
+    >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
+    >>> slate = identified_material(friction_ellipse_from_scans(scans, 8.0), "slate", ["scans.csv"])
+    >>> slate.name, slate.inferred, round(slate.friction.mu_a, 5)
+    ('slate', True, 0.25)
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")

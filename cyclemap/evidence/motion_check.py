@@ -21,7 +21,7 @@ import numpy as np
 from cyclemap.arrays import Array, Mask, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends
+from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.columns import DEGREE, LENGTH_UNITS, RODS
 from cyclemap.evidence.pushes.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push

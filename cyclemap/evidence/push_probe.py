@@ -14,7 +14,7 @@ import subprocess
 import weakref
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -64,27 +64,50 @@ class Harmonic:
     upper: float
 
 
+@dataclass(frozen=True)
+class Interval:
+    """A number and its 95 % interval."""
+
+    value: float
+    lower: float
+    upper: float
+
+
 @dataclass(frozen=True, eq=False)
 class Probe:
     """What a set of pushes from all around tells.
 
     Attributes
     ----------
-    theta : ndarray
-        (n,) rad.
-    change : ndarray
-        (n, 3) dx, dy (m, in the object's frame before the push), dtheta (rad).
+    loop : CollectionLoop
+        The loop whose push was probed.
+    theta : ndarray, shape (n,)
+        Orientations before the pushes, rad.
+    change : ndarray, shape (n, 3)
+        Dx, dy (m, in the object's frame before the push), dtheta (rad).
+    harmonics : tuple of Harmonic
+        Of each outcome over the orientation.
     p_value : float
         Of pushes that are alike in all directions but for noise.
-    noise : ndarray
-        (3,) standard deviation of what no harmonic explains.
+    noise : ndarray, shape (3,)
+        Standard deviation of what no harmonic explains.
     anisotropy : Anisotropy
-        Of the friction ellipse under `loop` that mimics them;
-    ratio, offset : tuple[float, float, float]
-        Its axes' ratio, 1 or more, and its centre over the mean radius, each (value, lower,
-        upper) with 95 % confidence.
+        Of the friction ellipse under `loop` that mimics them.
+    ratio : Interval
+        Its axes' ratio, 1 or more.
+    offset : Interval
+        Its centre over the mean radius.
     explained : float
         Share of the pushes' dependence on orientation that it accounts for.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-6)
+    >>> def alike(theta):
+    ...     cycle = loop.cycle(theta)
+    ...     return (*cycle.push_displacement, cycle.push_turn)
+    >>> probe(alike, loop, 24).found
+    False
     """
 
     loop: CollectionLoop
@@ -94,8 +117,8 @@ class Probe:
     p_value: float
     noise: Array
     anisotropy: Anisotropy
-    ratio: tuple[float, float, float]
-    offset: tuple[float, float, float]
+    ratio: Interval = field(metadata={"name": "axis_ratio"})
+    offset: Interval
     explained: float
 
     @property
@@ -133,18 +156,23 @@ class Probe:
 
 
 def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
-    """Push from `count` orientations spread evenly and look at what comes back.
+    """Push from orientations spread evenly and look at what comes back.
 
     Parameters
     ----------
-    push : Push
+    push : callable
         Gives (dx, dy, dtheta) of one push from orientation theta (rad): m in the object's frame
-        before it, rad. It has to be the push of `loop`, on whatever surface it has. See
-        `probe_pushes`.
+        before it, rad. It has to be the push of `loop`, on whatever surface it has.
+    loop : CollectionLoop
+        Whose push it is.
+    count : int, optional
+        How many pushes.
 
     Returns
     -------
     Probe
+        Whether pushes depend on their direction, and the ellipse that mimics them; see
+        `probe_pushes`.
 
     Examples
     --------
@@ -153,7 +181,7 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
     ...     cycle = loop.cycle(theta)
     ...     return (*cycle.push_displacement, cycle.push_turn)
     >>> found = probe(plywood, CollectionLoop.mit("isotropic", accuracy=1e-6), 24)
-    >>> found.found, round(found.ratio[0], 3)
+    >>> found.found, round(found.ratio.value, 3)
     (True, 1.085)
     """
     number = whole_number("pushes of a probe", count, least=FEWEST)
@@ -171,12 +199,22 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
 
 
 def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> Probe:
-    """Look at pushes from orientations (n,), rad, and how each moved the object, (n, 3): see
-    `Probe`.
+    """Look at pushes that were made from all around.
+
+    Parameters
+    ----------
+    theta : array_like, shape (n,)
+        Orientations before the pushes, rad; 12 at least, and no gaps of a quarter turn.
+    change : array_like, shape (n, 3)
+        How each moved the object: dx, dy (m, in the object's frame before the push), dtheta
+        (rad).
+    loop : CollectionLoop
+        Whose push it is.
 
     Returns
     -------
     Probe
+        Whether pushes depend on their direction, and the ellipse that mimics them.
 
     Raises
     ------
@@ -189,6 +227,16 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     allow), and the ellipse by least squares of the loop's own pushes, its mean motion left
     free; outcomes are weighted by the scatter that the harmonics leave. Intervals take noise as
     normal and independent from push to push.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> theta = np.linspace(0.0, 6.0, 24)
+    >>> cycles = loop.cycles(theta)
+    >>> change = np.column_stack([cycles.push_displacement, cycles.push_turn])
+    >>> found = probe_pushes(theta, change, CollectionLoop.mit("isotropic", accuracy=1e-6))
+    >>> found.found, round(found.ratio[0], 2)
+    (True, 1.08)
     """
     angles, moved = (
         finite_array("theta", theta, ndim=1),
@@ -220,10 +268,10 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
         _p_value(moved, fits, noise, order),
         Anisotropy.of_components(values),
     )
-    value, lower, upper = (
-        math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free)
+    # The logarithm of the axes' ratio is twice the length of the second harmonic's vector.
+    ratio = Interval(
+        *(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
     )
-    offset = _length(values[:2], covariance[:2, :2], free)
     return Probe(
         loop,
         angles,
@@ -232,8 +280,8 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
         p_value,
         noise,
         vector,
-        (value, lower, upper),
-        offset,
+        ratio,
+        Interval(*_length(values[:2], covariance[:2, :2], free)),
         explained,
     )
 
@@ -311,12 +359,13 @@ def _ellipse(
 
 
 def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
-    """Return the push of `loop` as `probe` asks for it, from a simulator that moves a rod in the
-    world.
+    """Return a loop's push as `probe` asks for it, from a simulator that moves a rod in the world.
 
     Parameters
     ----------
-    end_pose : EndPose
+    loop : CollectionLoop
+        Whose push it is.
+    end_pose : callable
         Gives the object's pose (x, y, theta), m and rad, whole turns left out or not, after the
         rod has gone straight from one place to another (m), at which the object lay at the
         origin with orientation theta (rad): the rod first touches it where it starts. No push
@@ -324,9 +373,8 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
 
     Returns
     -------
-    Push
-        The push of `loop` as `probe` asks for it, from a simulator that moves a rod in the
-        world.
+    callable
+        theta (rad) -> (dx, dy, dtheta), m and rad.
 
     Examples
     --------
@@ -351,18 +399,28 @@ def command_push(command: Sequence[str]) -> Push:
     """Return a push that a program makes: a line {"theta_deg": 30} in, a line {"dx_mm", "dy_mm",
     "dtheta_deg"} out.
 
+    Parameters
+    ----------
+    command : sequence of str
+        The program and its arguments; it is started once, and asked line by line.
+
     Returns
     -------
-    Push
+    callable
+        theta (rad) -> (dx, dy, dtheta), m and rad.
 
     Raises
     ------
     InvalidInput
         Where it answers otherwise.
 
-    Notes
-    -----
-    The program is started once, and asked line by line.
+    Examples
+    --------
+    >>> import sys
+    >>> answer = "print('{\\"dx_mm\\": 40, \\"dy_mm\\": -70, \\"dtheta_deg\\": 75}', flush=True)"
+    >>> push = command_push([sys.executable, "-c", f"import sys\\nfor line in sys.stdin: {answer}"])
+    >>> [round(float(moved), 3) for moved in push(0.5)]
+    [0.04, -0.07, 1.309]
     """
     try:
         process = subprocess.Popen(

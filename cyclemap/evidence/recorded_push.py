@@ -37,16 +37,27 @@ SCAN_CENTRE, SCAN_STROKE = (0.350, -0.018), 0.120
 class RecordingNoise:
     """Standard deviations of normal noise in a simulated collection, independent from draw to draw.
 
-    Attributes
+    Parameters
     ----------
-    turn : float
-        rad, scatter of θ0 from cycle to cycle, added to what the cycle map gives: the object
+    turn : float, optional
+        Scatter of θ0 from cycle to cycle, rad, added to what the cycle map gives: the object
         really lies there.
-    position, angle : float
-        m and rad, error of each recorded pose of the object (x and y alike); the robot's tip
-        has none.
-    force : float
-        N, error of each recorded force component; the torque's is this times the rod's radius.
+    position : float, default 0.0
+        Error of each recorded place of the object (x and y alike), m; the robot's tip has none.
+    angle : float, default 0.0
+        Error of each recorded orientation of the object, rad.
+    force : float, default 0.0
+        Error of each recorded force component, N; the torque's is this times the rod's radius.
+
+    Raises
+    ------
+    InvalidInput
+        For a deviation that is negative or not finite.
+
+    Examples
+    --------
+    >>> RecordingNoise(turn=0.0, position=5e-4).angle
+    0.0
     """
 
     turn: float = DEFAULT_SIGMA

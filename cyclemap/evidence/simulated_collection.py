@@ -303,13 +303,34 @@ class CollectionFolder:
 
 @dataclass(frozen=True)
 class SimulatedCollection:
-    """A complete collection: pushes, how many of them were made now and found there, friction
-    scans, size of all files.
+    """A complete collection.
 
     Attributes
     ----------
+    folder : Path
+        Where its files are.
+    cycles : int
+        How many pushes it has.
+    written : int
+        How many of them were made now.
+    resumed : int
+        How many were found there.
+    scans : int
+        How many friction scans it has.
     theta_last : float
-        rad, not wrapped, the true θ0 of the last push.
+        The true θ0 of the last push, rad, not wrapped.
+    bytes : int
+        Size of all files.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     first = simulate_collection(loop, f"{place}/made", 2)
+    ...     again = simulate_collection(loop, f"{place}/made", 2)
+    >>> first.written, again.written, again.resumed
+    (2, 0, 2)
     """
 
     folder: Path
@@ -329,17 +350,25 @@ def simulate_collection(
     progress: Callable[[float], None] | None = None,
     **asked: Any,
 ) -> SimulatedCollection:
-    """Write a collection of `cycles` pushes as files of the MIT layout, or go on with one that was
-    begun.
+    """Write a collection of pushes as files of the MIT layout, or go on with one that was begun.
 
     Parameters
     ----------
-    progress : callable, optional
+    loop : CollectionLoop
+        What is run.
+    folder : str or Path
+        Where the files are written.
+    cycles : int
+        How many pushes.
+    progress : callable or None, optional
         Called with the fraction done.
+    **asked : object
+        The other fields of `CollectionPlan`.
 
     Returns
     -------
     SimulatedCollection
+        How many pushes were made, and where they are.
 
     Raises
     ------
@@ -349,22 +378,20 @@ def simulate_collection(
         Where another process writes to it.
     OSError
         Where it cannot be written.
-    ConvergenceError
-        Or UnsupportedContact where a push leads out of what the mechanics can do.
+    ConvergenceError, UnsupportedContact
+        Where a push leads out of what the mechanics can do.
 
     Notes
     -----
-    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) +
-    α_n + ξ_n with ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its
-    loop (to `loop.accuracy`) and α_n the turn by a gripper, if any. The drag back is not
-    recorded. See `record_push` for the series and their accuracy.
+    Cycle n starts at θ0 = θ_n, is run with the friction of its day, and θ_{n+1} = F_n(θ_n) + α_n +
+    ξ_n with ξ_n ~ N(0, noise.turn²), or as `cycle_noise` says, F_n the cycle map of its loop (to
+    `loop.accuracy`) and α_n the turn by a gripper, if any. The drag back is not recorded. See
+    `record_push` for the series and their accuracy.
 
-    asked : the other fields of `CollectionPlan`.
-
-    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a
-    run that was broken off and is called again with the same arguments ends with the files of
-    an undisturbed one, bit for bit; what was changed, cut or emptied since it was written is
-    made again, and all pushes behind it.
+    Every file is there whole or not at all. Random numbers depend on seed and cycle alone: a run
+    that was broken off and is called again with the same arguments ends with the files of an
+    undisturbed one, bit for bit; what was changed, cut or emptied since it was written is made
+    again, and all pushes behind it.
 
     Examples
     --------

@@ -23,7 +23,8 @@ slow_passages, SlowPassage : bottlenecks, as a saddle-node leaves them
 
 Rotation
 --------
-rotation_number, RotationNumber : with bounds, and whether it is locked
+rotation_number, RotationNumber : with bounds, and whether it is locked; proved=True makes both
+    theorems
 rotation_interval, RotationInterval : of a lift that folds
 rotation_numbers, RotationNumbers, rotation_plane, RotationPlane : many at once
 topological_entropy, kneading_sequences : of a lift that folds, with bounds from both sides

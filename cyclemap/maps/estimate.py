@@ -52,6 +52,20 @@ class Estimate(float):
     """A number and a bound on its error: everywhere a float, with ``error_bound``, ``lower`` and
     ``upper``.
 
+    Parameters
+    ----------
+    value : float
+        The number.
+    error_bound : float
+        How far off it may be, 0 or more; inf says that nothing is known.
+
+    Attributes
+    ----------
+    lower : float
+        The least that the truth can be, rounded outward.
+    upper : float
+        The most that the truth can be, rounded outward.
+
     Raises
     ------
     InvalidInput
@@ -59,8 +73,8 @@ class Estimate(float):
 
     Notes
     -----
-    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is
-    said where the number is made; inf says that nothing is known.
+    Arithmetic gives plain floats. What the bound covers, and which part of it is proved, is said
+    where the number is made.
 
     Examples
     --------

@@ -79,25 +79,49 @@ class DynamicModel:
 
     Parameters
     ----------
-    slider, friction, pusher : the object, of convex outline (of unknown inertia: a uniform
-        plate's), surface, rod.
-    footprint : support points; None: the paper's grid of 8 x 8 with equal load. Of a
-        PressedFootprint, points of a grid of 16 x 16 with loads that follow the orientation (on a
-        trough strokes come within 0.4 degrees of the exact contact's).
-    speed : of the rod, m/s.
-    stiffness : of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6
-        leaves under 0.001 degrees on the MIT square, 0.002 on the worst of the MIT shapes).
-    damping : of the contact, in shares of the critical damping of the slider's mass on the
-        contact's spring.
-    regularisation : speed below which friction fades, as a share of the rod's: at slip u as u /
-        sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall in
-        proportion (1e-4 leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the round
-        plate `ellip1`, whose contact creeps as it rolls).
-    tolerance : relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within
-        about fifty times that, in rad (1e-7: 0.0003 degrees).
+    slider : Slider
+        The object, of convex outline; of unknown inertia: a uniform plate's.
+    friction : EllipseFriction
+        That of the surface.
+    pusher : Pusher, optional
+        The rod.
+    footprint : Footprint or None, optional
+        Support points; None: the paper's grid of 8 x 8 with equal load. Of a PressedFootprint,
+        points of a grid of 16 x 16 with loads that follow the orientation (on a trough strokes
+        come within 0.4 degrees of the exact contact's).
+    speed : float, default 0.02
+        Speed of the rod, m/s.
+    stiffness : float, default 1e6
+        Of the contact and of the ring, N/m; errors of a cycle fall with its inverse (1e6 leaves
+        under 0.001 degrees on the MIT square, 0.002 on the worst of the MIT shapes).
+    damping : float, default 1.0
+        Of the contact, in shares of the critical damping of the slider's mass on the contact's
+        spring.
+    regularisation : float, default 1e-4
+        Speed below which friction fades, as a share of the rod's, at most 0.1: at slip u as u /
+        sqrt(u^2 + regularisation^2). What should stick creeps at about this speed; errors fall
+        in proportion (1e-4 leaves 0.002 degrees of a cycle on the MIT square, about 0.01 on the
+        round plate `ellip1`, whose contact creeps as it rolls).
+    tolerance : float, default 1e-7
+        Relative error of a step, from 1e-10 to 1e-3; angles of a cycle come out within about
+        fifty times that, in rad (1e-7: 0.0003 degrees).
 
-    From them: points, those in use; inertia about the centre of mass, kg m^2.
+    Attributes
+    ----------
+    points : PointFootprint
+        The support points in use.
+    inertia : float
+        Moment of inertia about the centre of mass, kg m^2.
 
+    Raises
+    ------
+    InvalidInput
+        For speed, stiffness, damping, regularisation or tolerance that is not positive or out
+        of reach, a footprint without support points, and a contact so soft that the rod would
+        sink into it.
+
+    Examples
+    --------
     >>> model = DynamicModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 1), push.ended

@@ -31,24 +31,50 @@ class PatchFootprint:
     """Pressure of an outline, exact, without a grid, as a sum of parts whose shares of the load add
     to one.
 
-    even, over the whole area: what is left; inner, over the outline scaled by INNER about its
-    centroid; rim, a line load along the outline (per length as far as the side is from the
-    centroid; on an ellipse alike in the eccentric angle); corners, on the vertices of a polygon
+    The parts: even, over the whole area: what is left; inner, over the outline scaled by INNER
+    about its centroid; rim, a line load along the outline (per length as far as the side is from
+    the centroid; on an ellipse alike in the eccentric angle); corners, on the vertices of a polygon
     alike. Where the centre of pressure is not that of the parts, the even part leans, as a rigid
     object does: per unit load its pressure is (share + gradient . x)/A, x = r - centroid.
 
     Parameters
     ----------
-    outline : what touches the ground.
-    inner_share, rim_share, corner_share : numbers from 0 to 1, together at most 1 (InvalidInput).
-    centre : centre of pressure, m; None: the centroid. The pressure must not be negative anywhere
-        (InvalidInput).
+    outline : Polygon or Ellipse
+        What touches the ground.
+    inner_share : float, default 0.0
+        Share of the load on the outline scaled by INNER about its centroid, from 0 to 1.
+    rim_share : float, default 0.0
+        Share of the load on the rim, from 0 to 1.
+    corner_share : float, default 0.0
+        Share of the load on the corners, from 0 to 1; together the shares are at most 1.
+    centre : tuple[float, float], optional
+        Centre of pressure, (x, y), m; None: the centroid.
 
-    From them: even_share; extent, m, of the outline; second_moments (2, 2), m^2, means of x x^T
-    over its area; gradient, 1/m, and balance, its derivative by the corner share; has_frame,
-    whether it can have an inner and a rim share: the scaled outline lies inside, as it does in
-    every convex one.
+    Attributes
+    ----------
+    even_share : float
+        What is left of the load, spread over the whole area.
+    extent : float
+        Largest distance of the outline from its centroid, m.
+    second_moments : ndarray, shape (2, 2)
+        Means of x x^T over the outline's area, m^2.
+    gradient : tuple[float, float]
+        Slope of the even pressure, 1/m.
+    balance : tuple[float, float]
+        Derivative of `gradient` by the corner share, 1/m.
+    has_frame : bool
+        Whether it can have an inner and a rim share: the scaled outline lies inside, as it does
+        in every convex one.
 
+    Raises
+    ------
+    InvalidInput
+        For shares outside [0, 1] or above 1 together, corners of an ellipse, an inner or rim
+        share where the scaled outline does not lie inside, and a centre of pressure so far out
+        that the pressure would be negative somewhere.
+
+    Examples
+    --------
     >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.25).even_share
     0.75
     """
@@ -148,13 +174,30 @@ def side_arms(outline: Polygon) -> Array:
 
 @dataclass(frozen=True)
 class PointFootprint:
-    """Weight carried by points: positions (k, 2), m, and their shares of the load, positive, scaled
-    to sum one.
+    """Weight carried by points.
 
-    Notes
-    -----
-    From them: quadrature, both as arrays; centre, m, of pressure; extent, m, the largest
-    distance from it.
+    Parameters
+    ----------
+    positions : array_like, shape (k, 2)
+        Places of the points, m, object's frame, not all the same.
+    weights : array_like, shape (k,)
+        Their shares of the load, none negative, scaled to sum one; points without load are left
+        out.
+
+    Attributes
+    ----------
+    quadrature : tuple[ndarray, ndarray]
+        Positions (k, 2), m, and weights (k,) as arrays.
+    centre : tuple[float, float]
+        Centre of pressure, m.
+    extent : float
+        Largest distance of a point from the centre, m.
+
+    Raises
+    ------
+    InvalidInput
+        For shapes that do not match, weights that are negative or all zero, and points that all
+        lie in one place.
 
     Examples
     --------
@@ -202,16 +245,30 @@ Footprint = PatchFootprint | PressedFootprint | PointFootprint
 
 def grid_footprint(outline: Outline, count: int) -> PointFootprint:
     """Return the paper's footprint: the centres of `count` x `count` cells of the bounding box,
-    where inside, alike.
+    where they lie inside the outline, with the same load on each.
+
+    Parameters
+    ----------
+    outline : Polygon or Ellipse
+        What touches the ground.
+    count : int
+        Cells along each side of the bounding box, 2 to 99: each point weighs in every step of
+        every push. Ma & Rodriguez (2018) use 8.
 
     Returns
     -------
     PointFootprint
+        The points, which carry the same load each.
 
-    Notes
-    -----
-    Ma & Rodriguez (2018) use count = 8. From 2 to 99 (InvalidInput): each point weighs in every
-    step of every push.
+    Raises
+    ------
+    InvalidInput
+        For a count outside 2 to 99.
+
+    References
+    ----------
+    Ma, D. & Rodriguez, A. (2018), Friction variability in planar pushing data, IEEE Robotics and
+    Automation Letters 3(4).
 
     Examples
     --------
@@ -240,10 +297,20 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
 def corner_footprint(outline: Polygon) -> PointFootprint:
     """Return the footprint of an object that stands on its corners, the same load on each.
 
+    Parameters
+    ----------
+    outline : Polygon
+        What stands on its corners.
+
     Returns
     -------
     PointFootprint
-        The footprint of an object that stands on its corners, the same load on each.
+        Its vertices, each with the same weight.
+
+    Examples
+    --------
+    >>> corner_footprint(Polygon(((0, 0), (1, 0), (1, 1), (0, 1)))).weights
+    (0.25, 0.25, 0.25, 0.25)
     """
     return PointFootprint(outline.vertices, (1.0,) * outline.sides)
 
@@ -251,14 +318,30 @@ def corner_footprint(outline: Polygon) -> PointFootprint:
 def load_footprint(path: str | Path) -> PointFootprint:
     """Read support points from a CSV file with the columns x_mm, y_mm, weight (object frame).
 
+    Parameters
+    ----------
+    path : str or Path
+        The CSV file; positions in mm in the object's frame, weights in any unit.
+
     Returns
     -------
     PointFootprint
+        One point a row, the weights scaled to sum one.
 
     Raises
     ------
     DataFileError
-        Naming file and line, for a missing file or column, or a row that is not three numbers.
+        Naming file and line, for a missing file or column, or a row that is not three numbers;
+        and for points and weights that make no footprint.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "points.csv").write_text("x_mm,y_mm,weight\\n0,0,1\\n20,0,3\\n")
+    ...     footprint = load_footprint(f"{place}/points.csv")
+    >>> footprint.centre
+    (0.015, 0.0)
     """
     table = read_csv_table(path)
     columns = ("x_mm", "y_mm", "weight")
@@ -274,11 +357,24 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
     """Return the footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV
     file.
 
+    Parameters
+    ----------
+    text : str
+        `exact`, `grid:N`, `corners` (of a polygon), or a path that ends in .csv.
+    outline : Polygon or Ellipse
+        The outline that it is the footprint of; a file's points need none.
+
     Returns
     -------
-    Footprint
-        The footprint that a word names: `exact`, `grid:N`, `corners`, or the path of a CSV
-        file.
+    PatchFootprint or PointFootprint
+        The outline's exact pressure, spread evenly, or points.
+
+    Raises
+    ------
+    InvalidInput
+        For another word.
+    DataFileError
+        For a file that cannot be read as support points.
 
     Examples
     --------

@@ -23,20 +23,27 @@ _MOST_SIDES = 200
 class SurfaceShape:
     """How far the underside of a plate, or a floor, is from flat, as the pressure that it adds.
 
-    q = dome r^2 + bow r^2 cos 2(angle - axis), r and angle those of a place seen from the
-    object's centroid, r in 50 mm, q in mean pressures: where the plate presses harder, or the
-    floor is higher. A trough along x, high along y, q = 20 y^2, is dome 10, bow 10, axis 90
-    degrees.
+    q = dome r^2 + bow r^2 cos 2(angle - axis), r and angle those of a place seen from the object's
+    centroid, r in 50 mm, q in mean pressures: where the plate presses harder, or the floor is
+    higher. A trough along x, high along y, q = 20 y^2, is dome 10, bow 10, axis 90 degrees.
 
     Parameters
     ----------
-    dome : bends alike in all directions; positive: rests on the rim.
-    bow : bends one way along the axis and the other across it.
-    axis : direction of the bow, rad: of a plate in its own frame, of a floor in the world's.
+    dome : float, default 0.0
+        Bends alike in all directions; positive: rests on the rim.
+    bow : float, default 0.0
+        Bends one way along the axis and the other across it.
+    axis : float, default 0.0
+        Direction of the bow, rad: of a plate in its own frame, of a floor in the world's.
         Shapes whose axis differs by half a turn are the same.
 
-    Raises InvalidInput for what is not finite, or beyond 1000, where a foundation is rigid.
+    Raises
+    ------
+    InvalidInput
+        For what is not finite, or a dome or bow beyond 1000, where a foundation is rigid.
 
+    Examples
+    --------
     >>> SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2).bend.round(9).tolist()
     [10.0, -10.0, 0.0]
     """
@@ -87,13 +94,13 @@ FLAT = SurfaceShape()
 class FloorField:
     """How a floor's shape varies with the place of the object's centroid.
 
-    Attributes
+    Parameters
     ----------
-    coefficients : tuple[tuple of float, ...]
-        (3, 5); of dome, bow cos 2 axis and bow sin 2 axis by X, Y, X^2, X Y, Y^2, with X, Y
-        from the world's origin (the reset's target) in 50 mm, in the units of the shape.
+    coefficients : array_like, shape (3, 5)
+        Of dome, bow cos 2 axis and bow sin 2 axis by X, Y, X^2, X Y, Y^2, with X, Y from the
+        world's origin (the reset's target) in 50 mm, in the units of the shape.
     reach : float
-        m; beyond it the shape stays what it is at that distance.
+        m, positive; beyond it the shape stays what it is at that distance.
 
     Raises
     ------
@@ -153,19 +160,49 @@ class PressedFootprint:
 
     Parameters
     ----------
-    outline : what may touch the ground.
-    plate, floor : their shapes, in mean pressures.
-    centre : centre of mass, m; None: the centroid. InvalidInput outside the outline's convex hull,
-        where the object would tip, and for support points, which have no area.
-    field : how the floor's shape varies with the place, `floor` being that at the world's origin;
+    outline : Polygon or Ellipse
+        What may touch the ground.
+    plate : SurfaceShape, optional
+        Shape of the plate, in mean pressures.
+    floor : SurfaceShape, optional
+        Shape of the floor, in mean pressures.
+    centre : tuple[float, float], optional
+        Centre of mass, (x, y), m; None: the centroid.
+    field : FloorField or None, optional
+        How the floor's shape varies with the place, `floor` being that at the world's origin;
         None: not.
 
-    Load and moments balance to 1e-11 of the load, plus 2e-12 times the shapes' numbers;
-    InvalidInput on first use where no balance is found.
+    Attributes
+    ----------
+    extent : float
+        Largest distance of the outline from its centroid, m.
+    bend_unit : float
+        What turns numbers of a shape into the engine's units: per unit load, lengths in
+        extents.
+    plate_bend : ndarray, shape (3,)
+        The plate's shape as the engine has it.
+    floor_bend : ndarray, shape (3,)
+        The floor's shape as the engine has it.
+    field_bend : ndarray, shape (3, 5)
+        The field as the engine has it.
 
-    From them: extent, m, of the outline; plate_bend, floor_bend (3,), field_bend (3, 5), the shapes
-    as the engine has them, per unit load and lengths in extents: bend_unit times theirs.
+    Raises
+    ------
+    InvalidInput
+        For support points, which have no area, a centre outside the outline's convex hull,
+        where the object would tip, and an outline of too many corners; on first use where no
+        balance is found.
 
+    Notes
+    -----
+    Load and moments balance to 1e-11 of the load, plus 2e-12 times the shapes' numbers.
+
+    References
+    ----------
+    Winkler, E. (1867), Die Lehre von der Elasticitaet und Festigkeit, Prague.
+
+    Examples
+    --------
     >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
     >>> footprint = PressedFootprint(square, floor=SurfaceShape(10.0, 10.0, math.pi / 2))
     >>> footprint.extent  # doctest: +ELLIPSIS

@@ -3,7 +3,7 @@ whole footprint.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,11 +12,26 @@ from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.engine.strokes import friction_values, pressure_tables
 from cyclemap.mechanics.footprint import Footprint
+from cyclemap.written import ANGLE
 
 
 @dataclass(frozen=True)
 class EllipseFriction:
     """Friction of one support point whose limit curve is an ellipse off its centre.
+
+    Parameters
+    ----------
+    mu_a : float
+        Semi-axis of the limit ellipse along the material's m axis, a friction coefficient,
+        positive.
+    mu_b : float
+        Semi-axis along the n axis, positive.
+    m0 : float, default 0.0
+        m coordinate of the ellipse's centre.
+    n0 : float, default 0.0
+        n coordinate of the ellipse's centre.
+    phi : float, default 0.0
+        Direction of the m axis from the surface's x axis, rad, counter-clockwise.
 
     Raises
     ------
@@ -36,6 +51,11 @@ class EllipseFriction:
     and the traction coefficient is its gradient: mu_m = m0 + mu_a^2 v_m / s, mu_n = n0 + mu_b^2
     v_n / s.
 
+    References
+    ----------
+    Ma, D. & Rodriguez, A. (2018), Friction variability in planar pushing data, IEEE Robotics and
+    Automation Letters 3(4), Eq. 1-2.
+
     Examples
     --------
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
@@ -46,7 +66,7 @@ class EllipseFriction:
     mu_b: float
     m0: float = 0.0
     n0: float = 0.0
-    phi: float = 0.0
+    phi: float = field(default=0.0, metadata=ANGLE)
 
     def __post_init__(self) -> None:
         for name in ("mu_a", "mu_b"):
@@ -111,14 +131,21 @@ class EllipseFriction:
 
 
 def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -> EllipseFriction:
-    """Return the friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they
-    were given.
+    """Return the friction a share of the way from a fresh surface to a worn one.
+
+    Parameters
+    ----------
+    fresh : EllipseFriction
+        Friction at share 0.
+    worn : EllipseFriction
+        Friction at share 1.
+    share : float
+        How much of the way is gone, 0 to 1.
 
     Returns
     -------
     EllipseFriction
-        The friction a `share` (0 to 1) of the way from `fresh` to `worn`; the ends as they were
-        given.
+        The friction in between; at the ends that which was given.
 
     Notes
     -----
@@ -157,6 +184,13 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 class LimitSurface:
     """Friction of a whole footprint, in its own frame, per unit load.
 
+    Parameters
+    ----------
+    footprint : Footprint
+        How the load is spread over the object.
+    friction : EllipseFriction
+        Friction of each point of the surface.
+
     Notes
     -----
     The dissipation D(V) is convex and homogeneous of degree one in the twist V = (vx, vy,
@@ -167,6 +201,11 @@ class LimitSurface:
     PressedFootprint, `frame` is the object's orientation on the floor: what the floor's shape
     turns by against the plate; it is accurate to 1e-10 of the mean load times the shapes'
     numbers, where those are above one.
+
+    References
+    ----------
+    Goyal, S., Ruina, A. & Papadopoulos, J. (1991), Planar sliding with dry friction, part 1: limit
+    surface and moment function, Wear 143.
 
     Examples
     --------

@@ -45,12 +45,17 @@ class FoundWith:
     """What was identified together with a surface's friction; None where it was not: the loop's own
     value holds.
 
-    Attributes
+    Parameters
     ----------
-    pusher_friction : float or None
-        Coefficient of rod and object.
-    pin_friction_radius : float or None
-        m, of the rod in the ring.
+    pusher_friction : float or None, optional
+        Coefficient of friction of rod and object.
+    pin_friction_radius : float or None, optional
+        Radius of the friction circle of the rod in the ring, m.
+
+    Examples
+    --------
+    >>> FoundWith(pusher_friction=0.16).pin_friction_radius is None
+    True
     """
 
     pusher_friction: float | None = None
@@ -61,16 +66,27 @@ class FoundWith:
 class PlatePressure:
     """How a plate rests: shares of its load, or the shape of its underside.
 
-    Attributes
+    Parameters
     ----------
     plate : str
-        The name of the `Slider`.
-    inner_share, rim_share, corner_share : float
-        Of the load, the rest even (`PatchFootprint`), from 0 to 1, together at most 1
-        (InvalidInput); they belong to the pair of plate and surface.
-    shape : SurfaceShape
-        In kPa at 50 mm (`SurfaceShape`), the plate's on every surface; it takes the place of
-        shares (InvalidInput for both).
+        Name of the `Slider`.
+    inner_share, rim_share, corner_share : float, default 0.0
+        Shares of the load, the rest even (`PatchFootprint`), from 0 to 1, together at most 1;
+        they belong to the pair of plate and surface.
+    shape : SurfaceShape, optional
+        Shape of the underside, kPa at 50 mm (`SurfaceShape`), the plate's on every surface; it
+        takes the place of shares.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that is none, shares outside [0, 1] or above 1 together, and for shares
+        beside a shape.
+
+    Examples
+    --------
+    >>> PlatePressure("rect1", rim_share=0.25).shares
+    {'inner_share': 0.0, 'rim_share': 0.25, 'corner_share': 0.0}
     """
 
     plate: str
@@ -145,6 +161,15 @@ class FrameShift:
     """What to add to the robot's places (m) to have them in the camera's frame, in the data of one
     plate.
 
+    Parameters
+    ----------
+    plate : str
+        Name of the plate whose data are shifted.
+    x : float
+        Shift along the robot's x, m.
+    y : float
+        Shift along the robot's y, m.
+
     Raises
     ------
     InvalidInput
@@ -154,6 +179,11 @@ class FrameShift:
     -----
     It belongs to those data, not to the surface: they are replayed with it, nothing is
     predicted with it.
+
+    Examples
+    --------
+    >>> FrameShift("rect1", 0.001, 0.0).x
+    0.001
     """
 
     plate: str
@@ -177,15 +207,20 @@ class FrameShift:
 class MaterialPosterior:
     """Sets of numbers that the data behind a material allow, drawn from their posterior.
 
-    Attributes
+    Parameters
     ----------
     parameters : tuple of str
         Names as in a material file, in its units: mu_a, mu_b, m0, n0, phi_deg, the floor's
         shape; the same of the worn surface with `worn.` before them; pusher_mu and what else
         [found_with] holds; numbers of a plate as `rect1.rim_share`, `rect1.plate_dome_kpa`.
-    samples : tuple[tuple of float, ...]
-        (rows, parameters), 2 to 4096 rows, all alike likely. Raises InvalidInput for a name
-        that is unknown or given twice, rows of another length, and numbers that are not finite.
+    samples : array_like, shape (rows, parameters)
+        2 to 4096 rows, all alike likely.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that is unknown or given twice, rows of another length, and numbers that are
+        not finite.
 
     Notes
     -----
@@ -235,18 +270,32 @@ class MaterialPosterior:
 
 @dataclass(frozen=True)
 class Wear:
-    """How a surface changes: after `cycles` cycles its friction is `friction`, on a straight way
-    (`worn_friction`).
+    """How a surface changes with the cycles that are made on it.
 
-    Attributes
+    Parameters
     ----------
-    course : tuple[tuple[float, float], ...]
+    friction : EllipseFriction
+        The friction after `cycles` cycles, to which the fresh one goes straight
+        (`worn_friction`).
+    cycles : float
+        How many cycles that takes, positive.
+    course : array_like, shape (k, 2)
         ((cycles, share), ...), how much of that way is gone after some cycles before the last,
-        both increasing, shares in [0, 1], straight between; without it the pace is even. Raises
-        InvalidInput for another course.
-    floor : SurfaceShape or None
+        both increasing, shares in [0, 1], straight between; without it the pace is even.
+    floor : SurfaceShape or None, optional
         The worn floor's shape, kPa at 50 mm, to which the fresh one's dome and bow go straight,
         too; None: it stays.
+
+    Raises
+    ------
+    InvalidInput
+        For cycles that are not positive, and another course.
+
+    Examples
+    --------
+    >>> wear = Wear(EllipseFriction(0.2, 0.2), 1000.0, course=((250.0, 0.8),))
+    >>> wear.share(250.0), wear.share(1000.0)
+    (0.8, 1.0)
     """
 
     friction: EllipseFriction
@@ -281,12 +330,24 @@ class CycleNoise:
     """What a cycle on this surface scatters by, as measured: log of the standard deviation (rad)
     over θ0, and memory.
 
-    Attributes
+    Parameters
     ----------
     log_sigma : tuple of float
-        c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad.
-    correlation : float
-        In [0, 1), of successive cycles.
+        c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in rad; an odd count
+        of numbers.
+    correlation : float, default 0.0
+        Of successive cycles, in [0, 1).
+
+    Raises
+    ------
+    InvalidInput
+        For an even count of numbers, numbers that are not finite, and a correlation outside
+        [0, 1).
+
+    Examples
+    --------
+    >>> CycleNoise(log_sigma=(-3.0, 0.2, 0.1), correlation=0.3).correlation
+    0.3
     """
 
     log_sigma: tuple[float, ...]
@@ -309,41 +370,55 @@ class CycleNoise:
 class Material:
     """A surface: its name, its point friction against the slider, and the source of the numbers.
 
-    Attributes
+    Parameters
     ----------
-    misfit : str
+    name : str
+        Names the surface in files and in print: at least a letter or a digit, no control
+        characters.
+    friction : EllipseFriction
+        Friction of a point of the object on the fresh surface; coefficients of more than
+        rubber's are a `DoubtfulInput` warning.
+    provenance : str, default ''
+        Source of the numbers, in words.
+    misfit : str, default ''
         How far the data lie from what the numbers predict, in words.
-    inferred : bool
-        Whether from how objects moved rather than from forces.
-    found_with : FoundWith
+    inferred : bool, default False
+        Whether the numbers are inferred from how objects moved rather than from forces.
+    found_with : FoundWith, optional
         What was identified along with the friction.
-    wear : Wear or None
+    wear : Wear or None, optional
         How it changes; None: not.
-    plates : tuple of PlatePressure
+    plates : tuple of PlatePressure, default ()
         How plates rest on it; those not named are flat, and on a flat floor press evenly.
-    posterior : MaterialPosterior or None
+    posterior : MaterialPosterior or None, optional
         What else the data allow; None where that is not known.
-    noise : CycleNoise or None
-        Of a cycle, as measured; None where that is not known.
-    frames : tuple of FrameShift
+    noise : CycleNoise or None, optional
+        That of a cycle, as measured; None where that is not known.
+    frames : tuple of FrameShift, default ()
         Shifts of the frames of the data behind it.
-    floor : SurfaceShape
+    floor : SurfaceShape, optional
         The floor's shape, kPa at 50 mm, its axis in the world's frame. A pressure a square
         metre carries over from object to object; what it is in mean pressures depends on the
         object's weight per area.
-    sessions : tuple of FloorSession
+    sessions : tuple of FloorSession, default ()
         The floor's shape as it was in single sessions; `floor` is their mean.
-    field : FloorField or None
-        How the floor's shape varies with the place, kPa; None: not.
-    session_spread : tuple[float, float, float]
+    session_spread : tuple[float, float, float], default (0.0, 0.0, 0.0)
         Standard deviations of dome, bow cos 2 axis and bow sin 2 axis from session to session,
         kPa; a new session is off by so much.
+    field : FloorField or None, optional
+        How the floor's shape varies with the place, kPa; None: not.
 
     Raises
     ------
     InvalidInput
-        Where a sample of the posterior is no material, or where plates have shares on a floor
-        that has a shape.
+        For a name that is none, friction of no surface, a plate told twice, where a sample of
+        the posterior is no material, or where plates have shares on a floor that has a shape.
+
+    Examples
+    --------
+    >>> slate = Material("slate", EllipseFriction(0.3, 0.2), provenance="a guess")
+    >>> slate.has_flat_floor, slate.friction_after(1000.0).mu_a
+    (True, 0.3)
     """
 
     name: str

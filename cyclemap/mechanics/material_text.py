@@ -57,11 +57,12 @@ _OTHER_TABLES = ("object", "push", "reset", "noise", "strategy", "predicted", "s
 
 
 def material_names() -> tuple[str, ...]:
-    """Names of the built-in materials.
+    """Return the names of the built-in materials.
 
     Returns
     -------
     tuple of str
+        What `load_material` takes.
 
     Examples
     --------
@@ -77,10 +78,15 @@ def material_names() -> tuple[str, ...]:
 def load_material(name: str | Path) -> Material:
     """Return a built-in material by name, or one from a TOML file (a path that ends in .toml).
 
+    Parameters
+    ----------
+    name : str or Path
+        Name of a built-in material (`material_names`), or the path of a TOML file.
+
     Returns
     -------
     Material
-        A built-in material by name, or one from a TOML file (a path that ends in .toml).
+        The surface, checked.
 
     Raises
     ------
@@ -296,10 +302,15 @@ def _wear_of(worn: dict[str, object]) -> Wear | None:
 def material_toml(material: Material) -> str:
     """Return a material as TOML; `load_material` gives it back, angles and lengths to rounding.
 
+    Parameters
+    ----------
+    material : Material
+        What to write.
+
     Returns
     -------
     str
-        A material as TOML; `load_material` gives it back, angles and lengths to rounding.
+        The text of a TOML file.
 
     Examples
     --------

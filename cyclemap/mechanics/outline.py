@@ -17,19 +17,33 @@ from cyclemap.errors import InvalidInput
 
 @dataclass(frozen=True)
 class Polygon:
-    """A simple polygon, convex or not; its vertices (k, 2) in m, counter-clockwise: side i begins
-    at vertex i.
+    """A simple polygon, convex or not.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (k, 2)
+        At least three corners, m, counter-clockwise: side i begins at vertex i.
+
+    Attributes
+    ----------
+    array : ndarray, shape (k, 2)
+        The vertices, m.
+    area : float
+        Of the inside, m^2.
+    centroid : tuple[float, float]
+        Centre of the area, (x, y), m.
+    extent : float
+        Largest distance of a vertex from the centroid, m.
+    sides : int
+        How many sides it has.
+    is_convex : bool
+        Whether it is convex.
 
     Raises
     ------
     InvalidInput
         For fewer than three vertices, repeated vertices, zero area, crossing sides, or vertices
         that run clockwise: turned round, their sides would bear other numbers.
-
-    Notes
-    -----
-    From them: array (k, 2), m; area, m^2; centroid, m; extent, the largest distance from the
-    centroid, m; sides, how many; is_convex.
 
     Examples
     --------
@@ -118,11 +132,32 @@ class Polygon:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """An ellipse about the frame's origin, semi-axes along x and y, m; a disc when they agree.
+    """An ellipse about the frame's origin; a disc when both semi-axes agree.
 
-    Notes
-    -----
-    From them: area, m^2, and extent, m, as of a polygon; the whole outline is side 0.
+    Parameters
+    ----------
+    semi_x : float
+        Semi-axis along x, m, positive.
+    semi_y : float
+        Semi-axis along y, m, positive.
+
+    Attributes
+    ----------
+    area : float
+        Of the inside, m^2.
+    extent : float
+        The longer semi-axis, m.
+    centroid : tuple[float, float]
+        (0, 0), the frame's origin.
+    sides : int
+        1: the whole outline is side 0.
+    is_convex : bool
+        True.
+
+    Raises
+    ------
+    InvalidInput
+        For a semi-axis that is not positive.
 
     Examples
     --------

@@ -40,23 +40,48 @@ _TARGET = (0.0, 0.0)
 
 @dataclass(frozen=True)
 class QuasiStaticModel:
-    """A slider on a surface, and the rod that moves it.
+    """A slider on a surface, and the rod that moves it, so slowly that friction balances the rod at
+    every instant.
 
     Parameters
     ----------
-    slider, friction, pusher : the object, the surface under it, the rod.
-    footprint : how the weight is spread; None: evenly over the outline, leaning where the centre of
+    slider : Slider
+        The object.
+    friction : EllipseFriction
+        That of the surface under it.
+    pusher : Pusher, optional
+        The rod.
+    footprint : Footprint or None, optional
+        How the weight is spread; None: evenly over the outline, leaning where the centre of
         mass is not the centroid.
-    accuracy : error (rad; extents of the footprint) aimed at for a whole push or drag, between
-        1e-11 and 1e-2. It is aimed at, not proven: of 30,000 cycles of MIT's loop (five materials,
-        three places and slants of the push) at each of 1e-5 to 1e-9, 99 of 100 came within twice
-        of it and the worst within 22 times, the travel of a push that the rod leaves included; a
-        motion that starts unstable magnifies its error as it does any difference.
+    accuracy : float, default 1e-8
+        Error (rad; extents of the footprint) aimed at for a whole push or drag, between 1e-11
+        and 1e-2. It is aimed at, not proven: of 30,000 cycles of MIT's loop (five materials,
+        three places and slants of the push) at each of 1e-5 to 1e-9, 99 of 100 came within
+        twice of it and the worst within 22 times, the travel of a push that the rod leaves
+        included; a motion that starts unstable magnifies its error as it does any difference.
 
-    From them: pressure, the footprint in use; weight, N; units of the normalised motion: unit, m,
-    the footprint's extent, and scale, the geometric mean of the friction coefficients; radius, the
-    rod's, in units.
+    Attributes
+    ----------
+    pressure : Footprint
+        The footprint in use.
+    weight : float
+        Weight of the slider, N.
+    unit : float
+        Unit of length of the normalised motion, the footprint's extent, m.
+    scale : float
+        Unit of friction of the normalised motion, the geometric mean of the coefficients mu_a
+        and mu_b.
+    radius : float
+        The rod's, in units of length.
 
+    Raises
+    ------
+    InvalidInput
+        For an accuracy out of reach, and support points that the object would tip from.
+
+    Examples
+    --------
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 4), push.ended

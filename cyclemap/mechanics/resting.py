@@ -10,12 +10,21 @@ from cyclemap.mechanics.foundation import PressedFootprint
 
 
 def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLike) -> Array:
-    """Return the pressure under places (..., 2), m, object frame, of an object turned by theta.
+    """Return the pressure under places of an object that rests on a floor.
+
+    Parameters
+    ----------
+    footprint : PressedFootprint
+        The shapes of plate and floor.
+    theta : float
+        Orientation of the object on the floor, rad.
+    places : array_like, shape (..., 2)
+        Places in the object's frame, m; they are not asked whether they lie under it.
 
     Returns
     -------
-    ndarray
-        The pressure under places (..., 2), m, object frame, of an object turned by theta.
+    ndarray, shape (...)
+        Pressures in mean pressures, 0 where the object does not rest.
 
     Raises
     ------
@@ -24,8 +33,7 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
 
     Notes
     -----
-    theta in rad; pressures in mean pressures, (...), 0 where the object does not rest; places
-    are not asked whether they lie under it. Good to 1e-10.
+    Good to 1e-10.
 
     Examples
     --------

@@ -59,16 +59,34 @@ class Slider:
 
     Parameters
     ----------
-    outline : `Polygon` or `Ellipse`, m; sides are numbered counter-clockwise from vertex 0.
-    mass : kg; in quasi-static motion it scales the contact forces and nothing else.
-    centre_of_mass : (x, y), m, inside the outline's convex hull; None: the outline's centroid.
-    hitch : (x, y), m: the ring in which the rod drags it back. Outside the outline it is a
-        `DoubtfulInput` warning, and InvalidInput more than ten times as far from the centre as any
+    outline : Polygon or Ellipse
+        In m; sides are numbered counter-clockwise from vertex 0.
+    mass : float, default 1.0
+        kg; in quasi-static motion it scales the contact forces and nothing else.
+    centre_of_mass : tuple[float, float], optional
+        (x, y), m, inside the outline's convex hull; None: the outline's centroid.
+    hitch : tuple[float, float], optional
+        (x, y), m: the ring in which the rod drags it back. Outside the outline it is a
+        `DoubtfulInput` warning, and refused more than ten times as far from the centre as any
         of the outline.
-    inertia : moment of inertia about the centre of mass, kg m^2; None: unknown.
+    inertia : float or None, optional
+        Moment of inertia about the centre of mass, kg m^2; None: unknown.
+    name : str, default 'slider'
+        Names it in material files and in print.
 
-    From them: weight, N.
+    Attributes
+    ----------
+    weight : float
+        Mass times gravity, N.
 
+    Raises
+    ------
+    InvalidInput
+        For an outline that is none, mass or inertia that is not positive, a centre of mass
+        outside the convex hull, where the object would tip, and a ring too far away.
+
+    Examples
+    --------
     >>> Slider.mit("rect1").outline.sides
     4
     """
@@ -133,7 +151,28 @@ class Slider:
 
 @dataclass(frozen=True)
 class Pose:
-    """Place (m) and orientation (rad, not wrapped) of an object in the world."""
+    """Place and orientation of an object in the world.
+
+    Parameters
+    ----------
+    x : float, default 0.0
+        Place of the object's origin along x, m.
+    y : float, default 0.0
+        Place along y, m.
+    theta : float, default 0.0
+        Orientation, rad, counter-clockwise, not wrapped.
+
+    Raises
+    ------
+    InvalidInput
+        For what is not finite.
+
+    Examples
+    --------
+    >>> x, y = Pose(0.1, 0.0, math.pi / 2).to_world(0.02, 0.0)
+    >>> round(x, 3), round(y, 3)
+    (0.1, 0.02)
+    """
 
     x: float = 0.0
     y: float = 0.0
@@ -161,8 +200,19 @@ class Pose:
 
 @dataclass(frozen=True)
 class Pusher:
-    """A vertical rod: radius in m (zero: a point) and its Coulomb friction coefficient with the
-    slider.
+    """A vertical rod that pushes the slider.
+
+    Parameters
+    ----------
+    radius : float, default 0.00475
+        m, zero: a point.
+    friction : float, default 0.15
+        Coefficient of Coulomb's friction with the slider, not negative.
+
+    Raises
+    ------
+    InvalidInput
+        For a radius or a friction that is negative or not finite.
 
     Examples
     --------
@@ -184,12 +234,26 @@ class SidePush:
 
     Parameters
     ----------
-    side : number of the touched side, counter-clockwise; an ellipse's outline is side 0.
-    fraction : place on the side from its first vertex, 0 to 1; on an ellipse the eccentric angle
-        over 2 pi.
-    angle : direction of the push from the side's inward normal, rad, counter-clockwise, within
+    side : int, default 0
+        Number of the touched side, counter-clockwise; an ellipse's outline is side 0.
+    fraction : float, default 0.7
+        Place on the side from its first vertex, 0 to 1; on an ellipse the eccentric angle over
+        2 pi.
+    angle : float, default 0.0
+        Direction of the push from the side's inward normal, rad, counter-clockwise, within
         (-pi/2, pi/2).
-    distance : rod travel from first touch, m.
+    distance : float, default 0.15
+        Rod travel from first touch, m, positive.
+
+    Raises
+    ------
+    InvalidInput
+        For values outside these ranges.
+
+    Examples
+    --------
+    >>> SidePush(side=1, fraction=0.5, angle=math.radians(-20.0)).distance
+    0.15
     """
 
     side: int = 0
@@ -222,9 +286,23 @@ class WorldPush:
 
     Parameters
     ----------
-    start : rod's centre, (x, y), m, outside the object.
-    direction : rad, world frame.
-    distance : rod travel from the start, m.
+    start : tuple[float, float]
+        The rod's centre, (x, y), m, outside the object.
+    direction : float
+        Of the rod's way, rad, world frame.
+    distance : float
+        Rod travel from the start, m, positive.
+
+    Raises
+    ------
+    InvalidInput
+        For what is not finite, and a distance that is not positive.
+
+    Examples
+    --------
+    >>> push = WorldPush(start=(0.0, 0.06), direction=-math.pi / 2, distance=0.05)
+    >>> push.start
+    (0.0, 0.06)
     """
 
     start: tuple[float, float]
@@ -244,10 +322,22 @@ class DragBack:
 
     Parameters
     ----------
-    way_points : (x, y), m, relative to the target, in order; none: one straight leg.
-    pin_friction_radius : radius of the friction circle of the rod in the ring, m: coefficient of
-        friction times radius of the rod. The rod does not turn; the object's spin is opposed by
-        this times the rod's force.
+    way_points : sequence of (float, float), default ()
+        (x, y), m, relative to the target, in order; none: one straight leg.
+    pin_friction_radius : float, default 0.0
+        Radius of the friction circle of the rod in the ring, m: coefficient of friction times
+        radius of the rod. The rod does not turn; the object's spin is opposed by this times the
+        rod's force.
+
+    Raises
+    ------
+    InvalidInput
+        For way-points that are no places, and a radius that is negative.
+
+    Examples
+    --------
+    >>> DragBack(way_points=((0.05, 0.0),)).way_points
+    ((0.05, 0.0),)
     """
 
     way_points: tuple[tuple[float, float], ...] = ()

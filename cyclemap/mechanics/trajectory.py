@@ -25,15 +25,31 @@ class Trajectory:
 
     Attributes
     ----------
-    path : ndarray
-        (n,) rod travel, m pose : (n, 3) object's x, y (m) and theta (rad) pusher : (n, 2) rod's
-        centre, m contact_point : (n, 2) m; of two contacts at once, the first contact_force :
-        (n, 2) force of the rod on the object, N; of two contacts, their sum mode : (n,) str:
-        stick, slide_left, slide_right, slide_free; in a concave corner wedge_left, wedge_right,
-        wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck phase :
-        (n,) int: number of the stretch under one law to which the sample belongs residual : how
-        far forces are from what the laws ask for, at worst over the samples, relative to the
-        friction coefficients: of the balance, and of the friction cone of the contact
+    path : ndarray, shape (n,)
+        Rod travel, m.
+    pose : ndarray, shape (n, 3)
+        The object's x, y (m) and theta (rad).
+    pusher : ndarray, shape (n, 2)
+        The rod's centre, m.
+    contact_point : ndarray, shape (n, 2)
+        The place of contact, m; of two contacts at once, the first.
+    contact_force : ndarray, shape (n, 2)
+        Force of the rod on the object, N; of two contacts, their sum.
+    mode : ndarray of str, shape (n,)
+        Stick, slide_left, slide_right, slide_free; in a concave corner wedge_left, wedge_right,
+        wedge_stuck; in the ring: ring, with friction ring_left, ring_right, ring_stuck.
+    phase : ndarray of int, shape (n,)
+        Number of the stretch under one law to which the sample belongs.
+    residual : float
+        How far forces are from what the laws ask for, at worst over the samples, relative to
+        the friction coefficients: of the balance, and of the friction cone of the contact.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> course = cm.CollectionLoop.mit().cycle(0.0).push.trajectory
+    >>> str(course.mode[0]), round(float(course.path[-1]), 3), course.residual < 1e-6
+    ('slide_right', 0.147, True)
     """
 
     path: Array
@@ -156,15 +172,35 @@ class Stroke:
 
 @dataclass(frozen=True)
 class PushResult(Stroke):
-    """A push: poses before and after, rod travel in contact (m), and why it ended: `distance`, or
-    `left`.
+    """A push of the quasi-static model.
+
+    Attributes
+    ----------
+    ended : str
+        Why the push ended: `distance`, or `left` where the rod no longer approaches.
+    travel : float
+        Rod travel in contact, m.
+    is_ambiguous : bool
+        Whether it came into a concave corner from which more than one motion balances all
+        forces, mostly being wedged beside another one; that without squeezing was taken.
+    course : Course
+        What was run.
+    start : Pose
+        The object before.
+    end : Pose
+        The object after.
 
     Notes
     -----
     A rod leaves where it no longer approaches; one that still sticks then could pull the object
-    along by friction for a while: here it leaves. `is_ambiguous`: it came into a concave corner
-    from which more than one motion balances all forces, mostly being wedged beside another one;
-    that without squeezing was taken. `course` is what was run.
+    along by friction for a while: here it leaves.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> push = cm.CollectionLoop.mit().cycle(0.0).push
+    >>> push.ended, round(push.travel, 3), round(push.turn, 4)
+    ('left', 0.147, 1.2855)
     """
 
     ended: str
@@ -180,8 +216,25 @@ class PushResult(Stroke):
 
 @dataclass(frozen=True)
 class DragResult(Stroke):
-    """A drag: poses before and after, and the path of the ring, m (0 where the ring was already
-    there).
+    """A drag of the quasi-static model.
+
+    Attributes
+    ----------
+    length : float
+        Path of the ring, m (0 where the ring was already there).
+    course : Course
+        What was run.
+    start : Pose
+        The object before.
+    end : Pose
+        The object after.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> drag = cm.CollectionLoop.mit().cycle(0.0).drag
+    >>> round(drag.length, 5), round(drag.turn, 4)
+    (0.09349, -1.1116)
     """
 
     length: float
@@ -202,20 +255,29 @@ class DynamicTrajectory:
 
     Attributes
     ----------
-    time : ndarray
-        (n,) s.
-    path : ndarray
-        (n,) rod travel, m.
-    pose : ndarray
-        (n, 3) object's x, y (m) and theta (rad).
-    velocity : ndarray
-        (n, 3) of the centre of mass, m/s, and spin, rad/s.
-    pusher : ndarray
-        (n, 2) rod's centre, m.
-    contact_point : ndarray
-        (n, 2) m.
-    contact_force : ndarray
-        (n, 2) force of the rod on the object, N; zero where they do not touch.
+    time : ndarray, shape (n,)
+        Since the stroke began, s.
+    path : ndarray, shape (n,)
+        Rod travel, m.
+    pose : ndarray, shape (n, 3)
+        The object's x, y (m) and theta (rad).
+    velocity : ndarray, shape (n, 3)
+        Of the centre of mass, m/s, and spin, rad/s.
+    pusher : ndarray, shape (n, 2)
+        The rod's centre, m.
+    contact_point : ndarray, shape (n, 2)
+        The place of contact, m.
+    contact_force : ndarray, shape (n, 2)
+        Force of the rod on the object, N; zero where they do not touch.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> friction = cm.EllipseFriction.isotropic(0.25)
+    >>> model = cm.mechanics.DynamicModel(cm.Slider.mit("rect1"), friction)
+    >>> course = model.push(cm.Pose(), cm.SidePush(), samples=5).trajectory
+    >>> course.time.round(2).tolist()
+    [0.0, 1.5, 3.0, 4.5, 6.0, 7.5, 7.53]
     """
 
     time: Array
@@ -229,8 +291,27 @@ class DynamicTrajectory:
 
 @dataclass(frozen=True, eq=False)
 class DynamicPush(Stroke):
-    """A push: poses before and after, and why it ended: `distance`, or `left` where the rod has
-    lost the object.
+    """A push of the dynamic model.
+
+    Attributes
+    ----------
+    ended : str
+        Why the push ended: `distance`, or `left` where the rod has lost the object.
+    trajectory : DynamicTrajectory
+        Its course.
+    start : Pose
+        The object before.
+    end : Pose
+        The object after.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> friction = cm.EllipseFriction.isotropic(0.25)
+    >>> model = cm.mechanics.DynamicModel(cm.Slider.mit("rect1"), friction)
+    >>> push = model.push(cm.Pose(), cm.SidePush())
+    >>> push.ended, round(push.turn, 3)
+    ('distance', 1.305)
     """
 
     ended: str
@@ -239,7 +320,28 @@ class DynamicPush(Stroke):
 
 @dataclass(frozen=True, eq=False)
 class DynamicDrag(Stroke):
-    """A drag: poses before and after, the path of the rod (m), its course."""
+    """A drag of the dynamic model.
+
+    Attributes
+    ----------
+    length : float
+        Path of the rod, m.
+    trajectory : DynamicTrajectory
+        Its course.
+    start : Pose
+        The object before.
+    end : Pose
+        The object after.
+
+    Examples
+    --------
+    >>> import cyclemap as cm
+    >>> friction = cm.EllipseFriction.isotropic(0.25)
+    >>> model = cm.mechanics.DynamicModel(cm.Slider.mit("rect1"), friction)
+    >>> drag = model.drag(cm.Pose(), ((0.05, 0.0),))
+    >>> round(drag.length, 4), round(drag.turn, 3)
+    (0.0615, -0.72)
+    """
 
     length: float
     trajectory: DynamicTrajectory

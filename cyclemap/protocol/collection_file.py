@@ -257,14 +257,17 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
 
     Parameters
     ----------
-    path : the file. What it does not say is MIT's; where its object is not, a `DoubtfulInput`
+    path : str or Path
+        The file. What it does not say is MIT's; where its object is not, a `DoubtfulInput`
         warning tells what that is.
-    surface : a material, or a material file, in place of the file's own; without either, isotropic
+    surface : str or Path or None, optional
+        A material, or a material file, in place of the file's own; without either, isotropic
         friction.
 
     Returns
     -------
     CollectionLoop
+        The loop, checked.
 
     Raises
     ------

@@ -59,8 +59,23 @@ _UNDERSIDE = 1e-3
 
 @dataclass(frozen=True)
 class OutlineFile:
-    """The outline of a file, m, about its centroid, vertex 0 the one farthest up and right; words:
-    what was assumed.
+    """The outline of a file.
+
+    Attributes
+    ----------
+    outline : Polygon
+        In m, about its centroid, vertex 0 the one farthest up and right.
+    words : tuple of str
+        What was assumed, and what was left out.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "plate.csv").write_text("x_mm,y_mm\\n0,0\\n60,0\\n60,40\\n0,40\\n")
+    ...     drawn = read_outline(f"{place}/plate.csv")
+    >>> [round(1e3 * coordinate) for coordinate in drawn.outline.vertices[0]]
+    [30, 20]
     """
 
     outline: Polygon
@@ -74,23 +89,26 @@ def read_outline(
 
     Parameters
     ----------
-    unit : str, optional
-        "mm", "cm", "m" or "inch"; None: the file's own, or guessed by the size, which `words`
-        say.
-    tolerance : float, optional
-        m, by which the outline may be simplified. Needs the libraries of the extra
-        ``cyclemap[outlines]`` for all but CSV.
+    path : str or Path
+        The file; its ending tells what it is.
+    unit : {"mm", "cm", "m", "inch"}, optional
+        None: the file's own, or guessed by the size, which `words` say.
+    tolerance : float, default 1e-4
+        By which the outline may be simplified, m.
+    underside : bool, default False
+        Of a mesh, take the foot print in place of the silhouette from above.
 
     Returns
     -------
     OutlineFile
+        The outline, and what was assumed.
 
     Raises
     ------
     DataFileError
         Where the file has no closed outline.
     InvalidInput
-        Where a library is missing.
+        Where a library is missing: all but CSV needs those of the extra ``cyclemap[outlines]``.
 
     Notes
     -----
@@ -100,6 +118,15 @@ def read_outline(
       the foot print.
     - ``.csv``: columns x and y by the names and units of a header (x_mm,y_mm), else the two
       that there are.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "plate.csv").write_text("x_mm,y_mm\\n0,0\\n60,0\\n60,40\\n0,40\\n")
+    ...     outline = read_outline(f"{place}/plate.csv").outline
+    >>> round(1e6 * outline.area)
+    2400
     """
     path = Path(path)
     kind = path.suffix.lower()

@@ -116,8 +116,24 @@ class Finding:
 
 @dataclass(frozen=True)
 class CheckedCollection:
-    """A collection file as it was understood, and what is doubted of it; loop: None where there can
-    be none.
+    """A collection file as it was understood, and what is doubted of it.
+
+    Attributes
+    ----------
+    loop : CollectionLoop or None
+        The loop; None where there can be none.
+    findings : tuple of Finding
+        What is wrong, or likely so, in plain words.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     count = Path(folder, "mine.toml").write_text("[pusher]\\npusher_radius_mm = 5\\n")
+    ...     checked = check_collection(f"{folder}/mine.toml")
+    >>> checked.loop.pusher.radius, any(finding.wrong for finding in checked.findings)
+    (0.005, False)
     """
 
     loop: CollectionLoop | None
@@ -127,9 +143,15 @@ class CheckedCollection:
 def check_collection(path: str | Path) -> CheckedCollection:
     """Look at a collection file as a careful colleague would.
 
+    Parameters
+    ----------
+    path : str or Path
+        The collection file.
+
     Returns
     -------
     CheckedCollection
+        The loop, where there can be one, and the findings.
 
     Raises
     ------
@@ -141,6 +163,16 @@ def check_collection(path: str | Path) -> CheckedCollection:
     Asked are: units, the ring's place, the pushed side and what is left to MIT's experiment,
     then, by running the push and drag from 24 orientations, whether the rod runs off the object
     and whether cycles turn it; last, friction.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     count = Path(folder, "mine.toml").write_text("[push]\\npush_mm = 1500\\n")
+    ...     checked = check_collection(f"{folder}/mine.toml")
+    >>> checked.findings[0].words.split(":")[0]
+    'the rod slides past the edge after 154 of 1500 mm (from θ0 = 270°)'
     """
     (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
     told = [

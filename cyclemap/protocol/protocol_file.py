@@ -38,13 +38,20 @@ def write_protocol(
     noise: float | None = None,
     predicted: Prediction | None = None,
 ) -> None:
-    """Write the protocol of a collection with `strategy` on `loop` as TOML; whole, or not at all.
+    """Write the protocol of a collection as TOML; whole, or not at all.
 
     Parameters
     ----------
-    noise : float, optional
+    path : str or Path
+        The file to write.
+    loop : CollectionLoop
+        The loop; its surface is named in a comment only.
+    strategy : ResetStrategy or None
+        What the robot does, in a table [strategy], from which `read_protocol` makes the equal
+        one; None: no strategy.
+    noise : float or None, optional
         Of one cycle, standard deviation in rad.
-    predicted : Prediction, optional
+    predicted : mapping or None, optional
         Scores by name (numbers, texts, booleans, lists of them; None is left out), a table that
         readers pass over.
 
@@ -57,9 +64,8 @@ def write_protocol(
 
     Notes
     -----
-    The file holds the robot's side of the loop as --set keys (the surface is named in a comment
-    only), and the strategy in a table [strategy], from which `read_protocol` makes the equal
-    one. None: no strategy. Its first line is a checksum of the rest.
+    The file holds the robot's side of the loop as --set keys, and the strategy. Its first line is a
+    checksum of the rest.
 
     Examples
     --------
@@ -101,24 +107,34 @@ def protocol_text(
 
 
 def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
-    """Return the settings of a protocol file, in its units (for `loop_from_settings`), and its
-    strategy.
+    """Return the settings of a protocol file and its strategy.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
 
     Returns
     -------
-    tuple[Settings, ResetStrategy or None]
-        The settings of a protocol file, in its units (for `loop_from_settings`), and its
-        strategy.
+    settings : mapping
+        By the keys of `--set`, in the file's units, for `loop_from_settings`; `noise_deg` among
+        them.
+    strategy : ResetStrategy or None
+        None where the file has no table [strategy].
 
     Raises
     ------
     DataFileError
         Naming file, key and value, where the file is none of settings, or holds no strategy.
 
-    Notes
-    -----
-    Settings are read by `read_settings`, `noise_deg` among them. Without a table [strategy] the
-    strategy is None.
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     write_protocol(f"{place}/mit.toml", CollectionLoop.mit(), None)
+    ...     settings, strategy = read_protocol(f"{place}/mit.toml")
+    >>> settings["fraction"], strategy is None
+    (0.7, True)
     """
     settings = read_settings(path)
     # Decimals, so that no number is rounded before its unit is known.

@@ -74,8 +74,20 @@ _COMMENTS = (
 def write_schedule(
     path: str | Path, loop: CollectionLoop, strategy: ResetStrategy, cycles: int, seed: int = 0
 ) -> None:
-    """Write what the robot does in a run of `cycles` cycles of `strategy` on `loop`: those of
-    `run_strategy`'s `seed`.
+    """Write what the robot does, cycle by cycle, as CSV; whole, or not at all.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    loop : CollectionLoop
+        The loop.
+    strategy : ResetStrategy
+        What is run on it.
+    cycles : int
+        How many cycles.
+    seed : int, default 0
+        That of `run_strategy`, whose cycles they are.
 
     Raises
     ------
@@ -86,11 +98,10 @@ def write_schedule(
 
     Notes
     -----
-    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the
-    leg that leaves it (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...);
-    gripper_turn_deg. The first line is a checksum of the rest. Every number that
-    `read_schedule` needs has the digits that give it back exactly; the file is written whole or
-    not at all.
+    Columns: `PUSH_COLUMNS`; for each way-point its place and the direction and length of the leg
+    that leaves it (way_point_1_x_mm, way_point_1_y_mm, leg_1_direction_deg, leg_1_mm, ...);
+    gripper_turn_deg. The first line is a checksum of the rest. Every number that `read_schedule`
+    needs has the digits that give it back exactly.
 
     Examples
     --------
@@ -165,12 +176,17 @@ def _rounded(value: float) -> str:
 
 
 def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
-    """Return the actions of a file of `write_schedule`, equal to those written, with their pushes
-    and way-points.
+    """Return the actions of a file of `write_schedule`, equal to those written.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
 
     Returns
     -------
     tuple of CycleAction
+        One a cycle, with its push and way-points.
 
     Raises
     ------
@@ -183,6 +199,17 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     -----
     `ResetStrategy(actions, order="in turn")` follows them. The ring's place is not among them:
     give the loop the one that the file's comments name.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> loop = CollectionLoop.mit()
+    >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     write_schedule(f"{place}/run.csv", loop, coin, 4, seed=1)
+    ...     actions = read_schedule(f"{place}/run.csv")
+    >>> [action.push.side for action in actions]
+    [2, 2, 1, 2]
     """
     table, facts = _read_commented(path)
     legs = 0

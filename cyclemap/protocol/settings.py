@@ -94,15 +94,18 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
 
     Parameters
     ----------
-    settings : by the keys of `--set`. A new outline (`shape`: an MIT shape's name; `vertices_mm`:
+    settings : mapping of str to object
+        By the keys of `--set`. A new outline (`shape`: an MIT shape's name; `vertices_mm`:
         [[x, y], ...]; `semi_x_mm` with `semi_y_mm`) keeps the ring unless `hitch_x_mm`,
-        `hitch_y_mm` move it. What files say of the noise of a cycle, `noise_deg`, is checked and
-        left aside: a loop has none.
-    base : what is not set is taken from it; None: MIT's loop on plywood.
+        `hitch_y_mm` move it. What files say of the noise of a cycle, `noise_deg`, is checked
+        and left aside: a loop has none.
+    base : CollectionLoop or None, optional
+        What is not set is taken from it; None: MIT's loop on plywood.
 
     Returns
     -------
     CollectionLoop
+        The base with the settings.
 
     Raises
     ------

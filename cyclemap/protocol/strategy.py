@@ -32,15 +32,23 @@ class CycleAction:
 
     Parameters
     ----------
-    way_points : (x, y), m, from the target: where the drag goes before its last leg to the target;
-        (): straight.
-    push : the push of this cycle.
-    turn : rad, counter-clockwise: a gripper turns the object about its ring after the drag. The
-        ring stays at the target, so that the state before the next push is still the orientation
-        alone.
+    way_points : tuple of tuple[float, float] or None, optional
+        (x, y), m, from the target: where the drag goes before its last leg to the target; ():
+        straight.
+    push : SidePush or None, optional
+        The push of this cycle.
+    turn : float, default 0.0
+        rad, counter-clockwise: a gripper turns the object about its ring after the drag. The
+        ring stays at the target, so that the state before the next push is still the
+        orientation alone.
 
-    Raises InvalidInput for a value that is not finite, or a push that is not a `SidePush`.
+    Raises
+    ------
+    InvalidInput
+        For a value that is not finite, or a push that is not a `SidePush`.
 
+    Examples
+    --------
     >>> CycleAction(way_points=((0.05, 0.0),)).on(CollectionLoop.mit()).reset.way_points
     ((0.05, 0.0),)
     """
@@ -84,16 +92,26 @@ class ResetStrategy:
 
     Parameters
     ----------
-    actions : one or more `CycleAction`.
-    weights : positive, one an action, scaled to shares that sum to one; None: all alike.
-    order : ``random``: drawn anew before every push, so that orientations are a Markov chain. ``in
-        turn``: as listed, again and again; all alike. ``shuffled``: blocks that hold every action
-        as often as its share says, each block in an order of its own.
-    block : of ``shuffled``, how many pushes a block has; None: as few as the shares allow.
-    hitch : (x, y), m, object's frame: the ring's place for the whole collection; None: the loop's.
+    actions : tuple of CycleAction
+        One or more.
+    weights : tuple of float or None, optional
+        Positive, one an action, scaled to shares that sum to one; None: all alike.
+    order : str, optional
+        ``random``: drawn anew before every push, so that orientations are a Markov chain. ``in
+        turn``: as listed, again and again; all alike. ``shuffled``: blocks that hold every
+        action as often as its share says, each block in an order of its own.
+    block : int or None, optional
+        Of ``shuffled``, how many pushes a block has; None: as few as the shares allow.
+    hitch : tuple[float, float] or None, optional
+        (x, y), m, object's frame: the ring's place for the whole collection; None: the loop's.
 
-    Raises InvalidInput for anything else, naming it.
+    Raises
+    ------
+    InvalidInput
+        For anything else, naming it.
 
+    Examples
+    --------
     >>> coin = ResetStrategy.pushes(CollectionLoop.mit().push, (1, 2))
     >>> coin.shares.tolist(), [action.push.side for action in coin.run(5, seed=1)]
     ([0.5, 0.5], [2, 2, 1, 2, 1])
@@ -272,9 +290,25 @@ def overruled_settings(strategy: ResetStrategy) -> tuple[str, ...]:
 
 
 def gripper_turns(count: int) -> tuple[CycleAction, ...]:
-    """Return the loop's own cycle followed by one of `count` equal turns of a gripper, the first of
-    them none.
+    """Return the loop's own cycle followed by each of some equal turns of a gripper.
 
+    Parameters
+    ----------
+    count : int
+        How many turns, the first of them none.
+
+    Returns
+    -------
+    tuple of CycleAction
+        One a turn: 0, 2π/count, ... rad.
+
+    Raises
+    ------
+    InvalidInput
+        For a count that is no whole number from 1.
+
+    Examples
+    --------
     >>> [round(math.degrees(action.turn)) for action in gripper_turns(4)]
     [0, 90, 180, 270]
     """
@@ -283,9 +317,27 @@ def gripper_turns(count: int) -> tuple[CycleAction, ...]:
 
 
 def legs(length: float, count: int) -> tuple[CycleAction, ...]:
-    """Return drags by a place `length` (m) off the target, in `count` equal directions, the first
-    along x.
+    """Return drags by a place off the target, in each of some equal directions, the first along x.
 
+    Parameters
+    ----------
+    length : float
+        Distance of the place from the target, m, positive.
+    count : int
+        How many directions.
+
+    Returns
+    -------
+    tuple of CycleAction
+        One a direction.
+
+    Raises
+    ------
+    InvalidInput
+        For a length that is not positive, and a count that is no whole number from 1.
+
+    Examples
+    --------
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """

@@ -4,7 +4,7 @@ along every one of its settings."""
 import math
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -17,6 +17,7 @@ from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, fo
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
+from cyclemap.written import DIRECTION
 
 # Shares of the way to either end of a setting's usual range at which the stable directions are
 # counted.
@@ -40,19 +41,25 @@ class DirectionChange:
     Attributes
     ----------
     value : Estimate
-        SI units or rad.
+        Of the setting, SI units or rad, with the bound on its error.
     kind : str
         "saddle-node" (a stable direction and an unstable one merge), "period doubling" (it
         gives way to two that alternate) or "kink" (elsewise, at a kink or a jump of the map).
     theta : float
-        rad, where; nan at a kink.
+        Where, rad; nan at a kink.
     directions : int
         How many stable ones there are beyond it.
+
+    Examples
+    --------
+    >>> change = DirectionChange(Estimate(-0.00627, 1e-9), "saddle-node", 2.6, 0)
+    >>> change.kind, float(change.value)
+    ('saddle-node', -0.00627)
     """
 
     value: Estimate
     kind: str
-    theta: float
+    theta: float = field(metadata=DIRECTION)
     directions: int
 
 
@@ -63,16 +70,25 @@ class DirectionMargin:
     Attributes
     ----------
     key : str
-        The setting's.
+        The setting's name.
     value : float
         What the loop has, SI units or rad.
     directions : int
         How many stable ones it has.
     below, above : DirectionChange or None
         The nearest change on either side; None where there is none down to `low`, or up to
-        `high`, as far as the loop can be run within the usual range.
+        `high`.
+    low, high : float
+        How far the loop can be run within the usual range, SI units or rad.
     span : float
-        Length of the usual range.
+        Length of the usual range, SI units or rad.
+
+    Examples
+    --------
+    >>> change = DirectionChange(Estimate(-0.006, 1e-9), "saddle-node", 2.6, 0)
+    >>> margin = DirectionMargin("hitch_x_mm", -0.0106, 1, None, change, -0.02, 0.0, 0.02)
+    >>> margin.nearest is change, round(margin.share, 2)
+    (True, 0.23)
     """
 
     key: str
@@ -106,18 +122,21 @@ def direction_margins(
     progress: Callable[[float], None] | None = None,
 ) -> tuple[DirectionMargin, ...]:
     """Return how far a loop is from losing or gaining a stable direction along each of its
-    settings, nearest first.
+    settings.
 
     Parameters
     ----------
-    loop : the set-up.
-    keys : settings, all that have a usual range by default, each alone being changed within that
-        range.
-    progress : called with the fraction done.
+    loop : CollectionLoop
+        The set-up.
+    keys : tuple of str or None, optional
+        Settings, each alone being changed within its usual range; None: all that have one.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     tuple of DirectionMargin
+        The nearest change first.
 
     Raises
     ------
@@ -300,25 +319,43 @@ class _Way:
 def change_curve(
     loop: CollectionLoop, key: str, change: DirectionChange, other: str, first: Ends, second: Ends
 ) -> BifurcationCurve:
-    """Return the curve on which stable directions change in a plane of two settings, from one
-    change of a margin.
+    """Return the curve on which stable directions change in a plane of two settings.
 
     Parameters
     ----------
-    loop : the set-up.
-    key, change : the setting of a `DirectionMargin` and its `below` or `above`, no kink.
-    other : the second setting, at the loop's own value there.
-    first, second : (low, high) of both, in the units of their keys.
+    loop : CollectionLoop
+        The set-up.
+    key : str
+        The setting of a `DirectionMargin`.
+    change : DirectionChange
+        That margin's `below` or `above`, no kink: where the curve begins.
+    other : str
+        The second setting, at the loop's own value there.
+    first, second : tuple[float, float]
+        (low, high) of both, in the units of their keys.
 
     Returns
     -------
-    BifurcationCurve In the units of the keys. See `cyclemap.maps.follow_bifurcation`; every map is
-        run cycle by cycle, so that a curve takes half a minute.
+    BifurcationCurve
+        In the units of the keys.
 
     Raises
     ------
     InvalidInput
         For a setting without a range or a value here, and for a change that is a kink.
+
+    Notes
+    -----
+    See `cyclemap.maps.follow_bifurcation`. Every map is run cycle by cycle, so that a curve takes
+    half a minute.
+
+    Examples
+    --------
+    >>> kink = DirectionChange(Estimate(-0.006, 1e-9), "kink", math.nan, 0)
+    >>> change_curve(CollectionLoop.mit(), "hitch_x_mm", kink, "pusher_mu", (-12, -3), (0.1, 0.2))
+    Traceback (most recent call last):
+        ...
+    cyclemap.errors.InvalidInput: ...the change, a kink, must be smooth
     """
     settings = setting_named(key), setting_named(other)
     units = [float(setting.unit.in_si) for setting in settings]
@@ -350,7 +387,7 @@ def change_curve(
     turn = float(exact.next_theta(change.theta)) - change.theta
     kind = change.kind.replace(" ", "-")
     winding = round(turn / TWO_PI)
-    start = Bifurcation(kind, value, np.array([change.theta]), 1, winding, slope, slope, False, 0.0)
+    start = Bifurcation(kind, value, np.array([change.theta]), 1, winding, slope, slope, False)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)
         return follow_bifurcation(family, start, at / units[1], first, second)

@@ -32,14 +32,17 @@ _MOST_VALUES = 1_000_000
 class SweepAxis:
     """The values that a key takes, in their order: numbers, words, or lists of points.
 
+    Parameters
+    ----------
+    key : str
+        The setting's name.
+    values : tuple of object
+        In degrees and millimetres as the key's ending says; at least one, none twice.
+
     Raises
     ------
     InvalidInput
         For an unknown key, a value that the key cannot have, or one that is given twice.
-
-    Notes
-    -----
-    Degrees and millimetres as the key's ending says.
 
     Examples
     --------
@@ -74,12 +77,27 @@ class SweepAxis:
 
 @dataclass(frozen=True)
 class SweepRange:
-    """The range of a numeric key that a sample draws from, in the key's units.
+    """The range of a numeric key that a sample draws from.
+
+    Parameters
+    ----------
+    key : str
+        The setting's name.
+    low : float
+        Where the range begins, in the key's units.
+    high : float
+        Where it ends, above `low`.
+
+    Raises
+    ------
+    InvalidInput
+        For a key that has no range, a value that it cannot have, and an end that is not the
+        larger.
 
     Examples
     --------
-    >>> SweepRange("mu_a", 0.2, 0.4).at(0.5)
-    0.30000000000000004
+    >>> round(SweepRange("mu_a", 0.2, 0.4).at(0.5), 12)
+    0.3
     """
 
     key: str
@@ -188,6 +206,16 @@ _MOST_SOBOL = 2**30
 class Grid:
     """Every combination of the values of the axes, the last axis running fastest.
 
+    Parameters
+    ----------
+    axes : tuple of SweepAxis
+        One or more keys with their values.
+
+    Raises
+    ------
+    InvalidInput
+        For a key that is given twice, and for a range without a count.
+
     Examples
     --------
     >>> grid = Grid((SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("side", (0, 1))))
@@ -231,12 +259,28 @@ class Grid:
 class Sample:
     """A number of points spread over ranges (and listed values), the same for the same seed.
 
-    Attributes
+    Parameters
     ----------
-    sequence : str
+    ranges : tuple of SweepRange or SweepAxis
+        Ranges, and keys with listed values.
+    count : int
+        How many points, from 1.
+    seed : int, default 0
+        Of the points, from 0.
+    sequence : str, default 'sobol'
         "sobol", scrambled (Owen 1998), whose points fill the box evenly at any count, best at
         powers of two; or "uniform", independent points. A longer sample begins with the shorter
         one.
+
+    Raises
+    ------
+    InvalidInput
+        For a key that is given twice, a count or seed out of range, another sequence, and more
+        points than a Sobol sequence has.
+
+    References
+    ----------
+    Owen, A. B. (1998), Scrambling Sobol' and Niederreiter-Xing points, Journal of Complexity 14(4).
 
     Examples
     --------

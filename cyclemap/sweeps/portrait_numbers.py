@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import asdict, dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
@@ -72,10 +72,19 @@ class Quantity:
 
     Attributes
     ----------
+    name : str
+        In Python.
     unit : str
         "rad", "1", "cycles" or "turns/cycle"; angles are kept in rad and written in degrees.
+    meaning : str
+        In words.
     many : str
         The name of what a list runs over, empty for a number.
+
+    Examples
+    --------
+    >>> Quantity("mean_turn", "rad", "mean turn of a cycle").written_name
+    'mean_turn_deg'
     """
 
     name: str
@@ -185,10 +194,21 @@ class SweptPoint:
     ----------
     number : int
         From 0.
-    settings : mapping
+    digest : str
+        Names what the point's numbers depend on.
+    material : Material
+        The surface.
+    settings : mapping of str to object
         All that differ from MIT's on `material`, noise included.
-    swept : mapping
+    swept : mapping of str to object
         The swept keys alone.
+
+    Examples
+    --------
+    >>> from cyclemap.sweeps import SweepPlan
+    >>> point = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3)}).point(1)
+    >>> point.number, dict(point.swept), point.material.name
+    (1, {'mu_a': 0.3}, 'plywood')
     """
 
     number: int
@@ -200,8 +220,19 @@ class SweptPoint:
 
 @dataclass(frozen=True, eq=False)
 class PointOutcome:
-    """What was found at a point, by quantity (SI), and why anything is missing; empty where nothing
-    is.
+    """What was found at a point.
+
+    Attributes
+    ----------
+    values : mapping
+        Numbers, and lists of numbers, by the quantity's name, SI units and rad.
+    refusal : str
+        Why anything is missing; empty where nothing is.
+
+    Examples
+    --------
+    >>> PointOutcome({"mean_turn": 0.14}).refusal
+    ''
     """
 
     values: Values
@@ -212,14 +243,20 @@ class PointOutcome:
 class PortraitNumbers:
     """What a sweep asks of every point: some groups of the portrait's numbers.
 
-    Attributes
+    Parameters
     ----------
-    groups : tuple of str
+    groups : tuple of str, optional
         Of `GROUPS`; "map" is always among them.
-    tolerance : float
-        Of the cycle map, rad.
-    rotation_tolerance : float
-        turns a cycle; 0 is the portrait's own effort, more ends the iteration earlier.
+    tolerance : float, default 1e-5
+        Error of the cycle map, rad.
+    rotation_tolerance : float, default 1e-4
+        Error of the rotation number, turns a cycle; 0 is the portrait's own effort, more ends
+        the iteration earlier.
+
+    Raises
+    ------
+    InvalidInput
+        For no group, an unknown one, and tolerances out of range.
 
     Notes
     -----
@@ -230,6 +267,11 @@ class PortraitNumbers:
     points, and it tells the rotation number as finely as asked; `max_error` says how good a map
     was. With rotation_tolerance 0 every number equals that of `portrait` at the same tolerance,
     to the last bit.
+
+    Examples
+    --------
+    >>> [quantity.name for quantity in PortraitNumbers(("rotation",)).quantities][-3:]
+    ['rotation_upper', 'locked_winding', 'locked_period']
     """
 
     groups: tuple[str, ...] = CHEAP_GROUPS
@@ -410,9 +452,7 @@ _FOUND: dict[str, Callable[[_Work], Values]] = {
     },
     "rotation": _rotation_values,
     "fixed_points": _fixed_point_values,
-    "turns": lambda work: dict(
-        zip((one.name for one in GROUPS["turns"]), astuple(turn_statistics(work.map)), strict=True)
-    ),
+    "turns": lambda work: asdict(turn_statistics(work.map)),
     "stationary": _stationary_values,
     "staircase": _staircase_values,
 }

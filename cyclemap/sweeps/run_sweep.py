@@ -151,23 +151,27 @@ def run_sweep(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> SweepStatus:
-    """Run what the store at `path` lacks of `plan`, and return how far it is: complete, unless
-    interrupted.
+    """Run what a store lacks of a plan, and return how far it is: complete, unless interrupted.
 
     Parameters
     ----------
-    workers : int, optional
-        processes; by default one a core that this one may use, 1 for none but this one.
-    executor : Executor, optional
+    plan : SweepPlan
+        The points, and what is asked of each.
+    path : str or Path
+        The store, a file, made where there is none.
+    workers : int or None, optional
+        How many processes; None: one a core that this one may use; 1: none but this one.
+    executor : Executor or None, optional
         Run on it instead, be it of threads, processes or a cluster
         (`distributed.Client.get_executor()`); `workers` then says how many chunks it works on
         at once.
-    progress : Progress, optional
+    progress : callable or None, optional
         Called with the status at the beginning and after every chunk.
 
     Returns
     -------
     SweepStatus
+        How far the store is.
 
     Raises
     ------
@@ -314,12 +318,32 @@ class _Run:
 
 
 def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus:
-    """How far the store at `path` is; with a `plan`, an absent one is at the beginning and
-    another's is refused.
+    """Return how far a store is.
+
+    Parameters
+    ----------
+    path : str or Path
+        The store, a file.
+    plan : SweepPlan or None, optional
+        With it, an absent store is at the beginning and another plan's is refused.
 
     Returns
     -------
     SweepStatus
+        Points in all, stored, refused.
+
+    Raises
+    ------
+    DataFileError
+        For a file that is absent (without a plan), damaged or no store.
+    InvalidInput
+        For the store of another plan.
+
+    Examples
+    --------
+    >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)})
+    >>> sweep_status("not-yet-begun.sqlite", plan)
+    SweepStatus(points=2, stored=0, refused=0)
     """
     if plan is not None and not Path(path).exists():
         return SweepStatus(len(plan), 0, 0)

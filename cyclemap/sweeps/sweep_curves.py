@@ -23,12 +23,19 @@ class SweptPlane:
     ----------
     first, second : SweepAxis
         The axes of rows and columns.
-    planes : tuple[tuple[Quantity, ndarray], ...]
+    planes : tuple of tuple[Quantity, ndarray]
         Quantities with their values (m, n), angles in degrees, nan where there is none.
     rotation : RotationPlane or None
         The rotation numbers, where they were asked for.
-    refused : ndarray
-        (m, n).
+    refused : ndarray of bool, shape (m, n)
+        Where points were refused.
+
+    Examples
+    --------
+    >>> axes = SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("mu_b", (0.2, 0.3))
+    >>> plane = SweptPlane(*axes, (), None, np.zeros((2, 2), dtype=bool))
+    >>> plane.first.values, plane.refused.tolist()
+    ((0.2, 0.3), [[False, False], [False, False]])
     """
 
     first: SweepAxis
@@ -46,18 +53,31 @@ class SweptLines:
     ----------
     axis : SweepAxis
         The key with the values that are here, in order.
-    parameter : ndarray
-        (n,), the values, or 0, 1, ... where they are no numbers.
+    parameter : ndarray, shape (n,)
+        The values, or 0, 1, ... where they are no numbers.
     lines : tuple[tuple[Quantity, ndarray], ...]
         Quantities with their values (n,), angles in degrees.
+    rotation_at : ndarray, shape (k,)
+        Where on the axis the points are that have a rotation number.
     rotation : RotationNumbers or None
-        The rotation numbers at `rotation_at` (k,), those points that have one; None where there
-        is none.
-    points : tuple[ndarray, ndarray, ndarray] or None
-        Of each fixed point, three (p,) arrays: where on the axis, its direction in degrees,
-        whether it is stable; None where they were not asked for.
-    refused : ndarray
-        (r,), where on the axis points were refused.
+        The rotation numbers at `rotation_at`; None where there is none.
+    points : tuple of three ndarrays, shape (p,), or None
+        Of each fixed point, where on the axis, its direction in degrees, whether it is stable;
+        None where they were not asked for.
+    refused : ndarray, shape (r,)
+        Where on the axis points were refused.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     lines = sweep_curves(load_sweep(f"{folder}/sweep.sqlite"), ("mean_turn",))
+    >>> lines.parameter.tolist(), lines.lines[0][1].round(2).tolist()
+    ([100.0, 150.0], [2.77, 8.0])
     """
 
     axis: SweepAxis
@@ -71,8 +91,25 @@ class SweptLines:
 
 @dataclass(frozen=True, eq=False)
 class SweptScatter:
-    """A sample over two keys: `first`, `second` (n,) by name and value, quantities (n,), and which
-    were refused.
+    """A sample over two keys.
+
+    Attributes
+    ----------
+    first : tuple[str, ndarray]
+        Name of the first key, and its values (n,).
+    second : tuple[str, ndarray]
+        Name of the second key, and its values (n,).
+    values : tuple of tuple[Quantity, ndarray]
+        Quantities with their values (n,), angles in degrees.
+    refused : ndarray of bool, shape (n,)
+        Which points were refused.
+
+    Examples
+    --------
+    >>> places = np.array([0.2, 0.3])
+    >>> scatter = SweptScatter(("mu_a", places), ("mu_b", places), (), places > 1.0)
+    >>> scatter.first[0], scatter.refused.tolist()
+    ('mu_a', [False, False])
     """
 
     first: tuple[str, Array]
@@ -86,18 +123,37 @@ _ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "l
 
 
 def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
-    """What can be drawn of a sweep over one key or two; `names` : which quantities, by default
-    those that are there.
+    """Return what can be drawn of a sweep over one key or two.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What was found.
+    names : tuple of str, default ()
+        Which quantities; (): those that are there.
 
     Returns
     -------
-    SweptCurves
+    SweptLines, SweptPlane or SweptScatter
+        Of one key, of a grid over two, of a sample over two.
 
     Raises
     ------
     InvalidInput
         For more keys (select values of the others first), a sample of keys that are no numbers,
         a quantity that was not asked for, or a sweep without points.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
+    >>> over = {"push_mm": (100, 150), "pusher_mu": (0.1, 0.2)}
+    >>> plan = SweepPlan.grid("isotropic", over, numbers=PortraitNumbers(("turns",)))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     plane = sweep_curves(load_sweep(f"{folder}/sweep.sqlite"), ("mean_turn",))
+    >>> plane.first.key, plane.planes[0][1].round(1).tolist()
+    ('push_mm', [[2.3, 3.1], [7.6, 8.2]])
     """
     if not len(sweep):
         raise InvalidInput("no point of this sweep is stored: there is nothing to draw")

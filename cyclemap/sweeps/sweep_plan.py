@@ -35,17 +35,22 @@ class SweepPlan:
     """A sweep: MIT's loop on a material with settings, changed at each point, and the numbers asked
     of it.
 
+    Parameters
+    ----------
+    points : Grid or Sample
+        A `Grid` or a `Sample`.
+    material : str or Path or Material or None, optional
+        A name, a TOML file or a `Material`; None only where the points name one.
+    settings : mapping of str to object, optional
+        Of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
+    numbers : PortraitNumbers, optional
+        What is asked of each point.
+
     Attributes
     ----------
-    points : PointSet
-        a `Grid` or a `Sample`.
-    material : str or Path or Material or None
-        a name, a TOML file or a `Material`; None only where the points name one.
-    settings : mapping
-        Of all points, in degrees and millimetres, by the keys of `--set` and `noise_deg`.
-    numbers : PortraitNumbers
-        What is asked of each point.
-    footprint_files : mapping
+    materials : mapping of str to Material
+        The surfaces, by their names.
+    footprint_files : mapping of str to str
         Digests of the files of support points, by their names.
 
     Raises

@@ -38,8 +38,8 @@ class Sweep:
         Of a grid, those that are not selected away; () for a sample.
     quantities : tuple of Quantity
         What was asked.
-    number : ndarray
-        (n,) of the points that are here, in the plan's order.
+    number : ndarray of int, shape (n,)
+        Numbers of the points that are here, in the plan's order.
     swept : mapping
         By key, the n values of the points.
     columns : mapping
@@ -50,6 +50,18 @@ class Sweep:
         n texts, empty where nothing was refused.
     description : mapping
         What the store tells of its plan.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     sweep = load_sweep(f"{folder}/sweep.sqlite")
+    >>> sweep.shape, np.degrees(sweep.select(push_mm=150).values("mean_turn")).round(2).tolist()
+    ((2,), [8.0])
     """
 
     keys: tuple[str, ...]
@@ -190,16 +202,38 @@ def _same(value: object, wanted: object) -> bool:
 
 
 def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
-    """Read what the store at `path` holds, finished or not; with a `plan`, another's is refused.
+    """Read what a store holds, finished or not.
+
+    Parameters
+    ----------
+    path : str or Path
+        The store, a file.
+    plan : SweepPlan or None, optional
+        With it, another plan's store is refused.
 
     Returns
     -------
     Sweep
+        The points stored so far, in the plan's order.
 
     Raises
     ------
     DataFileError
         For a file that is absent, damaged or no store.
+    InvalidInput
+        For the store of another plan.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     sweep = load_sweep(f"{folder}/sweep.sqlite")
+    >>> np.degrees(sweep.values("mean_turn")).round(2).tolist()
+    [2.77, 8.0]
     """
     with SweepStore(Path(path), plan) as store:
         description: dict[str, Any] = store.description
@@ -235,13 +269,38 @@ REFUSAL = "refusal"
 
 
 def write_csv(sweep: Sweep, path: str | Path) -> None:
-    """Write one line a point, in the plan's order: its number, swept keys, quantities, lists spread
-    out, refusal.
+    """Write a sweep as CSV, one line a point, in the plan's order.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What was found.
+    path : str or Path
+        The file to write, whole or not at all.
+
+    Raises
+    ------
+    OSError
+        Where it cannot be written.
 
     Notes
     -----
-    The file appears whole or not at all (OSError). The same points give the same bytes, however
-    they were found.
+    Columns: the point's number, swept keys, quantities, lists spread out, refusal. The same points
+    give the same bytes, however they were found.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     write_csv(load_sweep(f"{folder}/sweep.sqlite"), f"{folder}/sweep.csv")
+    ...     lines = Path(folder, "sweep.csv").read_text().splitlines()
+    >>> len(lines), lines[0].split(",")[:2]
+    (3, ['number', 'push_mm'])
     """
     import pandas
 
@@ -280,20 +339,35 @@ def _padded(sweep: Sweep, quantity: Quantity) -> Array:
 
 
 def to_dataset(sweep: Sweep) -> xarray.Dataset:
-    """Return the sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is
-    `point`.
+    """Return a sweep as an xarray Dataset.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What was found.
 
     Returns
     -------
     xarray.Dataset
-        The sweep as an xarray Dataset: a grid's dimensions are its swept keys, a sample's is
-        `point`.
+        A grid's dimensions are its swept keys, a sample's is `point`.
 
     Notes
     -----
     Each quantity is a variable with its unit and meaning as attributes; a list has one
     dimension more, as long as the longest, padded with nan, and a variable `NAME_count` of how
     many there are. `refusal` is text.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     dataset = to_dataset(load_sweep(f"{folder}/sweep.sqlite"))
+    >>> dict(dataset.sizes)
+    {'push_mm': 2}
     """
     import xarray
 
@@ -340,7 +414,33 @@ def _coordinates(sweep: Sweep) -> dict[str, Any]:
 
 
 def write_netcdf(sweep: Sweep, path: str | Path) -> None:
-    """Write `to_dataset` as a NetCDF-4 file, whole or not at all (OSError)."""
+    """Write a sweep's `to_dataset` as a NetCDF-4 file.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What was found.
+    path : str or Path
+        The file to write, whole or not at all.
+
+    Raises
+    ------
+    OSError
+        Where it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> turns = PortraitNumbers(("turns",))
+    >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     status = run_sweep(plan, f"{folder}/sweep.sqlite", workers=1)
+    ...     write_netcdf(load_sweep(f"{folder}/sweep.sqlite"), f"{folder}/sweep.nc")
+    ...     Path(folder, "sweep.nc").is_file()
+    True
+    """
     with TemporaryDirectory() as folder:
         made = Path(folder) / "sweep.nc"
         to_dataset(sweep).to_netcdf(made, engine="h5netcdf")

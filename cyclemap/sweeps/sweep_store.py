@@ -36,12 +36,33 @@ _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 
 
 class StoreWriteError(CycleMapError):
-    """A store that could not be written, as on a full disk; what it held before is unharmed."""
+    """A store that could not be written, as on a full disk; what it held before is unharmed.
+
+    Examples
+    --------
+    >>> issubclass(StoreWriteError, CycleMapError)
+    True
+    """
 
 
 @dataclass(frozen=True)
 class SweepStatus:
-    """How far a sweep is: points in all, points stored, and how many of these tell a refusal."""
+    """How far a sweep is.
+
+    Attributes
+    ----------
+    points : int
+        Points in all.
+    stored : int
+        Points that are stored.
+    refused : int
+        How many of these tell a refusal.
+
+    Examples
+    --------
+    >>> SweepStatus(points=6, stored=4, refused=1).complete
+    False
+    """
 
     points: int
     stored: int
@@ -56,14 +77,31 @@ class SweepStatus:
 class SweepStore(AbstractContextManager["SweepStore"]):
     """An open store; use it in a `with` block.
 
+    Parameters
+    ----------
+    path : Path
+        The file.
+    plan : SweepPlan or None, optional
+        With it the store is made where there is none, and must be of that plan.
+
     Raises
     ------
-    DataFileError
-        For a file that is damaged or no store of a sweep.
     InvalidInput
         For the store of another plan.
     StoreWriteError
         Where it cannot be written.
+    DataFileError
+        For a file that is damaged or no store of a sweep, and without a plan for one that is
+        absent.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with SweepStore(Path(folder, "sweep.sqlite"), plan) as store:
+    ...         store.status()
+    SweepStatus(points=2, stored=0, refused=0)
     """
 
     def __init__(self, path: Path, plan: SweepPlan | None = None) -> None:

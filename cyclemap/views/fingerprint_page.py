@@ -7,26 +7,17 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import MaxNLocator
 
+from cyclemap.arrays import Array
 from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
-from cyclemap.views import style
+from cyclemap.views import map_panels, style
+from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-)
+from cyclemap.views.style import LINE, MEASURED, SECOND
 
-_ANGLES = np.radians(np.arange(0.0, 361.0))
 ANYWHERE = math.radians(90.0)
 
 
@@ -42,44 +33,25 @@ def fingerprint_page(
     `name` is the material's, for the title and the sentences.
     """
     figure = style.new_figure()
-    grid = GridSpec(
-        2,
-        2,
-        figure,
-        width_ratios=(1.0, 1.5),
-        left=0.065,
-        right=0.985,
-        bottom=0.12,
-        top=0.76,
-        wspace=0.16,
-        hspace=0.62,
-    )
-    column = 0 if prediction is not None else slice(None)
-    draw_responses(figure.add_subplot(grid[0, column]), found, ellipse=False)
-    draw_responses(figure.add_subplot(grid[1, column]), found, ellipse=True)
+    title, told = "Fingerprint of the protocol", [protocol_sentence(found)]
     if prediction is not None:
-        draw_prediction(
-            figure.add_subplot(grid[:, 1]), prediction, None if checked is None else checked.map
-        )
-    title = (
-        "Fingerprint of the protocol"
-        if prediction is None
-        else f"Fingerprint of the protocol, on {name}"
-    )
-    told = [protocol_sentence(found)]
-    if prediction is not None:
+        title = f"{title}, on {name}"
         told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
         told += [lock_in_sentence(prediction), trust_sentence(prediction)]
     if checked is not None:
         told.append(check_sentence(checked))
-    numbers = "   ".join(
-        f"{symbol} {value}°"
-        for symbol, value in zip(
-            ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃"), seven_numbers(found.cycle), strict=True
-        )
-    )
-    foot = f"{numbers}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
-    style.write_page(figure, title, told, foot, top=0.925, letters=170)
+    symbols = ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃")
+    numbers = zip(symbols, seven_numbers(found.cycle), strict=True)
+    written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
+    foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
+    room = style.write_page(figure, title, told, foot)
+    layout = "a;b" if prediction is None else "acc;bcc"
+    offset, ellipse, *turn = style.panels(figure, layout, room)
+    draw_responses(offset, found, ellipse=False)
+    draw_responses(ellipse, found, ellipse=True)
+    if prediction is not None:
+        draw_prediction(turn[0], prediction, None if checked is None else checked.map)
+        style.entitle(turn[0], "Turn of one cycle")
     return figure
 
 
@@ -87,76 +59,36 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
     """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the
     orientation.
     """
-    looks = (("push", found.push, FORCE, ":"), ("drag", found.drag, MEASURED_EDGE, "--"))
-    for name, response, colour, dash in looks:
-        axes.plot(
-            *_response_curve(response, ellipse),
-            color=colour,
-            linestyle=dash,
-            linewidth=1.6,
-            label=name,
-        )
-    axes.plot(*_response_curve(found.cycle, ellipse), color=PREDICTED, linewidth=2.2, label="cycle")
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    axes.set_title("Answer to 1 % of ellipticity" if ellipse else "Answer to 1 % of offset")
+    parts = {"cycle": found.cycle, "drag": found.drag, "push": found.push}
+    answers = {name: _response(response, ellipse) for name, response in parts.items()}
+    map_panels.draw_turns(axes, CIRCLE, answers)
     seen = (
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
     )
-    style.degree_axis(axes, f"orientation {seen}")
-    axes.set_ylabel("change of turn (°)")
-    style.legend_above(axes)
+    axes.set(xlabel=f"orientation {seen}", ylabel="change of turn (°)")
+    style.entitle(axes, f"Answer to 1 % of {'ellipticity' if ellipse else 'offset'}")
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
     """Draw the first-order turn with its error and its directions, the second-order turn, and the
     full map's.
     """
-    turn, error = prediction.turn(_ANGLES), prediction.turn_error(_ANGLES)
-    degrees = np.degrees(_ANGLES)
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    low, high = np.degrees(turn - error), np.degrees(turn + error)
-    axes.fill_between(
-        degrees, low, high, color=PREDICTED_FILL, linewidth=0.0, label="its error", zorder=1
-    )
-    axes.plot(
-        degrees, np.degrees(turn), color=PREDICTED, linewidth=2.2, label="first order", zorder=4
-    )
-    second = np.degrees(prediction.second_order_turn(_ANGLES))
-    axes.plot(
-        degrees, second, color=INK, linewidth=1.0, linestyle="--", label="second order", zorder=5
-    )
-    for index, (theta, whole) in enumerate([] if full is None else turn_curve(full).pieces):
-        label = None if index else "full map"
-        axes.plot(
-            np.degrees(theta),
-            np.degrees(whole),
-            color=MEASURED,
-            linewidth=3.0,
-            label=label,
-            zorder=3,
-        )
-    for direction in prediction.directions:
-        place, kind = float(np.degrees(direction.orbit.points[0])), style.stability(direction.orbit)
-        axes.plot(place, 0.0, **style.orbit_marker(kind))
-        # A turn falls through a stable direction and rises through an unstable one: names stand
-        # where it does not run.
-        left = place > 290.0
-        above = direction.orbit.stable != left
-        style.name_beside(
-            axes, place, 0.0, f"{place:.1f}° {kind}", (-8 if left else 8, 8 if above else -16)
-        )
-    style.degree_axis(axes)
-    axes.set_ylabel("turn of one cycle, f(θ0) - θ0 (°)")
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 3, 5, 6, 10]))
-    axes.set_title("Turn of one cycle")
-    style.legend_above(axes, columns=4)
+    turn, error = prediction.turn(CIRCLE), prediction.turn_error(CIRCLE)
+    if full is not None:
+        look = {"color": MEASURED, "linewidth": 3.0, "zorder": 3}
+        map_panels.draw_turn(axes, turn_curve(full), "full map", **look)
+    ends = np.degrees([turn - error, turn + error])
+    axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **style.BAND)
+    turns = {"first order": turn, "second order": prediction.second_order_turn(CIRCLE)}
+    map_panels.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
+    map_panels.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])
 
 
-def _response_curve(response: TurnResponse, ellipse: bool) -> tuple[np.ndarray, np.ndarray]:
-    angle = -2.0 * _ANGLES if ellipse else -_ANGLES
-    part = response.gradient[2:] if ellipse else response.gradient[:2]
-    turn = part[0] * np.cos(angle) + part[1] * np.sin(angle)
-    return np.degrees(_ANGLES), np.degrees(0.01 * turn)
+def _response(response: TurnResponse, ellipse: bool) -> Array:
+    """The answer (rad) to one percent at `CIRCLE`."""
+    angle = -2.0 * CIRCLE if ellipse else -CIRCLE
+    cosine, sine = response.gradient[2:4] if ellipse else response.gradient[:2]
+    return 0.01 * np.asarray(cosine * np.cos(angle) + sine * np.sin(angle))
 
 
 def seven_numbers(response: TurnResponse) -> tuple[str, ...]:

@@ -5,45 +5,37 @@ staircase and turns.
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
-from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence import PeriodicLaw
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
 from cyclemap.evidence.tables.measured_cycle_map import (
     FEWEST_FOR_WEAR,
     MapState,
     MeasuredCycleMap,
-    TurnPace,
     TurnPlace,
     WornForecast,
 )
 from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.views import style
-from cyclemap.views.portrait_page import PER_DEGREE, draw_measured_histogram, draw_staircase
+from cyclemap.views.map_panels import (
+    CIRCLE,
+    OUTCOMES,
+    draw_law,
+    draw_measured,
+    draw_recorded,
+    keep_to,
+    turn_axes,
+)
 from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
-from cyclemap.views.style import INK, MEASURED, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.staircase_panels import draw_pace, draw_staircase
+from cyclemap.views.style import LINE, SECOND
 
-# Shares of the page's height: what lies below the panels, and titles and labels of a row.
-FOOT, TITLES, BELOW = 0.03, 0.075, 0.06
-# Points between a panel and its title: two rows of a legend.
-TITLE_PAD = 31.0
 Panel = tuple[str, Callable[[Axes], None]]
-SCALES = {"dtheta": np.degrees(1.0), "dx": 1000.0, "dy": 1000.0}
-LABELS = {
-    "dtheta": "turn of the push, Δθ (°)",
-    "dx": "displacement, Δx (mm)",
-    "dy": "displacement, Δy (mm)",
-}
-CIRCLE = np.linspace(0.0, 2 * np.pi, 721)
-LATE_FILL = "#cfcfcf"
+LATE_BAND: style.Look = {**style.BAND, "color": "#cfcfcf", "alpha": 0.75}
 
 
 @style.picture_style()
@@ -54,18 +46,12 @@ def fit_page(fit: SetFit) -> Figure:
     Raises InvalidInput where nothing was fitted.
     """
     laws = [law for law in fit.laws.laws if law.law is not None]
-    pushes: list[Panel] = [(SIGNS[law.quantity], partial(draw_law, law=law)) for law in laws]
+    pushes: list[Panel] = [
+        (OUTCOMES[law.quantity][0], partial(draw_motion_law, law=law)) for law in laws
+    ]
     if fit.histogram is not None:
         pushes.append(("Histogram of Δθ", partial(draw_turn_histogram, histogram=fit.histogram)))
-    cycles: list[Panel] = []
-    if (found := fit.cycle_map) is not None:
-        cycles.append(("Cycle map", partial(draw_worn_turns, found=found)))
-        if (forecast := found.forecast) is not None:
-            cycles.append(("Directions", partial(draw_directions, forecast=forecast)))
-            cycles.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
-            if forecast.pace.measured.size:
-                cycles.append(("Turns", partial(draw_pace, pace=forecast.pace)))
-    rows = [row for row in (pushes, cycles) if row]
+    rows = [row for row in (pushes, _cycle_panels(fit.cycle_map)) if row]
     if not rows:
         raise InvalidInput(
             f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
@@ -73,227 +59,87 @@ def fit_page(fit: SetFit) -> Figure:
     figure = style.new_figure(16.0, 9.6)
     foot = (
         "laws are Fourier series of θ0, their order by cross-validation over blocks of "
-        "successive pushes"
+        "successive pushes unless given"
     )
-    top = style.write_tall_page(
-        figure, f"Fitted to {fit.pushes.name}", set_sentences(fit), f"{foot} unless given"
-    )
+    title = f"Fitted to {fit.pushes.name}"
+    room = style.write_page(figure, title, set_sentences(fit), foot)
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
-    height = (top - FOOT) / len(rows)
-    for place, row in enumerate(rows):
-        # Draw panels side by side in this part of the page, with room for titles above and labels
-        # below them.
-        upper = top - place * height
-        ends = {
-            "top": upper - TITLES,
-            "bottom": upper - height + BELOW,
-            "left": 0.045,
-            "right": 0.985,
-        }
-        grid = GridSpec(1, len(row), figure, wspace=0.27 if len(row) > 2 else 0.16, **ends)
-        for column, (title, draw) in enumerate(row):
-            axes = figure.add_subplot(grid[0, column])
-            draw(axes)
-            axes.set_title(title, pad=TITLE_PAD)
+    axes = iter(style.panels(figure, style.rows_of(*map(len, rows)), room))
+    for row in rows:
+        for name, draw in row:
+            draw(panel := next(axes))
+            style.entitle(panel, name)
     return figure
 
 
-def draw_law(axes: Axes, law: MotionLaw) -> None:
+def _cycle_panels(found: MeasuredCycleMap | None) -> list[Panel]:
+    """What is drawn of a measured cycle map."""
+    if found is None:
+        return []
+    told: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    if (forecast := found.forecast) is not None:
+        histograms = forecast.measured_histogram, forecast.histogram
+        told.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
+        told.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
+        if forecast.pace.measured.size:
+            told.append(("Turns", partial(draw_pace, pace=forecast.pace)))
+    return told
+
+
+def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
-    scale = SCALES[law.quantity]
-    _draw_dots(axes, law.theta, scale * law.value)
+    _, label, scale = OUTCOMES[law.quantity]
+    draw_measured(axes, law.theta, scale * law.value)
     if law.law is None:
         style.say(axes, "no law")
     else:
-        labels = ("95 % of pushes", "law, 95 % band of its mean")
-        bands = _draw_band(axes, law.law, law.theta, scale, PREDICTED_FILL, PREDICTED, "-", labels)
-        _keep_to(axes, scale * law.value, bands)
+        ends = draw_law(axes, law.law, law.quantity, is_covered(law.theta, CIRCLE))
+        keep_to(axes, scale * law.value, *ends)
     style.degree_axis(axes)
-    axes.set_ylabel(LABELS[law.quantity])
-    style.legend_above(axes, columns=2)
+    axes.set_ylabel(label)
 
 
 def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     """The measured turns of the cycle, and the fitted map's: early and late where it wears."""
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    turns = np.degrees(found.pairs.turn)
-    _draw_dots(axes, found.pairs.theta, turns)
-    edges, worn = list[Array](), found.fitted.wear
-    states = [(found.early, PREDICTED_FILL, PREDICTED, "-"), (found.late, LATE_FILL, INK, "--")]
-    for state, colour, line, dash in states if found.wears else states[:1]:
+    turns, worn = np.degrees(found.pairs.turn), found.fitted.wear
+    turn_axes(axes)
+    draw_measured(axes, found.pairs.theta, turns)
+    covered = is_covered(found.pairs.theta, CIRCLE)
+    ends: list[float] = []
+    states = ((found.early, LINE, style.BAND), (found.late, SECOND, LATE_BAND))
+    for state, look, band in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
-        labels = (
-            (None, f"push {state.cycle:.0f}") if found.wears else ("95 % of pushes", "fitted map")
-        )
-        edges += _draw_band(
-            axes, law, found.pairs.theta, SCALES["dtheta"], colour, line, dash, labels
-        )
+        name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
+        ends += draw_law(axes, law, "dtheta", covered, name, look, band)
         for orbit in state.fixed_points:
-            axes.plot(
-                np.degrees(orbit.points[0]), 0.0, **style.orbit_marker(style.stability(orbit))
-            )
-    _keep_to(axes, turns, edges)
-    style.degree_axis(axes)
-    axes.set_ylabel("turn of one cycle (°)")
-    style.legend_above(axes, columns=2)
+            marker = style.orbit_marker(style.stability(orbit))
+            axes.plot(np.degrees(orbit.points[0]), 0.0, **marker)
+    keep_to(axes, turns, min(ends), max(ends))
 
 
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    look: dict[str, Any] = {
-        "facecolor": MEASURED,
-        "edgecolor": MEASURED_EDGE,
-        "linewidth": 0.6,
-        "alpha": 0.65,
-    }
-    axes.stairs(histogram.measured, edges, fill=True, label="measured", zorder=2, **look)
-    axes.stairs(
-        histogram.predicted,
-        edges,
-        color=PREDICTED,
-        linewidth=1.8,
-        label="law with scatter",
-        zorder=4,
-    )
+    axes.stairs(histogram.measured, edges, fill=True, label="measured", **style.BARS)
+    axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.
-    top, alone = (
-        float(max(np.max(histogram.measured), np.max(histogram.predicted))),
-        float(np.max(histogram.law_alone)),
-    )
+    top = float(max(np.max(histogram.measured), np.max(histogram.predicted)))
+    alone = float(np.max(histogram.law_alone))
     told = f"law alone, up to {alone:.0f}" if alone > 1.5 * top else "law alone"
-    axes.stairs(
-        histogram.law_alone, edges, color=INK, linewidth=0.9, linestyle="--", label=told, zorder=3
-    )
-    axes.set(
-        xlabel="turn of the push, Δθ (°)",
-        ylabel="pushes",
-        ylim=(0.0, 1.08 * min(max(top, alone), 1.5 * top)),
-    )
-    style.legend_above(axes, columns=2)
-
-
-def draw_directions(axes: Axes, forecast: WornForecast) -> None:
-    """How often each orientation was recorded, and how often the worn map's paths come by."""
-    draw_measured_histogram(axes, forecast.measured_histogram)
-    density, edges = PER_DEGREE * forecast.histogram.density, np.degrees(forecast.histogram.edges)
-    axes.stairs(density, edges, color=PREDICTED, linewidth=1.6, label="fitted map", zorder=4)
-    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=3)
-    style.degree_axis(axes)
-    axes.set_ylabel("probability per degree")
-    style.legend_above(axes, columns=2)
+    axes.stairs(histogram.law_alone, edges, label=told, **{**SECOND, "linewidth": 0.9})
+    axes.set(xlabel=OUTCOMES["dtheta"][1], ylabel="pushes")
+    axes.set_ylim(0.0, 1.08 * min(max(top, alone), 1.5 * top))
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:
     """The measured path, one of the fitted map, and where 95 % of its paths are."""
-    lower, upper = np.degrees(forecast.lower), np.degrees(forecast.upper)
-    axes.fill_between(
-        np.arange(lower.size),
-        lower,
-        upper,
-        color=PREDICTED_FILL,
-        linewidth=0,
-        label="95 % of paths",
-        zorder=1,
-    )
-    draw_staircase(axes, forecast.run, forecast.measured)
-    style.legend_above(axes, columns=2)
+    band = forecast.lower, forecast.upper
+    draw_staircase(axes, forecast.run, forecast.measured, band)
 
 
-def draw_pace(axes: Axes, pace: TurnPace) -> None:
-    """Pushes that each full turn took, and the range that the fitted map gives it."""
-    # A range without an end, or a turn that most paths never finish, runs out of the panel.
-    finite = [
-        pushes[np.isfinite(pushes)]
-        for pushes in (pace.measured, pace.lower, pace.predicted, pace.upper)
-    ]
-    top = 1.4 * float(np.max(np.concatenate(finite)))
-    low, middle, high = (
-        np.minimum(pushes, 2.0 * top) for pushes in (pace.lower, pace.predicted, pace.upper)
-    )
-    look: dict[str, Any] = {"fmt": "_", "color": PREDICTED, "elinewidth": 1.6, "markersize": 8}
-    axes.errorbar(
-        pace.start,
-        middle,
-        yerr=[middle - low, high - middle],
-        label="fitted map, 95 %",
-        zorder=3,
-        **look,
-    )
-    axes.plot(
-        pace.start,
-        pace.measured,
-        "s",
-        color=MEASURED,
-        markeredgecolor=MEASURED_EDGE,
-        label="measured",
-        zorder=4,
-    )
-    axes.set_yscale("log")
-    axes.set_ylim(top=top)
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(ScalarFormatter())
-    axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-    axes.set(xlabel="cycle in which the turn began", ylabel="pushes a full turn")
-    style.legend_above(axes, columns=2)
-
-
-def _draw_dots(axes: Axes, theta: Array, value: Array) -> None:
-    look: dict[str, Any] = {"color": MEASURED, "markersize": 3, "markeredgewidth": 0, "alpha": 0.45}
-    axes.plot(np.degrees(np.mod(theta, 2 * np.pi)), value, "o", label="measured", zorder=2, **look)
-
-
-def _draw_band(
-    axes: Axes,
-    law: PeriodicLaw,
-    theta: Array,
-    scale: float,
-    fill: str,
-    line: str,
-    dash: str,
-    labels: tuple[str | None, str],
-) -> list[Array]:
-    """Draw a law with its bands of pushes and of the mean, and gaps where no theta is; return the
-    wider band's ends.
-    """
-    around, centre = np.degrees(CIRCLE), scale * law(CIRCLE)
-    mean, one = (scale * half for half in law.half_bands(CIRCLE))
-    axes.fill_between(
-        around,
-        centre - one,
-        centre + one,
-        color=fill,
-        alpha=0.75,
-        linewidth=0,
-        label=labels[0],
-        zorder=1,
-    )
-    axes.fill_between(
-        around, centre - mean, centre + mean, color=line, alpha=0.35, linewidth=0, zorder=3
-    )
-    seen = np.where(is_covered(theta, CIRCLE), centre, np.nan)
-    axes.plot(around, seen, color=line, linewidth=1.4, linestyle=dash, label=labels[1], zorder=4)
-    return [centre - one, centre + one]
-
-
-def _keep_to(axes: Axes, values: Array, bands: list[Array]) -> None:
-    """Show all but one in 200 dots, and bands as far as they leave these no less than a third of
-    the panel.
-    """
-    low, high = np.quantile(values, [0.005, 0.995]).tolist()
-    reach, ends = high - low or 1.0, np.concatenate(bands)
-    low, high = (
-        max(low - reach, min(low, float(np.nanmin(ends)))),
-        min(high + reach, max(high, np.nanmax(ends))),
-    )
-    axes.set_ylim(low - 0.06 * (high - low), high + 0.06 * (high - low))
-
-
-SIGNS = {"dtheta": "Δθ", "dx": "Δx", "dy": "Δy"}
 # Residuals more alike than this make bands and spreads visibly too narrow.
 ALIKE = 0.15
 # A law that predicts less of the variance than this tells next to nothing.
@@ -340,7 +186,9 @@ def law_sentence(law: MotionLaw) -> str:
     """Mean and spread of a quantity, and what its law leaves of the spread."""
     fitted = law.law
     assert fitted is not None
-    spread = f"{SIGNS[law.quantity]} {amount(law, fitted.mean)} ± {amount(law, fitted.total_std)}"
+    spread = (
+        f"{OUTCOMES[law.quantity][0]} {amount(law, fitted.mean)} ± {amount(law, fitted.total_std)}"
+    )
     if not law.explained > LITTLE:
         return f"{spread}; θ0 tells next to nothing of it."
     left = f"{amount(law, fitted.rmse)} ({fitted.percent:.1f} %)"
@@ -413,7 +261,8 @@ def order_sentence(found: MeasuredCycleMap) -> str:
     if worn is not None and found.pairs.theta.size < FEWEST_FOR_WEAR:
         wear = f", wear unknown ({few})"
     quiet, loud = (
-        f"{angle(size, 2)} at {angle(place, 0)}" for place, size in (found.quietest, found.loudest)
+        f"{angle(place.scatter, 2)} at {angle(place.theta, 0)}"
+        for place in (found.quietest, found.loudest)
     )
     scatter = f"scatter {angle(law.sigma, 2)}" + (
         "" if law.log_variance.size == 1 else f", from {quiet} to {loud}"

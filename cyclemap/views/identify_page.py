@@ -5,13 +5,11 @@ beside predictions.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import TWO_PI, Array
@@ -26,11 +24,10 @@ from cyclemap.evidence.identified_material import (
     readable_unit,
 )
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.views import style
+from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET, SECOND
 
-TITLE_PAD = 22.0
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
 # More intervals than fit above each other: those of plates and data sets are then in the tables
@@ -42,7 +39,6 @@ WORSE = 1.01
 # isotropic.
 ROUND = 1.001
 Panel = tuple[str, Callable[[Axes], None]]
-_DOTS: dict[str, Any] = {**style.DOTS, "markersize": 3.5, "alpha": 0.55}
 
 
 @style.picture_style()
@@ -63,7 +59,7 @@ def identify_page(
         return f"{fit.name[:1].upper()}{fit.name[1:]}: {what}"
 
     panels += [(named(fit, "map"), partial(draw_cycles, fit=fit)) for fit in curves.cycles]
-    panels += [(named(fit, "turns"), partial(draw_turns, fit=fit)) for fit in curves.strokes]
+    panels += [(named(fit, "turns"), partial(draw_stroke_turns, fit=fit)) for fit in curves.strokes]
     places = [(fit, fit.errors) for fit in curves.strokes if fit.errors is not None]
     panels += [
         (named(fit, "places"), partial(draw_places, errors=errors)) for fit, errors in places
@@ -72,60 +68,54 @@ def identify_page(
     undrawn = len(panels) - MOST_PANELS
     more = f"; {undrawn} panels more are not drawn" if undrawn > 0 else ""
     foot = f"inferred from data; × at an interval's end: a bound, not excluded by the data{more}"
-    top = style.write_tall_page(figure, title, words, foot, size=13.0)
+    room = style.write_page(figure, title, words, foot)
     count = min(len(panels), MOST_PANELS) + 1
-    rows, columns = (1, count) if count <= 3 else (2, 2) if count == 4 else (-(-count // 3), 3)
-    ends = {"left": 0.05, "right": 0.985, "bottom": 0.085, "top": top - 0.07}
-    grid = GridSpec(rows, columns, figure, wspace=0.24, hspace=0.24 + 0.14 * rows, **ends)
+    columns = count if count <= 3 else 2 if count == 4 else 3
+    rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
+    placed = style.panels(figure, style.rows_of(*rows), room)
+    intervals = placed.pop(columns - 1)
+    _draw_intervals(intervals, found)
+    for axes, (name, draw) in zip(placed, panels, strict=False):
+        draw(axes)
+        style.entitle(axes, name)
+    return figure
+
+
+def _draw_intervals(place: Axes, found: Identification) -> None:
+    """The intervals of the parameters one above the other, in the place of a panel."""
     shared = tuple(one for one in found.lasting if "[" not in one.name)
     estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
-    lines = grid[0, -1].subgridspec(len(estimates), 1, hspace=1.6)
-    box = grid[0, -1].get_position(figure)
     whose = "" if len(estimates) == len(found.lasting) else " of all plates"
-    heading = f"Parameters{whose}, with {100.0 * found.level:g} % intervals"
-    figure.text(box.x0, box.y1 + 0.025, heading, fontsize=10, fontweight="bold")
-    for number, one in enumerate(estimates):
-        line = figure.add_subplot(lines[number, 0])
-        draw_interval(line, one)
-        place = line.get_position()
-        line.set_position(
-            (place.x0 + 0.42 * place.width, place.y0, 0.58 * place.width, place.height)
-        )
-    cells = [
-        (row, column)
-        for row in range(rows)
-        for column in range(columns)
-        if (row, column) != (0, columns - 1)
-    ]
-    for cell, (name, draw) in zip(cells, panels[:MOST_PANELS], strict=False):
-        axes = figure.add_subplot(grid[cell])
-        draw(axes)
-        axes.set_title(name, pad=TITLE_PAD)
-    return figure
+    style.entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
+    place.axis("off")
+    for row, one in enumerate(estimates):
+        bottom = 1.0 - (row + 0.7) / len(estimates)
+        draw_interval(place.inset_axes((0.42, bottom, 0.58, 0.4 / len(estimates))), one)
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
     """The friction ellipse over directions of sliding, what it may be, and the forces that scans
     measured.
     """
-    axes.add_collection(
-        LineCollection(
-            list(curves.samples), colors=PREDICTED_FILL, linewidths=1.2, alpha=0.5, zorder=1
-        )
-    )
+    samples = LineCollection(list(curves.samples), linewidths=1.2, alpha=0.5, zorder=1)
+    samples.set_color(PREDICTED_FILL)
+    axes.add_collection(samples)
     axes.plot([], [], color=PREDICTED_FILL, linewidth=6, label="what it may be")
-    if curves.forces is not None:
-        axes.plot(*curves.forces.T, marker="o", label="measured", zorder=2, **_DOTS)
-    axes.plot(*curves.ellipse.T, color=PREDICTED, linewidth=1.8, label="identified", zorder=4)
+    draw_ellipses(axes, {"identified": curves.ellipse}, curves.forces)
     if curves.worn is not None:
-        axes.plot(
-            *curves.worn.T, color=INK, linewidth=1.4, linestyle="--", label="at the end", zorder=4
-        )
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+        axes.plot(*curves.worn.T, label="at the end", **SECOND)
     axes.set_aspect("equal", adjustable="datalim")
     unit = "" if curves.sized else ", size not told by motions"
     axes.set(xlabel=f"friction coefficient along x{unit}", ylabel="along y")
-    style.legend_above(axes, columns=4)
+
+
+def draw_ellipses(axes: Axes, ellipses: Mapping[str, Array], measured: Array | None) -> None:
+    """Limit ellipses (n, 2) about the origin by name, and forces (m, 2) that scans measured."""
+    if measured is not None:
+        axes.plot(*measured.T, label="friction scans", **style.DOTS)
+    for (name, ellipse), look in zip(ellipses.items(), style.LINES, strict=False):
+        axes.plot(*ellipse.T, label=name, **look)
+    style.cross(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
@@ -133,27 +123,19 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
     line each.
     """
     names = list(shapes)[::-1]
-    for height, name in enumerate(names):
-        shape = shapes[name]
-        axes.plot(
-            [shape.dome - shape.bow, shape.dome + shape.bow],
-            [height, height],
-            color=PREDICTED,
-            linewidth=3.0,
-        )
-        axes.plot(shape.dome, height, "o", color=INK, markersize=4)
-    axes.axvline(0.0, color=QUIET, linewidth=0.9)
-    axes.set_yticks(range(len(names)), names, fontsize=7)
+    dome, bow = np.array([(shapes[name].dome, shapes[name].bow) for name in names]).T
+    heights = np.arange(len(names))
+    axes.hlines(heights, dome - bow, dome + bow, color=PREDICTED, linewidth=3.0)
+    axes.plot(dome, heights, "o", color=INK, markersize=4)
+    axes.axvline(0.0, **style.ZERO)
+    axes.set_yticks(heights, names, fontsize=7)
     axes.set(xlabel="bends across to along its axis (kPa at 50 mm)", ylim=(-0.6, len(names) - 0.4))
 
 
-def draw_turns(axes: Axes, fit: StrokeFit) -> None:
+def draw_stroke_turns(axes: Axes, fit: StrokeFit) -> None:
     """Predicted over measured turns of strokes."""
-    measured, predicted = np.degrees(fit.measured), np.degrees(fit.predicted)
-    axes.axline((0.0, 0.0), slope=1.0, color=PREDICTED, linewidth=1.4, label="equal", zorder=3)
-    axes.plot(measured, predicted, marker="o", label="strokes", zorder=2, **_DOTS)
-    axes.set(xlabel="measured turn (°)", ylabel="predicted turn (°)")
-    style.legend_above(axes)
+    measured, predicted = np.degrees([fit.measured, fit.predicted])
+    map_panels.draw_agreement(axes, measured, predicted, "turn (°)", "strokes")
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
@@ -161,49 +143,21 @@ def draw_places(axes: Axes, errors: Array) -> None:
     with the circle that half of them keep within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
-    around = np.linspace(0.0, 2 * np.pi, 121)
-    axes.plot(x, y, marker="o", label="pushes", zorder=2, **_DOTS)
-    axes.plot(
-        half * np.cos(around),
-        half * np.sin(around),
-        color=PREDICTED,
-        label=f"half within {half:.2g} mm",
-        zorder=3,
-    )
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    axes.plot(x, y, label="pushes", **style.DOTS)
+    around = half * np.stack([np.cos(map_panels.CIRCLE), np.sin(map_panels.CIRCLE)])
+    axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
+    style.cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
-    style.legend_above(axes)
 
 
 def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     """Measured turns of cycles over θ0, and the fitted map's."""
-    axes.axhline(0.0, color=QUIET, linewidth=0.9)
-    theta = np.degrees(np.mod(fit.theta, 2 * np.pi))
-    axes.plot(theta, np.degrees(fit.turn), marker="o", label="measured", zorder=2, **_DOTS)
-    name = "identified" if fit.late is None else "at the start"
-    axes.plot(
-        np.degrees(fit.grid),
-        np.degrees(fit.fitted),
-        color=PREDICTED,
-        linewidth=1.8,
-        label=name,
-        zorder=4,
-    )
+    map_panels.draw_measured(axes, fit.theta, np.degrees(fit.turn))
+    turns = {"identified": fit.fitted}
     if fit.late is not None:
-        late = np.degrees(fit.late)
-        axes.plot(
-            np.degrees(fit.grid),
-            late,
-            color=INK,
-            linestyle="--",
-            linewidth=1.4,
-            label="at the end",
-            zorder=4,
-        )
-    style.degree_axis(axes)
-    axes.set_ylabel("turn of one cycle (°)")
-    style.legend_above(axes)
+        turns = {"at the start": fit.fitted, "at the end": fit.late}
+    map_panels.draw_turns(axes, fit.grid, turns)
 
 
 def draw_interval(axes: Axes, one: Estimate) -> None:

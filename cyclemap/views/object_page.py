@@ -4,7 +4,6 @@ drawn to scale in the plane."""
 from __future__ import annotations
 
 import math
-import textwrap
 from typing import Any
 
 import numpy as np
@@ -14,21 +13,23 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import MaxNLocator
 
 from cyclemap.arrays import Array
-from cyclemap.collection.cycle_scene import CycleScene
+from cyclemap.collection.cycle_scene import CycleScene, StrokeScene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
 from cyclemap.views import style
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED, PREDICTED_FILL, QUIET, Look
 
 MM = 1000.0
 # More sides than this are those of a curve, whose numbers nobody needs.
 _MOST_NUMBERS = 24
-_LETTERS = 128
 RING_RADIUS_MM = 7.0
 # The longest arrow as a share of the window.
 LONGEST_ARROW = 0.13
+# An object as it lies, and where it is later or was before.
+LYING: Look = {"facecolor": PREDICTED_FILL, "edgecolor": PREDICTED, "linewidth": 1.6, "zorder": 2}
+LATER: Look = {"facecolor": "none", "edgecolor": QUIET, "linewidth": 1.1, "linestyle": "--"}
 
 
 @style.picture_style()
@@ -37,89 +38,83 @@ def object_page(checked: CheckedCollection) -> Figure:
     them.
     """
     loop = checked.loop
-    lines = [
-        f"{'wrong' if finding.wrong else 'likely wrong'}: {line}" if not number else f"    {line}"
+    words = [
+        f"{'Wrong' if finding.wrong else 'Likely wrong'}: {finding.words}."
         for finding in checked.findings
-        for number, line in enumerate(textwrap.wrap(finding.words, _LETTERS))
     ]
-    height = 5.6 + 0.2 * len(lines)
-    figure = style.new_figure(11.0, height)
-    panels = figure.subplots(1, 2)
-    figure.subplots_adjust(
-        left=0.07, right=0.98, top=1.0 - 0.5 / height, bottom=(1.15 + 0.2 * len(lines)) / height
-    )
+    figure = style.new_figure(11.0, 6.2 + 0.2 * len(words))
+    name = "Collection" if loop is None else loop.slider.name
+    room = style.write_page(figure, f"{name}, to scale", words)
+    setup, cycle = style.panels(figure, "ab", room, keys=2)
     if loop is not None:
-        draw_setup(panels[0], loop)
-        _draw_cycle(panels[1], loop)
-    figure.text(
-        0.02, 0.12 / height, "\n".join(lines), va="bottom", color=INK, fontsize=8.5, linespacing=1.3
-    )
+        draw_setup(setup, loop)
+        _draw_cycle(cycle, loop)
     return figure
+
+
+def draw_object(axes: Axes, outline: Array, **look: Any) -> None:
+    """An object by its outline (n, 2), m, in millimetres."""
+    axes.add_patch(Polygon(MM * outline, **{**LYING, **look}))
+
+
+def draw_ring(axes: Axes, place: Array, **look: Any) -> None:
+    """The ring at a place (2,), m; its size is free."""
+    shown = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
+    axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **shown))
+
+
+def draw_rod(axes: Axes, place: Array, radius: float, **look: Any) -> None:
+    """The rod at a place (2,), m."""
+    shown = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
+    axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
+
+
+def draw_way(axes: Axes, places: Array, *mark: str, **look: Any) -> None:
+    """A way, or marks of Matplotlib's, at places (n, 2), m, in millimetres."""
+    axes.plot(*(MM * places).T, *mark, **look)
 
 
 def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     """Draw the object in its own frame: its sides by number, the rod at its first touch, its way,
     the ring.
     """
-    outline, reach = MM * loop.slider.outline_points(200), MM * loop.slider.outline.extent
-    middle = MM * np.array(loop.slider.outline.centroid)
-    axes.add_patch(Polygon(outline, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.6))
+    outline, reach = loop.slider.outline_points(200), loop.slider.outline.extent
+    draw_object(axes, outline)
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
-        style.arrow(axes, np.zeros(2), 0.3 * reach * way, QUIET)
-        axes.text(
-            0.37 * reach * way[0],
-            0.37 * reach * way[1],
-            name,
-            ha="center",
-            va="center",
-            color=QUIET,
-            fontsize=8,
-        )
-    axes.plot(
-        *(MM * np.array(loop.slider.centre_of_mass)),
-        "+",
-        color=INK,
-        markersize=8,
-        label="centre of mass",
-    )
-    number_sides(axes, outline, 0.1)
-    place, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
-    rod, radius = MM * place, MM * loop.pusher.radius
-    length = MM * loop.push.distance
-    axes.add_patch(Circle(tuple(rod), radius, facecolor=INK, zorder=4))
-    axes.plot([], [], "o", color=INK, label=f"rod, radius {radius:.3g} mm")
-    style.arrow(axes, rod, rod + length * way, FORCE)
-    axes.plot([], [], color=FORCE, label=f"push, {length:.4g} mm at side {loop.push.side}")
-    ring = MM * np.array(loop.slider.hitch)
-    told = f"ring ({ring[0]:.4g}, {ring[1]:.4g}) mm"
-    axes.plot(*ring, "o", mfc="none", mec=MEASURED_EDGE, markersize=10, mew=1.8, label=told)
-    corners = np.vstack(
-        [outline, rod, rod + length * way, middle + 1.25 * reach, middle - 1.25 * reach]
-    )
-    _frame(axes, corners, "object's frame")
-    axes.set_title(f"{loop.slider.name}: set-up, to scale")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=2)
+        tip = 0.3 * MM * reach * way
+        style.arrow(axes, np.zeros(2), tip, QUIET)
+        style.name_tag(axes, 1.25 * tip[0], 1.25 * tip[1], name, color=QUIET)
+    centre = MM * np.array(loop.slider.centre_of_mass)
+    style.cross(axes, centre, INK, label="centre of mass")
+    number_sides(axes, MM * outline, 0.1)
+    rod, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
+    end = rod + loop.push.distance * way
+    draw_rod(axes, rod, loop.pusher.radius)
+    axes.plot([], [], "o", color=INK, label=f"rod, radius {MM * loop.pusher.radius:.3g} mm")
+    style.arrow(axes, MM * rod, MM * end, FORCE)
+    told = f"push, {MM * loop.push.distance:.4g} mm at side {loop.push.side}"
+    axes.plot([], [], color=FORCE, label=told)
+    ring = np.array(loop.slider.hitch)
+    told = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
+    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=told)
+    middle = np.array(loop.slider.outline.centroid)
+    corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
+    style.square_window(axes, MM * np.vstack(corners))
+    axes.set(xlabel="x (mm), object's frame", ylabel="y (mm)")
+    style.entitle(axes, "Set-up")
 
 
 def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
     """Write the number of each side of a closed outline (m, 2), `out` of half its size off it."""
     middle, reach = outline[:-1].mean(axis=0), 0.5 * float(np.ptp(outline, axis=0).max())
     if len(outline) - 1 > _MOST_NUMBERS:
-        axes.text(
-            middle[0],
-            middle[1] - 0.5 * reach,
-            "one curve: side 0",
-            ha="center",
-            color=QUIET,
-            fontsize=8,
-        )
+        style.name_tag(axes, middle[0], middle[1] - 0.5 * reach, "one curve: side 0")
         return
     edge = np.diff(outline, axis=0)
     outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
-    for number, (x, y) in enumerate(
-        (0.5 * (outline[:-1] + outline[1:]) + out * reach * outward).tolist()
-    ):
-        name = f"side {number}" if number == 0 and out > 0.0 else str(number)
+    places = 0.5 * (outline[:-1] + outline[1:]) + out * reach * outward
+    for side, (x, y) in enumerate(places.tolist()):
+        name = f"side {side}" if side == 0 and out > 0.0 else str(side)
         axes.text(x, y, name, ha="center", va="center", **{"fontsize": 8, **look})
 
 
@@ -129,42 +124,26 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
         scene = loop.cycle(0.0).scene()
     except CycleMapError:
         axes.axis("off")
-        axes.text(0.5, 0.5, "no cycle can be run", ha="center", transform=axes.transAxes)
+        style.say(axes, "no cycle can be run")
         return
-    outlines: tuple[tuple[Array, dict[str, Any]], ...] = (
-        (
-            scene.push.before,
-            {"fc": PREDICTED_FILL, "ec": PREDICTED, "lw": 1.6, "label": "before the push"},
-        ),
-        (scene.push.after, {"fill": False, "ec": PREDICTED, "ls": "--", "label": "after it"}),
-        (scene.drag.after, {"fill": False, "ec": QUIET, "lw": 1.2, "label": "after the drag back"}),
-    )
-    for outline, look in outlines:
-        axes.add_patch(Polygon(MM * outline, **look))
-    axes.plot(*(MM * scene.push.rod).T, color=FORCE, linewidth=1.6, label="way of the rod")
+    draw_object(axes, scene.push.before, label="before the push")
+    draw_object(axes, scene.push.after, label="after it", **{**LATER, "edgecolor": PREDICTED})
+    draw_object(axes, scene.drag.after, label="after the drag back", **{**LATER, "linestyle": "-"})
+    draw_way(axes, scene.push.rod, color=FORCE, linewidth=1.6, label="way of the rod")
     style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
-    axes.plot(0.0, 0.0, "x", color=INK, markersize=9, mew=1.8, label="target of the ring", zorder=6)
-    _frame(
-        axes,
-        MM * np.vstack([scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]),
-        "world",
-    )
+    mark_target(axes)
+    corners = [scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]
+    style.square_window(axes, MM * np.vstack(corners))
+    axes.set(xlabel="x (mm), world", ylabel="y (mm)")
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
     towards = math.degrees(math.atan2(way[1], way[0]))
-    axes.set_title(f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.11), ncols=3)
+    style.entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
 
 
-def _frame(axes: Axes, corners: Array, whose: str) -> None:
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    middle, half = 0.5 * (low + high), 0.56 * float((high - low).max())
-    axes.set(
-        xlim=(middle[0] - half, middle[0] + half),
-        ylim=(middle[1] - half, middle[1] + half),
-        aspect="equal",
-    )
-    axes.set(xlabel=f"x (mm), {whose}", ylabel="y (mm)")
+def mark_target(axes: Axes) -> None:
+    """The target of the ring, the origin of the world."""
+    axes.plot(0.0, 0.0, "x", color=INK, ms=9, mew=1.8, label="target of the ring", zorder=7)
 
 
 def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
@@ -173,60 +152,43 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
     low, high = corners[:, 0].min(axis=0) - 8.0, corners[:, 1].max(axis=0) + 8.0
     mm_per_newton = LONGEST_ARROW * float((high - low).max()) / scene.strongest_force
     for axes, stroke in ((push_axes, scene.push), (drag_axes, scene.drag)):
-        axes.add_patch(
-            Polygon(
-                MM * stroke.before, facecolor="#f4f4f4", edgecolor=QUIET, linestyle="--", zorder=1
-            )
-        )
-        axes.add_patch(
-            Polygon(
-                MM * stroke.after,
-                facecolor=PREDICTED_FILL,
-                edgecolor=PREDICTED,
-                linewidth=1.6,
-                alpha=0.75,
-                zorder=2,
-            )
-        )
-        axes.plot(*(MM * stroke.centre).T, color=QUIET, linewidth=0.9, zorder=3)
-        axes.plot(*(MM * stroke.centre[-1]), "+", color=PREDICTED, markersize=7, zorder=4)
-        axes.plot(*(MM * stroke.centre[0]), "+", color=QUIET, markersize=7, zorder=3)
-        for place, colour, line in (
-            (stroke.ring_before, QUIET, "--"),
-            (stroke.ring_after, PREDICTED, "-"),
-        ):
-            look: dict[str, Any] = {
-                "fill": False,
-                "edgecolor": colour,
-                "linestyle": line,
-                "zorder": 4,
-            }
-            axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **look))
-        # The rod's path: thick where it sticks, thin and dotted where it slides; the rod at both
-        # ends.
-        path = MM * stroke.rod
-        axes.plot(*path.T, color=INK, linewidth=1.0, linestyle=":", zorder=5)
-        axes.plot(
-            *np.where(stroke.sliding[:, None], np.nan, path).T, color=INK, linewidth=1.8, zorder=5
-        )
-        radius = max(MM * stroke.rod_radius, 1.0)
-        axes.add_patch(Circle(tuple(path[0]), radius, facecolor="white", edgecolor=INK, zorder=6))
-        axes.add_patch(Circle(tuple(path[-1]), radius, facecolor=INK, edgecolor=INK, zorder=6))
+        _draw_stroke(axes, stroke)
         tips = MM * stroke.force_point + mm_per_newton * stroke.force
         for point, tip in zip(MM * stroke.force_point, tips, strict=True):
             style.arrow(axes, point, tip, FORCE, 1.4, 7)
-        axes.set_aspect("equal")
-        # Show the window from `low` to `high` (mm), widened to the panel's shape so that no panel
-        # shrinks.
-        panel = axes.get_window_extent()
-        span = high - low
-        scale = max(span[0] / panel.width, span[1] / panel.height)
-        margin = (scale * np.array([panel.width, panel.height]) - span) / 2
-        axes.set_xlim(low[0] - margin[0], high[0] + margin[0])
-        axes.set_ylim(low[1] - margin[1], high[1] + margin[1])
-        axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+        _show(axes, low, high)
+
+
+def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
+    """The object before and after, its centre's way, and the rod's: thick where it sticks, thin and
+    dotted where it slides.
+    """
+    draw_object(axes, stroke.before, **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
+    draw_object(axes, stroke.after, alpha=0.75)
+    draw_way(axes, stroke.centre, color=QUIET, linewidth=0.9, zorder=3)
+    style.cross(axes, MM * stroke.centre[0])
+    style.cross(axes, MM * stroke.centre[-1], PREDICTED)
+    draw_ring(axes, stroke.ring_before, edgecolor=QUIET, linestyle="--")
+    draw_ring(axes, stroke.ring_after, edgecolor=PREDICTED)
+    draw_way(axes, stroke.rod, color=INK, linewidth=1.0, linestyle=":", zorder=5)
+    sticking = np.where(stroke.sliding[:, None], np.nan, stroke.rod)
+    draw_way(axes, sticking, color=INK, linewidth=1.8, zorder=5)
+    draw_rod(axes, stroke.rod[0], stroke.rod_radius, facecolor="white")
+    draw_rod(axes, stroke.rod[-1], stroke.rod_radius)
+
+
+def _show(axes: Axes, low: Array, high: Array) -> None:
+    """Show the window from `low` to `high` (mm), widened to the panel's shape so that no panel
+    shrinks.
+    """
+    panel = axes.get_window_extent()
+    size = np.array([panel.width, panel.height])
+    margin = 0.5 * (float(((high - low) / size).max()) * size - (high - low))
+    low, high = low - margin, high + margin
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 
 def cycle_key(scene: CycleScene) -> str:

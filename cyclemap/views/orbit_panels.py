@@ -3,8 +3,6 @@ under noise.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -22,28 +20,59 @@ from cyclemap.maps import (
     TransferOperator,
 )
 from cyclemap.views import style
-from cyclemap.views.style import INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET, THETA, UNSTABLE
+from cyclemap.views.rotation_panels import cell_edges, draw_shades, runs
+from cyclemap.views.style import (
+    INK,
+    MEASURED,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    THETA,
+    UNSTABLE,
+    Look,
+)
 
 HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
 TOLD_SHARE = 1e-6
 Curve = tuple[Array, Array]
-STABLE: dict[str, Any] = {
+STABLE: Look = {
     "color": PREDICTED,
     "linewidth": 2.0,
     "linestyle": "-",
     "zorder": 3,
     "label": "stable",
 }
-LOST: dict[str, Any] = {
+LOST: Look = {
     "color": QUIET,
     "linewidth": 1.3,
     "linestyle": "--",
     "zorder": 2,
     "label": "unstable",
 }
+BASIN: Look = {
+    "facecolor": PREDICTED_FILL,
+    "linewidth": 0,
+    "label": "basin",
+    "zorder": 2,
+}
+IMMEDIATE: Look = {
+    "facecolor": "none",
+    "edgecolor": PREDICTED,
+    "hatch": "////",
+    "linewidth": 0,
+    "label": "immediate basin",
+    "zorder": 3,
+}
+BIFURCATION: Look = {
+    "linestyle": "none",
+    "markersize": 7,
+    "markeredgecolor": INK,
+    "markeredgewidth": 1.2,
+    "zorder": 5,
+}
 # Shapes differ, so that the colours need not be told apart.
-MARKERS: dict[str, dict[str, Any]] = {
+MARKERS: dict[str, Look] = {
     "saddle-node": {"marker": "o", "markerfacecolor": UNSTABLE},
     "period-doubling": {"marker": "D", "markerfacecolor": MEASURED},
     "border-collision": {"marker": "^", "markerfacecolor": INK},
@@ -60,12 +89,12 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
         for theta_deg, image_deg in cut_at_turns(np.degrees(theta), theta + turn):
             axes.plot(theta_deg, image_deg, color=PREDICTED, linewidth=1.8, zorder=3)
     for orbit in orbits:
-        points_deg = np.degrees(orbit.points)
-        axes.plot(points_deg, np.roll(points_deg, -1), **style.orbit_marker(style.stability(orbit)))
+        points_deg, kind = np.degrees(orbit.points), style.stability(orbit)
+        axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **style.orbit_marker(kind))
     style.degree_axis(axes, THETA)
     style.whole_turn_ticks(axes)
     axes.set(ylabel="next θ (°)", aspect="equal")
-    style.legend_above(axes, handles=style.orbit_keys({style.stability(orbit) for orbit in orbits}))
+    style.legend_above(axes)
 
 
 def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
@@ -81,10 +110,9 @@ def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
     along = np.unique(np.concatenate(places))
     x, angle = np.interp(along, position, x), np.interp(along, position, angle)
     turn = np.floor(0.5 * (angle[:-1] + angle[1:]) / TWO_PI)
-    edges = [0, *(np.flatnonzero(np.diff(turn)) + 1).tolist(), angle.size - 1]
     return [
         (x[first : last + 1], np.degrees(angle[first : last + 1] - TWO_PI * turn[first]))
-        for first, last in pairwise(edges)
+        for first, last in runs(turn)
     ]
 
 
@@ -125,41 +153,21 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     if not basins:
         style.say(axes, "no stable orbit")
         return
-    labels: tuple[str | None, ...] = ("basin", "immediate basin", "stable orbit")
-    hatched: dict[str, Any] = {
-        "facecolor": "none",
-        "edgecolor": PREDICTED,
-        "hatch": "////",
-        "linewidth": 0,
-    }
     for row, basin in enumerate(basins):
         height, orbit = (row - HALF_ROW, 2 * HALF_ROW), basin.orbit
-        axes.broken_barh(
-            _bars(basin.arcs),
-            height,
-            facecolor=PREDICTED_FILL,
-            linewidth=0,
-            label=labels[0],
-            zorder=2,
-        )
-        axes.broken_barh(_bars(basin.immediate), height, label=labels[1], zorder=3, **hatched)
+        axes.broken_barh(_bars(basin.arcs), height, **BASIN)
+        axes.broken_barh(_bars(basin.immediate), height, **IMMEDIATE)
         name = (
             f"period {orbit.period}, winding {orbit.winding}: {100 * basin.measure:.3g} % of "
             "the circle"
         )
         axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
-        points_deg = np.degrees(orbit.points)
-        axes.plot(
-            points_deg,
-            np.full(points_deg.size, row),
-            label=labels[2],
-            **style.orbit_marker("stable"),
-        )
-        labels = (None, None, None)
+        level, marker = np.full(orbit.points.size, row), style.orbit_marker("stable")
+        axes.plot(np.degrees(orbit.points), level, label="stable orbit", **marker)
     undecided = basins[0].undecided
     share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
     axes.plot([], [], label=f"undecided: {share}", linestyle="none")
-    style.legend_above(axes, columns=4)
+    style.legend_above(axes)
 
 
 def _bars(arcs: Array) -> list[tuple[float, float]]:
@@ -183,10 +191,9 @@ def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:
     distance = np.abs(branch.parameter[:, None] - special).min(axis=1, initial=np.inf)
     bifurcates = distance <= 1e-9 * max(float(np.ptp(branch.parameter)), 1e-300)
     stable = np.where(bifurcates[:-1], branch.stable[1:], branch.stable[:-1])
-    edges = [0, *(np.flatnonzero(np.diff(stable)) + 1).tolist(), stable.size]
     return [
         (bool(stable[first]), curve)
-        for first, last in pairwise(edges)
+        for first, last in runs(stable)
         for points in branch.points[first : last + 1].T
         for curve in cut_at_turns(branch.parameter[first : last + 1], points)
     ]
@@ -205,25 +212,15 @@ def draw_orbit_branches(
     style.whole_turn_ticks(axes)
     if not branches:
         style.say(axes, "no periodic orbit")
-    for branch in branches:
-        for stable, (parameter, theta_deg) in branch_curves(branch):
-            axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
-    look: dict[str, Any] = {
-        "linestyle": "none",
-        "markersize": 7,
-        "markeredgecolor": INK,
-        "markeredgewidth": 1.2,
-    }
-    for found in bifurcations:
-        parameter, marker = np.full(found.points.size, float(found.parameter)), MARKERS[found.kind]
-        axes.plot(parameter, np.degrees(found.points), label=found.kind, zorder=5, **look, **marker)
+    curves = [curve for branch in branches for curve in branch_curves(branch)]
+    for stable, (parameter, theta_deg) in sorted(curves, key=lambda curve: not curve[0]):
+        axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
+    for found in sorted(bifurcations, key=lambda found: list(MARKERS).index(found.kind)):
+        parameter = np.full(found.points.size, float(found.parameter))
+        marker = {**BIFURCATION, **MARKERS[found.kind], "label": found.kind}
+        axes.plot(parameter, np.degrees(found.points), **marker)
     axes.margins(x=0.02)
-    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-    style.legend_above(
-        axes,
-        columns=6,
-        handles=[named[name] for name in ("stable", "unstable", *MARKERS) if name in named],
-    )
+    style.legend_above(axes)
 
 
 def draw_orbit_diagram(
@@ -261,9 +258,7 @@ def draw_lyapunov_exponents(
     reach = max(
         float(np.max(finite, initial=0.0)), float(np.quantile(np.append(np.abs(finite), 1e-3), 0.9))
     )
-    mesh = axes.pcolormesh(
-        *varying, exponents.value.T, cmap="RdBu_r", vmin=-reach, vmax=reach, rasterized=True
-    )
+    first, second = map(cell_edges, varying)
+    look = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
+    draw_shades(axes, first, second, exponents.value, label, **look)
     axes.set(xlabel=first_label, ylabel=second_label)
-    axes.grid(visible=False)
-    axes.get_figure(root=True).colorbar(mesh, ax=axes, label=label, extend="min")  # type: ignore[union-attr]

@@ -8,29 +8,19 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
+from cyclemap.views import style
+from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_way
 from cyclemap.views.sentences import angle, uncertainty_sentence
-from cyclemap.views.style import (
-    FORCE,
-    INK,
-    MEASURED_EDGE,
-    PREDICTED,
-    PREDICTED_FILL,
-    QUIET,
-    arrow,
-    new_figure,
-    picture_style,
-    write_page,
-)
+from cyclemap.views.style import FORCE, MEASURED_EDGE
 
-MM = 1000.0
 _COLUMNS = 4
-# Inches of a panel, of the labels at its left, of the words above, and of the foot.
-_WIDTH, _LEFT, _ABOVE, _BELOW = 3.3, 0.6, 1.35, 0.4
+# Inches of a panel, of the labels beside it, and of the words.
+_WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
 _FOOT = (
     "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where "
     "it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from the near "
@@ -94,71 +84,48 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
     return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 
 
-@picture_style()
+@style.picture_style()
 def plan_page(plan: PushPlan) -> Figure:
     """Draw each push in the room, to scale, with its number, how it is set up, and where it is
     likely to end.
     """
-    rows = -(-len(plan.pushes) // _COLUMNS)
-    tall = _WIDTH * plan.room[1] / plan.room[0] + 0.75
-    height = _ABOVE + _BELOW + rows * tall
-    width = _COLUMNS * _WIDTH + 0.2
-    figure = new_figure(width, height)
+    count = len(plan.pushes)
+    rows = -(-count // _COLUMNS)
+    tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
+    figure = style.new_figure(_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
     title, *words = plan_sentences(plan)
-    write_page(figure, title, words, _FOOT, top=1.0 - 0.62 / height, letters=185, size=16.0)
-    for number in range(len(plan.pushes)):
-        row, column = divmod(number, _COLUMNS)
-        left = (_LEFT + column * _WIDTH) / width
-        bottom = 1.0 - (_ABOVE + (row + 1) * tall - 0.35) / height
-        axes = figure.add_axes((left, bottom, (_WIDTH - _LEFT) / width, (tall - 0.75) / height))
-        _draw_push(axes, plan, number)
+    room = style.write_page(figure, title, words, _FOOT)
+    panels = style.panels(figure, style.rows_of(*(_COLUMNS,) * rows), room)
+    for index, axes in enumerate(panels):
+        if index < count:
+            _draw_push(axes, plan, index)
+        else:
+            axes.set_axis_off()
     return figure
 
 
-def _draw_push(axes: Axes, plan: PushPlan, number: int) -> None:
-    planned, slider = plan.pushes[number], plan.loop.slider
+def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
+    planned, slider = plan.pushes[index], plan.loop.slider
     push, start = planned.push, planned.start
+    pose = np.array([start.x, start.y, start.theta])
     outline = slider.outline_points(120)
-    lying = MM * np.array([start.to_world(*point) for point in outline.tolist()])
-    x, y, theta = plan.ends[number]
-    turn = np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
-    ended = MM * (outline @ turn.T + (x, y))
-    axes.add_patch(Polygon(lying, facecolor=PREDICTED_FILL, edgecolor=PREDICTED, linewidth=1.4))
-    axes.add_patch(
-        Polygon(ended, fill=False, edgecolor=QUIET, linewidth=1.0, linestyle=(0, (4, 3)))
-    )
+    draw_object(axes, placed(pose, outline))
+    draw_object(axes, placed(np.array(plan.ends[index]), outline), **LATER)
     first, last = (MM * np.array(place) for place in planned.rod(slider, plan.loop.pusher.radius))
-    arrow(axes, first, last, FORCE)
+    style.arrow(axes, first, last, FORCE)
     axes.plot(*first, "o", color=FORCE, markersize=4)
-    axes.plot(
-        *(MM * np.array(start.to_world(*slider.hitch))), "o", mfc="none", mec=INK, markersize=6
-    )
-    for name, mark in zip("ab", marks_of(slider), strict=True):
-        inner = 0.78 * np.array(mark) + 0.22 * np.array(slider.outline.centroid)
-        axes.plot(*(MM * np.array(start.to_world(*mark))), ".", color=MEASURED_EDGE, markersize=6)
-        place = MM * np.array(start.to_world(*inner.tolist()))
-        axes.text(
-            float(place[0]),
-            float(place[1]),
-            name,
-            ha="center",
-            va="center",
-            color=MEASURED_EDGE,
-            fontsize=8,
-        )
-    axes.set_xlim(0.0, MM * plan.room[0])
-    axes.set_ylim(0.0, MM * plan.room[1])
-    axes.set_aspect("equal")
+    draw_ring(axes, placed(pose, np.array(slider.hitch)))
+    marks = np.array(marks_of(slider))
+    inside = 0.78 * marks + 0.22 * np.array(slider.outline.centroid)
+    draw_way(axes, placed(pose, marks), ".", color=MEASURED_EDGE, markersize=6)
+    for name, (x, y) in zip("ab", (MM * placed(pose, inside)).tolist(), strict=True):
+        style.name_tag(axes, x, y, name, color=MEASURED_EDGE)
+    axes.set(xlim=(0.0, MM * plan.room[0]), ylim=(0.0, MM * plan.room[1]), aspect="equal")
     axes.tick_params(labelsize=6)
     slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""
-    axes.set_title(
-        f"{number + 1}: side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} "
-        "mm",
-        fontsize=8.5,
-    )
+    where = f"side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm"
+    axes.set_title(f"{index + 1}: {where}", fontsize=8.5)
     axes.set_ylabel("y (mm)", fontsize=7)
-    axes.set_xlabel(
-        f"x (mm); set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm, θ "
-        f"{math.degrees(start.theta):.0f}°",
-        fontsize=8,
-    )
+    set_to = f"set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm"
+    turned = f"θ {math.degrees(start.theta):.0f}°"
+    axes.set_xlabel(f"x (mm); {set_to}, {turned}", fontsize=8)

@@ -12,11 +12,11 @@ from textwrap import fill
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
 from matplotlib.ticker import PercentFormatter
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import TWO_PI, Array
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence import angle_histogram
 from cyclemap.mechanics import SidePush
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.resets import (
@@ -28,83 +28,60 @@ from cyclemap.resets import (
     ResetStrategy,
 )
 from cyclemap.views import style
-from cyclemap.views.object_page import number_sides
-from cyclemap.views.portrait_page import PER_DEGREE
+from cyclemap.views.map_panels import PER_DEGREE, draw_recorded, draw_turns
+from cyclemap.views.object_page import MM, draw_object, draw_ring, number_sides
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.staircase_panels import draw_staircase
+from cyclemap.views.style import FORCE, INK, LINE, LINES, MEASURED, PREDICTED, QUIET
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
-_ARROW, _NAMED = 0.45, 8
+_ARROW, _NAMED, _BINS = 0.45, 8, 36
 
 
 @style.picture_style()
 def reset_page(design: ResetDesign) -> Figure:
     """Draw `design`."""
-    figure = style.new_figure()
-    grid = GridSpec(
-        1,
-        3,
-        figure,
-        width_ratios=(1.0, 1.55, 1.15),
-        left=0.03,
-        right=0.985,
-        bottom=0.43,
-        top=0.84,
-        wspace=0.25,
-    )
-    draw_pushes(figure.add_subplot(grid[0, 0]), design.loop, design.chosen.strategy)
-    _draw_histograms(figure.add_subplot(grid[0, 1]), design)
-    axes = figure.add_subplot(grid[0, 2])
-    errors = 100.0 * design.ratio_errors
-    looks = (("chosen", PREDICTED, "-"), ("simplest", MEASURED, "--"))
-    for values, (name, colour, line) in zip(design.ratio_tv, looks, strict=False):
-        axes.plot(errors, values, line, color=colour, linewidth=1.8, label=name)
-    axes.axhline(
-        design.demands.allow_tv, color=FORCE, linewidth=1.1, linestyle=":", label="allowed"
-    )
-    top = 1.25 * max(float(design.ratio_tv.max()), design.demands.allow_tv)
-    axes.set(
-        xlabel="error in the ratio of the friction's axes (%)", ylabel="total variation, long run"
-    )
-    axes.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top), title="Friction in error")
-    axes.legend(loc="upper center", ncols=3)
-    lefts, y = [0.015 + 0.97 * place for place in _PLACES], 0.313
-    for left, name in zip(lefts, COLUMNS, strict=True):
-        figure.text(left, y + 0.012, name, fontsize=8.5, color=QUIET, va="bottom")
-    for number, row in enumerate(design.rows):
-        cells = [
-            fill(cell, (96 if number else 82) if place == 1 else 19)
-            for place, cell in enumerate(row_cells(row))
-        ]
-        weight = "normal" if number else "bold"
-        for left, cell in zip(lefts, cells, strict=True):
-            figure.text(left, y, cell, fontsize=8, fontweight=weight, va="top", linespacing=1.15)
-        y -= 0.0185 * max(cell.count("\n") + 1 for cell in cells) + 0.006
+    figure = style.new_figure(13.333, 8.2)
     foot = (
         f"total variation from uniform; after: {design.demands.within} pushes from the worst "
         f"start; {histogram_words(design)}; noise {math.degrees(design.sigma):.2g}° a cycle"
     )
-    figure.text(0.015, 0.015, fill(foot, 180), fontsize=8, color=QUIET, va="bottom")
     title = f"Reset for {design.loop.material.name}: {recipe(design.chosen.strategy)}"
-    figure.text(
-        0.015,
-        0.955,
-        fill(title, 100),
-        fontsize=15,
-        fontweight="bold",
-        va="center",
-        linespacing=1.25,
+    low, high = style.write_page(figure, title, miss_sentences(design)[:1], foot)
+    low = _write_rows(figure, design, low)
+    pushes, histograms, friction = style.panels(
+        figure, "abc", (low, high), width_ratios=(1.0, 1.55, 1.15)
     )
-    if not design.met:
-        figure.text(
-            0.015,
-            0.905,
-            fill(miss_sentences(design)[0], 180),
-            fontsize=10,
-            color=FORCE,
-            va="center",
-        )
+    draw_pushes(pushes, design.loop, design.chosen.strategy)
+    _draw_histograms(histograms, design)
+    errors = 100.0 * design.ratio_errors
+    for values, name, look in zip(design.ratio_tv, ("chosen", "simplest"), LINES, strict=False):
+        friction.plot(errors, values, label=name, **look)
+    allowed = design.demands.allow_tv
+    friction.axhline(allowed, color=FORCE, linewidth=1.1, linestyle=":", label="allowed")
+    top = 1.25 * max(float(design.ratio_tv.max()), allowed)
+    friction.set(xlim=(errors[0], errors[-1]), ylim=(0.0, top))
+    friction.set_xlabel("error in the ratio of the friction's axes (%)")
+    friction.set_ylabel("total variation, long run")
+    style.entitle(friction, "Friction in error")
     return figure
+
+
+def _write_rows(figure: Figure, design: ResetDesign, low: float) -> float:
+    """Write the table of the strategies above `low`; return where it ends, shares of the page."""
+    rows = [COLUMNS, *(row_cells(row) for row in design.rows)]
+    told = [
+        [fill(cell, 82 if place == 1 else 19) for place, cell in enumerate(row)] for row in rows
+    ]
+    heights = [0.0175 * max(cell.count("\n") + 1 for cell in row) + 0.006 for row in told]
+    y = top = low + sum(heights) + 0.02
+    for index, (row, height) in enumerate(zip(told, heights, strict=True)):
+        look: style.Look = {"fontsize": 8, "linespacing": 1.15, "va": "top"}
+        look |= {"color": INK if index else QUIET, "fontweight": "bold" if index == 1 else "normal"}
+        for place, cell in zip(_PLACES, row, strict=True):
+            figure.text(0.015 + 0.97 * place, y, cell, **look)
+        y -= height
+    return top
 
 
 def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
@@ -114,63 +91,49 @@ def _draw_histograms(axes: Axes, design: ResetDesign) -> None:
     bins, pushes = design.after.shape[1], design.demands.pushes
     edges = np.linspace(0.0, 360.0, bins + 1)
     low, high = binom.ppf([0.025, 0.975], pushes, 1.0 / bins) / pushes
-    axes.axhspan(low, high, color=PREDICTED_FILL, label="95 % if uniform", zorder=0)
-    axes.stairs(design.before[0], edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
-    axes.stairs(
-        design.after[0], edges, color=PREDICTED, linewidth=1.8, label="with the reset", zorder=3
-    )
-    axes.axhline(1.0 / bins, color=INK, linewidth=0.9, linestyle="--", zorder=1)
-    axes.set_ylim(0.0, max(2.2 * high, 1.25 * float(design.after[0].max())))
-    if design.before[0].max() > axes.get_ylim()[1]:
-        peak = int(np.argmax(design.before[0]))
-        style.name_tag(
-            axes,
-            edges[peak] + 5.0,
-            0.93 * axes.get_ylim()[1],
-            f"{design.before[0][peak]:.0%}",
-            color=MEASURED,
-        )
+    axes.axhspan(low, high, label="95 % if uniform", **style.BAND)
+    before, after = design.before[0], design.after[0]
+    axes.stairs(before, edges, color=MEASURED, linewidth=1.4, label="as it is", zorder=2)
+    axes.stairs(after, edges, label="with the reset", **LINE)
+    axes.axhline(1.0 / bins, **style.EVEN)
+    top, peak = max(2.2 * high, 1.25 * float(after.max())), int(np.argmax(before))
+    axes.set_ylim(0.0, top)
+    if before[peak] > top:
+        told = f"{before[peak]:.0%}"
+        style.name_tag(axes, edges[peak] + 5.0, 0.93 * top, told, color=MEASURED)
     style.degree_axis(axes)
     axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    axes.set(ylabel="share of pushes", title=f"{pushes} pushes")
-    style.legend_above(axes)
+    axes.set_ylabel("share of pushes")
+    style.entitle(axes, f"{pushes} pushes")
 
 
 def draw_pushes(axes: Axes, loop: CollectionLoop, strategy: ResetStrategy) -> None:
     """The object with its sides numbered and its ring, and the rod's way in each push, with its
     share.
     """
-    prepared, outline = strategy.prepared(loop), 1e3 * loop.slider.outline_points()
-    size, (x, y) = (
-        float(np.ptp(outline, axis=0).max()),
-        (1e3 * np.array(prepared.slider.hitch)).tolist(),
-    )
-    axes.fill(*outline.T, facecolor=PREDICTED_FILL, edgecolor=QUIET, linewidth=1.0, zorder=1)
-    axes.plot(x, y, "o", markersize=6, markerfacecolor="white", color=INK, zorder=2)
-    style.name_tag(axes, x, y, "ring", xytext=(9, 7), textcoords="offset points")
-    number_sides(axes, outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
+    prepared, outline = strategy.prepared(loop), loop.slider.outline_points()
+    draw_object(axes, outline)
+    ring = np.array(prepared.slider.hitch)
+    draw_ring(axes, ring)
+    x, y = (MM * ring).tolist()
+    style.name_tag(axes, x, y, "ring", xytext=(9, 9), textcoords="offset points")
+    number_sides(axes, MM * outline, -0.14, fontsize=12, fontweight="bold", color=PREDICTED)
     shares: Counter[SidePush] = Counter()
     for action, share in zip(strategy.actions, strategy.shares.tolist(), strict=True):
         shares[action.push or prepared.push] += share
+    length = _ARROW * MM * float(np.ptp(outline, axis=0).max())
     for push, share in shares.items():
         tip, way = first_contact(prepared.slider, push, prepared.pusher.radius)
-        tip, tail, beyond = (1e3 * tip - part * size * way for part in (0.0, _ARROW, _ARROW + 0.09))
-        look = {
-            "arrowstyle": "-|>",
-            "color": FORCE,
-            "linewidth": 1.0 + 2.2 * share,
-            "mutation_scale": 16,
-        }
-        axes.annotate(
-            "", tuple(tip), tuple(tail), arrowprops={**look, "shrinkA": 0, "shrinkB": 0}, zorder=3
-        )
+        tip, beyond = MM * tip, MM * tip - 1.2 * length * way
+        width = 1.0 + 2.2 * share
+        style.arrow(axes, tip - length * way, tip, FORCE, width, 3.0, mutation_scale=16)
         axes.plot(*np.array([tip, beyond]).T, linestyle="none")
         if len(shares) <= _NAMED:
             style.name_tag(axes, beyond[0], beyond[1], f"{share:.0%}", fontsize=10)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1)
     axes.set_axis_off()
-    axes.set_title("Where to push, object's frame")
+    style.entitle(axes, "Where to push, object's frame")
 
 
 @style.picture_style()
@@ -189,58 +152,42 @@ def strategy_page(
     words : the title, then what is said below it.
     """
     figure = style.new_figure()
-    grid = GridSpec(
-        2, 2, figure, left=0.06, right=0.98, bottom=0.09, top=0.77, wspace=0.18, hspace=0.5
-    )
-    path = figure.add_subplot(grid[0, 0])
+    room = style.write_page(figure, words[0], words[1:])
+    path, recorded, pushes, last = style.panels(figure, "ac;bd", room)
     if measured is not None:
-        path.plot(np.degrees(measured) % 360.0, ".", color=MEASURED, markersize=4, label="measured")
-    path.plot(np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted")
-    path.set(
-        xlabel="cycle",
-        ylabel="θ0 (°)",
-        title="One run",
-        ylim=(0.0, 360.0),
-        yticks=range(0, 361, 90),
-    )
-    style.legend_above(path)
-    draw_pushes(figure.add_subplot(grid[0, 1]), loop, strategy)
-    axes = figure.add_subplot(grid[1, 0])
-    looks = ((theta, PREDICTED_FILL, "this run"), (measured, MEASURED, "measured"))
-    for place, (one, colour, name) in enumerate(looks):
-        if one is not None:
-            heights, edges = np.histogram(
-                np.degrees(one) % 360.0, np.linspace(0.0, 360.0, 37), density=True
-            )
-            axes.stairs(heights, edges, fill=place == 0, color=colour, label=name, linewidth=1.4)
-    if law is not None:
-        axes.plot(PER_DEGREE * law.density, color=PREDICTED, linewidth=1.8, label="long run")
-    axes.axhline(1.0 / 360.0, color=INK, linewidth=1.0, linestyle="--", label="uniform")
-    style.degree_axis(axes)
-    axes.set(ylabel="probability per degree", title="Directions recorded")
-    style.legend_above(axes, columns=4)
-    last = figure.add_subplot(grid[1, 1])
+        path.plot(np.degrees(measured) % 360.0, label="measured", **style.DOTS)
+    dots: style.Look = {"color": PREDICTED, "markersize": 2, "label": "predicted", "zorder": 3}
+    path.plot(np.degrees(theta) % 360.0, ".", **dots)
+    path.set_ylabel(style.THETA0)
+    style.whole_turn_ticks(path)
+    style.count_axis(path, "cycle", len(theta) - 1)
+    style.entitle(path, "One run")
+    draw_pushes(pushes, loop, strategy)
+    _draw_recorded(recorded, theta, measured, law)
+    style.entitle(recorded, "Directions recorded")
     if turns is None:
-        last.plot(np.degrees(theta), color=PREDICTED, linewidth=1.2)
-        last.set(xlabel="cycle", ylabel="θ0, not wrapped (°)", title="Staircase")
-    else:
-        degrees = np.linspace(0.0, 360.0, turns.shape[1], endpoint=False)
-        last.axhline(0.0, color=QUIET, linewidth=0.9)
-        for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
-            last.plot(degrees, turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
-        last.plot(
-            degrees,
-            np.degrees(strategy.shares @ turns),
-            color=INK,
-            linewidth=1.6,
-            linestyle="--",
-            label="mean",
-        )
-        style.degree_axis(last)
-        last.set(ylabel="turn of one cycle (°)", title="Turn of each action")
-        style.legend_above(last)
-    style.write_page(figure, words[0], words[1:])
+        draw_staircase(last, theta)
+        style.entitle(last, "Staircase")
+        return figure
+    around = TWO_PI * np.arange(turns.shape[1]) / turns.shape[1]
+    draw_turns(last, around, {"mean": strategy.shares @ turns}, (style.SECOND,))
+    for turn, share in zip(np.degrees(turns), strategy.shares.tolist(), strict=True):
+        last.plot(np.degrees(around), turn, color=PREDICTED, linewidth=0.7 + 1.6 * share)
+    style.entitle(last, "Turn of each action")
     return figure
+
+
+def _draw_recorded(
+    axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None
+) -> None:
+    """How often each orientation was recorded in the run and in the data, and is in the long run."""
+    shown = None if measured is None else angle_histogram(measured, _BINS)
+    draw_recorded(axes, shown)
+    run = angle_histogram(theta, _BINS)
+    heights, edges = PER_DEGREE * run.density, np.degrees(run.edges)
+    axes.stairs(heights, edges, fill=True, label="this run", **{**style.BAND, "linewidth": 1.0})
+    if law is not None:
+        axes.plot(PER_DEGREE * law.density, label="long run", **LINE)
 
 
 # More actions or way-points than this are counted, not told one by one.

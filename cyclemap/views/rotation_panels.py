@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
+from matplotlib.colorbar import Colorbar
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
@@ -21,6 +23,7 @@ from cyclemap.views.style import (
     PREDICTED,
     PREDICTED_FILL,
     UNSTABLE,
+    Look,
     legend_above,
     name_beside_path,
     name_tag,
@@ -34,13 +37,24 @@ LONGEST_PERIOD = 6
 NAMED_WIDTH = 0.012
 # Names nearer than this share of the panel's width stand one above the other.
 CLOSE_NAMES = 0.045
+# Edges of tongues, by whether the map folds there.
+TONGUE_EDGES: dict[bool, Look] = {
+    False: {"linestyle": "-", "linewidth": 1.3, "label": "edge of a tongue"},
+    True: {"linestyle": "--", "linewidth": 1.3, "label": "edge where the map folds"},
+}
 # Curves and points of bifurcations.
-CURVES: dict[str, dict[str, Any]] = {
+CURVES: dict[str, Look] = {
     "saddle-node": {"color": PREDICTED, "linestyle": "-", "linewidth": 2.0},
     "period-doubling": {"color": MEASURED, "linestyle": "-", "linewidth": 2.0},
     "border-collision": {"color": INK, "linestyle": ":", "linewidth": 2.0},
 }
-POINTS: dict[str, dict[str, Any]] = {
+POINT: Look = {
+    "linestyle": "none",
+    "markersize": 8,
+    "markeredgecolor": INK,
+    "zorder": 5,
+}
+POINTS: dict[str, Look] = {
     "cusp": {"marker": "v", "markerfacecolor": UNSTABLE},
     "generalised flip": {"marker": "D", "markerfacecolor": MEASURED},
     "tip": {"marker": "o", "markerfacecolor": UNSTABLE},
@@ -59,31 +73,54 @@ def draw_rotation_plane(
     maps hatched.
     """
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
-    mesh = axes.pcolormesh(first, second, plane.value.T, cmap="cividis", rasterized=True)
-    label = "folded: an interval of rotation numbers, one orbit's shown"
-    for column in np.flatnonzero(plane.folded.any(axis=0)).tolist():
-        runs = [
-            (first[start], first[end] - first[start])
-            for start, end in _runs(plane.folded[:, column])
-        ]
-        height = (second[column], second[column + 1] - second[column])
-        # White dots show on dark colours, dark lines on light ones.
-        for color, hatch in ((INK, "//"), ("white", "..")):
-            look: dict[str, Any] = {
-                "facecolor": "none",
-                "edgecolor": color,
-                "hatch": hatch,
-                "linewidth": 0.0,
-            }
-            axes.broken_barh(runs, height, label=label, zorder=3, **look)
-            label = ""
+    draw_shades(axes, first, second, plane.value, ROTATION, cmap="cividis")
+    folded = "folded: an interval of rotation numbers, one orbit's shown"
+    # White dots show on dark colours, dark lines on light ones.
+    for color, hatch in ((INK, "//"), ("white", "..")):
+        look = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
+        mark_cells(axes, first, second, plane.folded, label=folded, zorder=3, **look)
     _mark_tongues(axes, plane, first, second)
     axes.set(xlabel=first_label, ylabel=second_label)
+    legend_above(axes)
+
+
+def draw_shades(
+    axes: Axes, first: Array, second: Array, values: Array, label: str, **look: Any
+) -> Colorbar:
+    """Values (n, m) as colour over two axes, by the edges (n + 1,) and (m + 1,) of their cells, and
+    the scale beside them, which is returned.
+    """
+    mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
     axes.set_xlim(float(first.min()), float(first.max()))
     axes.set_ylim(float(second.min()), float(second.max()))
     axes.grid(visible=False)
-    legend_above(axes)
-    axes.get_figure(root=True).colorbar(mesh, ax=axes, label=ROTATION)  # type: ignore[union-attr]
+    return scale_beside(axes, mesh, label)
+
+
+def scale_beside(axes: Axes, drawn: ScalarMappable, label: str) -> Colorbar:
+    """The scale of the shades of what is drawn, at the right of the axes."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return figure.colorbar(drawn, ax=axes, label=label)
+
+
+def mark_cells(
+    axes: Axes, first: Array, second: Array, marked: NDArray[np.bool_], **look: Any
+) -> None:
+    """A look laid over the cells (n, m) of a plane that are marked."""
+    for column in np.flatnonzero(marked.any(axis=0)).tolist():
+        bars = [
+            (first[start], first[end] - first[start])
+            for start, end in runs(marked[:, column])
+            if marked[start, column]
+        ]
+        axes.broken_barh(bars, (second[column], second[column + 1] - second[column]), **look)
+
+
+def runs(values: NDArray[Any]) -> list[tuple[int, int]]:
+    """(first, last + 1) of every run of equal values (n,)."""
+    changes = np.flatnonzero(values[1:] != values[:-1]) + 1
+    return list(pairwise([0, *changes.tolist(), values.size]))
 
 
 def cell_edges(values: Array) -> Array:
@@ -127,12 +164,6 @@ def ratio_name(ratio: Fraction) -> str:
     return f"{ratio.numerator}/{ratio.denominator}".replace("-", "−")
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, last + 1) of every run of true entries."""
-    changes = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
-    return list(zip(changes[::2].tolist(), changes[1::2].tolist(), strict=True))
-
-
 def draw_rotation_numbers(
     axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter"
 ) -> None:
@@ -144,29 +175,21 @@ def draw_rotation_numbers(
     axes.fill_between(
         parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2
     )
-    axes.plot(
-        parameter,
-        numbers.value,
-        color=PREDICTED,
-        linewidth=1.0,
-        label="middle of the enclosure",
-        zorder=3,
-    )
+    middle: Look = {"color": PREDICTED, "label": "middle of the enclosure", "zorder": 3}
+    axes.plot(parameter, numbers.value, linewidth=1.0, **middle)
     axes.set(xlabel=label, ylabel=ROTATION)
     axes.margins(x=0.0, y=0.08)
-    span, told = float(np.ptp(parameter)), "locked at p/q"
-    rises = numbers.value[-1] >= numbers.value[0]
-    same = (numbers.period[1:] == numbers.period[:-1]) & (
-        numbers.winding[1:] == numbers.winding[:-1]
-    )
-    for first, last in _runs(same & (numbers.period[1:] > 0)):
-        low, high = float(parameter[first]), float(parameter[last])
-        value = float(numbers.value[first])
-        axes.plot([low, high], [value, value], color=INK, linewidth=3.0, label=told, zorder=4)
-        told = ""
-        if abs(high - low) >= NAMED_WIDTH * span:
-            ratio = Fraction(int(numbers.winding[first]), int(numbers.period[first]))
-            name_beside_path(axes, low, high, value, ratio_name(ratio), bool(rises))
+    locked: Look = {"color": INK, "linewidth": 3.0, "label": "locked at p/q", "zorder": 4}
+    rises = bool(numbers.value[-1] >= numbers.value[0])
+    for start, end in runs(numbers.winding + 1j * numbers.period):
+        if not numbers.period[start] or end - start < 2:
+            continue
+        low, high = float(parameter[start]), float(parameter[end - 1])
+        value = float(numbers.value[start])
+        axes.plot([low, high], [value, value], **locked)
+        if abs(high - low) >= NAMED_WIDTH * float(np.ptp(parameter)):
+            ratio = Fraction(int(numbers.winding[start]), int(numbers.period[start]))
+            name_beside_path(axes, low, high, value, ratio_name(ratio), rises)
     legend_above(axes)
 
 
@@ -180,27 +203,19 @@ def draw_tongues(
     tongues overlap.
     """
     second = boundaries.second
-    labels = {False: "edge of a tongue", True: "edge where the map folds"}
     for left, right, folded in zip(
         boundaries.left, boundaries.right, boundaries.folded, strict=True
     ):
         axes.fill_betweenx(second, left, right, color=PREDICTED, alpha=0.22, linewidth=0, zorder=2)
-        changes = (np.flatnonzero(np.diff(folded)) + 1).tolist()
-        for edge in (left, right):
-            for first, last in pairwise([0, *changes, edge.size]):
-                bent, part = bool(folded[first]), slice(max(first - 1, 0), last)
-                look: dict[str, Any] = {
-                    "linewidth": 1.3,
-                    "linestyle": "--" if bent else "-",
-                    "zorder": 3,
-                }
-                axes.plot(
-                    edge[part], second[part], color=PREDICTED, label=labels.pop(bent, None), **look
-                )
+        for start, end in runs(folded):
+            look = TONGUE_EDGES[bool(folded[start])]
+            shown = slice(max(start - 1, 0), end)
+            for edge in (left, right):
+                axes.plot(edge[shown], second[shown], color=PREDICTED, zorder=3, **look)
     axes.set(xlabel=first_label, ylabel=second_label)
     axes.margins(x=0.02, y=0.0)
     # p/q above the upper end of every tongue, in two rows where they stand close.
-    top = int(np.argmax(boundaries.second))
+    top = int(np.argmax(second))
     middle = 0.5 * (boundaries.left + boundaries.right)[:, top]
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.11 * (high - low))
@@ -228,37 +243,20 @@ def draw_bifurcation_curves(
     if boundaries is not None:
         draw_tongues(axes, boundaries, first_label, second_label)
     for curve in curves:
-        look, born = CURVES[curve.kind], np.nan_to_num(curve.coefficient[1:])
-        bad = (born < 0.0) & (curve.kind == "period-doubling")
-        changes = (np.flatnonzero(np.diff(bad)) + 1).tolist()
-        for start, end in pairwise([0, *changes, bad.size]):
-            shown = {**look, "linestyle": "--"} if bad[start] else look
-            part, label = (
-                slice(start, end + 1),
-                f"subcritical {curve.kind}" if bad[start] else curve.kind,
-            )
-            axes.plot(curve.first[part], curve.second[part], label=label, zorder=4, **shown)
+        bad = (np.nan_to_num(curve.coefficient[1:]) < 0.0) & (curve.kind == "period-doubling")
+        for start, end in runs(bad):
+            look, label, shown = CURVES[curve.kind], curve.kind, slice(start, end + 1)
+            if bad[start]:
+                look, label = {**look, "linestyle": "--"}, f"subcritical {curve.kind}"
+            axes.plot(curve.first[shown], curve.second[shown], label=label, zorder=4, **look)
         for point in curve.special:
-            mark = {
-                "linestyle": "none",
-                "markersize": 8,
-                "markeredgecolor": INK,
-                **POINTS[point.kind],
-            }
-            axes.plot(
-                [float(point.first)], [float(point.second)], label=point.kind, zorder=5, **mark
-            )
-    shown_to = np.array([axes.get_xlim(), axes.get_ylim()])
-    for index, values in enumerate(
-        zip(*((curve.first, curve.second) for curve in curves), strict=True)
-    ):
-        every = (
-            np.concatenate([shown_to[index], *values])
-            if boundaries is not None
-            else np.concatenate(values)
-        )
-        shown_to[index] = every.min(), every.max()
-    shown_to += 0.02 * np.ptp(shown_to, axis=1, keepdims=True) * np.array([-1.0, 1.0])
-    axes.set(xlabel=first_label, ylabel=second_label, xlim=shown_to[0], ylim=shown_to[1])
-    named = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-    legend_above(axes, columns=4, handles=list(named.values()))
+            place = [float(point.first)], [float(point.second)]
+            axes.plot(*place, label=point.kind, **POINT, **POINTS[point.kind])
+    ends = [np.array([curve.first, curve.second]) for curve in curves]
+    if boundaries is not None:
+        ends.append(np.array([axes.get_xlim(), axes.get_ylim()]))
+    low, high = np.min(np.hstack(ends), axis=1), np.max(np.hstack(ends), axis=1)
+    low, high = low - 0.02 * (high - low), high + 0.02 * (high - low)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set(xlabel=first_label, ylabel=second_label)
+    legend_above(axes)

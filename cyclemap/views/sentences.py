@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
@@ -123,22 +123,23 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
     if forecast is None:
         return ""
     likely = []
-    for theta, share, within in forecast.directions:
-        if share >= 0.01:
+    for direction in forecast.directions:
+        if direction.share >= 0.01:
             place = (
                 "any direction"
-                if within > 0.5 * math.pi
-                else f"{angle(theta, 0)} ± {angle(within, 0)}"
+                if direction.within > 0.5 * math.pi
+                else f"{angle(direction.theta, 0)} ± {angle(direction.within, 0)}"
             )
-            likely.append(f"{place} ({share:.0%})")
+            likely.append(f"{place} ({direction.share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
-    middle, low, high = forecast.orientations
+    seen = forecast.orientations
     locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
-    seen = (
-        f"{middle:.0f} of {ORIENTATIONS} orientations will have been seen ({low:.0f} to {high:.0f})"
+    told = (
+        f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen "
+        f"({seen.lower:.0f} to {seen.upper:.0f})"
     )
     lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
-    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {seen}."
+    return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {told}."
 
 
 def _ends(one: DirectionInterval) -> str:
@@ -272,7 +273,7 @@ def lock_sentence(portrait: Portrait) -> str:
         if value
         else "over many cycles it gets nowhere"
     )
-    least, most = angle(turns.minimum), angle(turns.maximum)
+    least, most = angle(turns.min_turn), angle(turns.max_turn)
     turned = least if least == most else f"{least} to {most}"
     return f"Without noise a cycle turns the object by {turned}; {pace}."
 
@@ -343,7 +344,7 @@ def parameters_line(portrait: Portrait) -> str:
     loop, law = portrait.loop, portrait.loop.material.friction
     ring_x, ring_y = (1000 * coordinate for coordinate in loop.slider.hitch)
     friction = (
-        f"friction μa {law.mu_a:g}, μb {law.mu_b:g}, m0 {law.m0:g}, n0 {law.n0:g}, φ "
+        f"friction μa {law.mu_a:.4g}, μb {law.mu_b:.4g}, m0 {law.m0:.4g}, n0 {law.n0:.4g}, φ "
         f"{angle(law.phi)}"
     )
     if math.isclose(law.mu_a, law.mu_b, rel_tol=1e-5) and law.m0 == law.n0 == 0.0:
@@ -448,10 +449,11 @@ def cycles(value: float | None) -> str:
     return "an unknown number of cycles" if value is None else f"{number(value)} cycles"
 
 
-def listed(words: list[str]) -> str:
+def listed(words: Iterable[str]) -> str:
     """Words in a row, with "and" before the last.
 
     >>> listed(["a"]), listed(["a", "b", "c"])
     ('a', 'a, b and c')
     """
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    *first, last = words
+    return f"{', '.join(first)} and {last}" if first else last

@@ -2,27 +2,42 @@
 markers, name tags.
 """
 
+import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
-from textwrap import fill
+from string import ascii_letters
+from textwrap import wrap
 from typing import Any
 
 import matplotlib
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, MultipleLocator
+from matplotlib.textpath import text_to_path
+from matplotlib.ticker import (
+    FixedLocator,
+    FuncFormatter,
+    MaxNLocator,
+    MultipleLocator,
+    NullFormatter,
+)
 
+from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import Orbit
 from cyclemap.plain_text import printable, typeset
 
+# Options of Matplotlib.
+Look = dict[str, Any]
+# Where on a page there is room: from here up to there, as shares of its height.
+Room = tuple[float, float]
 INK = "#222222"
 QUIET = "#666666"
 PREDICTED = "#0b3d6b"
@@ -33,7 +48,7 @@ UNSTABLE = "#ffffff"
 FORCE = "#c1440e"
 # How each format is saved. Level 3 packs a drawing's PNG about as small as the usual 6 does, in
 # half the time.
-_SAVED: dict[str, dict[str, Any]] = {
+_SAVED: dict[str, Look] = {
     "png": {"metadata": {}, "pil_kwargs": {"compress_level": 3}},
     "pdf": {"metadata": {"CreationDate": None}},
     "svg": {"metadata": {"Date": None}},
@@ -72,9 +87,58 @@ _STYLE: dict[Any, Any] = {
     # A fixed salt and no date: the same portrait gives the same file.
     "svg.hashsalt": "cyclemap",
 }
-# Measured places, of which there may be many.
-DOTS: dict[str, Any] = {"color": MEASURED, "markersize": 3.0, "alpha": 0.45, "linestyle": "none"}
-DOTS |= {"markeredgecolor": MEASURED_EDGE, "markeredgewidth": 0.3}
+# Curves in one panel, told apart in a grey print too; what is predicted is the first.
+LINES: tuple[Look, ...] = (
+    {"color": PREDICTED, "linestyle": "-", "linewidth": 2.0, "zorder": 4},
+    {"color": INK, "linestyle": "--", "linewidth": 1.4, "zorder": 4},
+    {"color": FORCE, "linestyle": "-.", "linewidth": 1.6, "zorder": 4},
+    {"color": QUIET, "linestyle": ":", "linewidth": 1.6, "zorder": 4},
+)
+LINE, SECOND, THIRD, FOURTH = LINES
+# What was measured: places of which there may be many, their means, a path, and columns.
+DOTS: Look = {
+    "marker": "o",
+    "linestyle": "none",
+    "color": MEASURED,
+    "markersize": 3.4,
+    "alpha": 0.5,
+    "markeredgecolor": MEASURED_EDGE,
+    "markeredgewidth": 0.3,
+    "zorder": 2,
+}
+MARKS: Look = {
+    "linestyle": "none",
+    "color": MEASURED,
+    "markersize": 4.5,
+    "markeredgecolor": MEASURED_EDGE,
+    "markeredgewidth": 0.7,
+    "zorder": 3,
+}
+PATH: Look = {"color": MEASURED, "linewidth": 2.2, "zorder": 2}
+BARS: Look = {
+    "facecolor": MEASURED,
+    "edgecolor": MEASURED_EDGE,
+    "linewidth": 0.6,
+    "alpha": 0.65,
+    "zorder": 2,
+}
+# A marked place.
+OPEN: Look = {"markerfacecolor": UNSTABLE, "markeredgecolor": INK, "linestyle": "none"}
+# The range of what is predicted, the line of nothing, and of all alike.
+BAND: Look = {"color": PREDICTED_FILL, "linewidth": 0.0, "zorder": 1}
+ZERO: Look = {"color": QUIET, "linewidth": 0.9, "zorder": 1}
+EVEN: Look = {"color": QUIET, "linewidth": 1.0, "linestyle": ":", "zorder": 2}
+# Inches at the left of a panel, at its right, below it for labels, above it for the title, and for
+# each row of a legend.
+_LEFT, _RIGHT, _BELOW, _ABOVE, _KEYS = 0.8, 0.2, 0.5, 0.33, 0.18
+# Letters an inch of sentences, of the foot, of titles of one point; and sizes of titles, points.
+_LETTERS, _FOOT_LETTERS, _TITLE_LETTERS = 13.1, 15.6, 113.0
+_TITLE, _SMALL_TITLE = 18.0, 13.0
+_FOOT: Look = {"fontsize": 8, "color": QUIET, "linespacing": 1.35}
+# Fonts of legends and titles; points that a legend's key takes, and a row of it.
+_KEYED = FontProperties(family="DejaVu Sans", size=8.0)
+_TITLED = FontProperties(family="DejaVu Sans", size=10.0, weight="bold")
+_KEY, _ROW = 29.0, 12.5
 THETA, THETA0 = "θ (°)", "θ0, orientation before the push (°)"
 
 
@@ -93,35 +157,76 @@ def new_figure(width: float = 13.333, height: float = 7.5) -> Figure:
 
 
 def write_page(
-    figure: Figure,
-    title: str,
-    words: Iterable[str],
-    foot: str = "",
-    top: float = 0.928,
-    letters: int = 175,
-    size: float = 18.0,
-) -> None:
+    figure: Figure, title: str, words: Iterable[str] = (), foot: str = "", key: str = ""
+) -> Room:
     """Write the title, the sentences below it (those that are empty left out), and what is small at
-    the foot.
+    the foot, and at its right the key of a drawing; return what is left between them.
     """
-    figure.text(0.015, 0.955, title, fontsize=size, fontweight="bold", va="center")
-    told = fill(" ".join(filter(None, words)), letters)
-    figure.text(0.015, top, told, fontsize=10, va="top", linespacing=1.35)
-    if foot:
-        figure.text(0.015, 0.02, foot, fontsize=8, color=QUIET)
+    width, height = figure.get_size_inches().tolist()
+    size = min(max(_TITLE_LETTERS * width / max(len(title), 1), _SMALL_TITLE), _TITLE)
+    lines = wrap(title, int(_TITLE_LETTERS * width / size))
+    left, y = 0.2 / width, 0.215
+    look: Look = {"fontsize": size, "fontweight": "bold", "linespacing": 1.2, "va": "top"}
+    figure.text(left, 1.0 - y / height, "\n".join(lines), **look)
+    y += len(lines) * size / _TITLE * 0.325
+    lines = wrap(" ".join(filter(None, words)), int(_LETTERS * width))
+    figure.text(left, 1.0 - y / height, "\n".join(lines), fontsize=10, va="top", linespacing=1.35)
+    y += len(lines) * 0.197
+    letters = int(_FOOT_LETTERS * width) - max(map(len, key.split("\n")))
+    lines = [line for part in foot.split("\n") for line in wrap(part, letters)]
+    figure.text(1.0 - left, 0.12 / height, key, ha="right", **_FOOT)
+    figure.text(left, 0.12 / height, "\n".join(lines), **_FOOT)
+    return (0.16 * len(lines) + 0.12 * bool(lines)) / height, 1.0 - y / height
 
 
-def write_tall_page(
-    figure: Figure, title: str, words: Iterable[str], foot: str, size: float = 18.0
-) -> float:
-    """The same on a page of 16 by 9.6 inches; returns where the sentences end, as a share of its
-    height.
+def panels(
+    figure: Figure,
+    layout: str,
+    room: Room = (0.0, 0.985),
+    keys: int = 1,
+    polar: str = "",
+    **options: Any,
+) -> list[Axes]:
+    """The panels of a layout, "ab;cc" for two above a wide one, in the order of their letters.
+
+    room : of the page's height, as `write_page` leaves it. keys : rows of the longest legend. polar : the
+    panels that are round.
+    options : of Matplotlib's `subplot_mosaic`.
     """
-    figure.text(0.012, 0.968, title, fontsize=size, fontweight="bold", va="center")
-    told = fill(" ".join(words), 205)
-    figure.text(0.012, 0.947, told, fontsize=9.5, va="top", linespacing=1.3)
-    figure.text(0.012, 0.012, foot, fontsize=8, color=QUIET)
-    return 0.947 - 0.0188 * (told.count("\n") + 1)
+    width, height = figure.get_size_inches().tolist()
+    rows, above = layout.split(";"), _ABOVE + _KEYS * keys
+    ends = {
+        "left": _LEFT / width,
+        "right": 1.0 - _RIGHT / width,
+        "bottom": room[0] + _BELOW / height,
+        "top": room[1] - above / height,
+    }
+    wide, tall = (ends["right"] - ends["left"]) * width, (ends["top"] - ends["bottom"]) * height
+    ends["wspace"] = _share(_LEFT + _RIGHT, wide, len(rows[0]))
+    ends["hspace"] = _share(_BELOW + above, tall, len(rows))
+    made = figure.subplot_mosaic(
+        layout,
+        gridspec_kw=ends,
+        per_subplot_kw={name: {"projection": "polar"} for name in polar},
+        **options,
+    )
+    return [made[name] for name in sorted(made)]
+
+
+def rows_of(*counts: int) -> str:
+    """The layout of rows with so many panels each, all as wide as the page.
+
+    >>> rows_of(2, 3)
+    'aaabbb;ccddee'
+    """
+    cells, letters = math.lcm(*counts), iter(ascii_letters)
+    rows = [[next(letters) * (cells // count) for _ in range(count)] for count in counts]
+    return ";".join("".join(row) for row in rows)
+
+
+def _share(gap: float, whole: float, count: int) -> float:
+    """A gap between `count` panels that fill `whole`, as a share of their mean size."""
+    return gap * count / (whole - gap * (count - 1))
 
 
 def render(figure: Figure, picture_format: str = "png", dpi: int = 144) -> bytes:
@@ -150,30 +255,95 @@ def _texts(artist: Artist) -> Iterator[Text]:
         yield from _texts(part)
 
 
-def degree_axis(axes: Axes, label: str = THETA0) -> None:
+def degree_axis(axes: Axes, label: str = THETA0, every: int = 45) -> None:
     """Make the x axis of `axes` one circle in degrees."""
     axes.set_xlim(0.0, 360.0)
-    axes.set_xticks(range(0, 361, 45))
+    axes.set_xticks(range(0, 361, every))
     axes.set_xlabel(label)
 
 
-def legend_above(axes: Axes, columns: int = 3, handles: list[Any] | None = None) -> None:
-    """A legend above the panel, at its right end, where it covers no data; none where nothing has a
-    label.
+def whole_turn_ticks(axes: Axes) -> None:
+    """Make the y axis of `axes` one circle in degrees."""
+    axes.set_ylim(0.0, 360.0)
+    axes.yaxis.set_major_locator(MultipleLocator(45.0))
+
+
+def count_axis(axes: Axes, label: str, count: int) -> None:
+    """Make the x axis of `axes` that of a count from 0, with whole numbers as ticks."""
+    axes.set(xlabel=label, xlim=(0, max(count, 1)))
+    axes.xaxis.set_major_locator(MaxNLocator(6, integer=True, min_n_ticks=1))
+
+
+def plain_ticks(axis: Axis, places: Sequence[float]) -> None:
+    """Plain numbers at these places of a logarithmic axis, and nothing else."""
+    axis.set_major_locator(FixedLocator(places))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def square_window(axes: Axes, points: Array, margin: float = 0.06) -> None:
+    """Show the least square about points (n, 2) and a margin, a share of its side, on one scale."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    middle, half = 0.5 * (low + high), (0.5 + margin) * float((high - low).max())
+    low, high = middle - half, middle + half
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    axes.set_aspect("equal", adjustable="box")
+
+
+def legend_above(axes: Axes) -> int:
+    """A legend above the panel, at its right end, where it covers no data: each label once, in as
+    many columns as the panel has room for. Returns its rows.
     """
-    shown = axes.get_legend_handles_labels()[0] if handles is None else handles
-    if shown:
-        look: dict[str, Any] = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.2}
-        columns = min(columns, len(shown))
-        axes.legend(
-            handles=shown, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, **look
-        )
+    named: Look = {}
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        named.setdefault(label, handle)
+    if not named:
+        return 0
+    columns = _columns(list(named), _width(axes))
+    look: Look = {"borderaxespad": 0.2, "handlelength": 1.8, "columnspacing": 1.0}
+    look |= {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0)}
+    axes.legend(named.values(), named.keys(), ncols=columns, **look)
+    return math.ceil(len(named) / columns)
+
+
+def entitle(axes: Axes, title: str) -> None:
+    """The legend of `legend_above`, and the title beside it, or above it where both are long."""
+    rows = legend_above(axes)
+    legend = axes.get_legend()
+    keys = [_key_width(text.get_text()) for text in legend.get_texts()] if legend else []
+    beside = rows == 1 and sum(keys) + _text_width(title, _TITLED) + _KEY <= _width(axes)
+    axes.set_title(title, pad=8.0 + _ROW * (0 if beside else rows))
+
+
+def _columns(labels: list[str], width: float) -> int:
+    """How many columns of a legend a width (points) has room for, where they are filled evenly."""
+    widths = np.array([_key_width(label) for label in labels])
+    for columns in range(len(labels), 1, -1):
+        if sum(part.max() for part in np.array_split(widths, columns)) <= width:
+            return columns
+    return 1
+
+
+def _key_width(label: str) -> float:
+    return _KEY + _text_width(label, _KEYED)
+
+
+def _text_width(text: str, font: FontProperties) -> float:
+    """The width of a line, points."""
+    return float(text_to_path.get_text_width_height_descent(text, font, ismath=False)[0])
+
+
+def _width(axes: Axes) -> float:
+    """The width of a panel, points."""
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    return 72.0 * float(axes.get_position().width * figure.get_size_inches()[0])
 
 
 def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
     """A short name at a place of the data, on a white ground that lets lines through a little."""
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-    given: dict[str, Any] = {
+    given: Look = {
         "fontsize": 7.5,
         "color": INK,
         "ha": "center",
@@ -235,15 +405,14 @@ def arrow(
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
 
 
+def cross(axes: Axes, place: Any = (0.0, 0.0), colour: str = QUIET, **look: Any) -> None:
+    """A cross at a place of the data, (2,): a centre, or the origin."""
+    axes.plot(*place, "+", **{"color": colour, "markersize": 8.0, "zorder": 5, **look})
+
+
 def say(axes: Axes, words: str) -> None:
     """Words in the middle of a panel that has nothing to draw."""
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=QUIET)
-
-
-def whole_turn_ticks(axes: Axes) -> None:
-    """Make the y axis of `axes` one circle in degrees."""
-    axes.set_ylim(0.0, 360.0)
-    axes.yaxis.set_major_locator(MultipleLocator(45.0))
 
 
 def unwrapped_axis(axes: Axes, name: str, least_span_deg: float = 0.0) -> None:
@@ -277,7 +446,7 @@ def stability(orbit: Orbit) -> str:
     return "stable" if orbit.stable else "unstable"
 
 
-def orbit_marker(kind: str) -> dict[str, Any]:
+def orbit_marker(kind: str) -> Look:
     """The marker of an orbit: filled where stable, open where unstable, half of each where
     half-stable.
     """
@@ -293,12 +462,6 @@ def orbit_marker(kind: str) -> dict[str, Any]:
         "clip_on": False,
         "zorder": 5,
     }
-
-
-def orbit_keys(kinds: set[str]) -> list[Line2D]:
-    """Legend entries for the kinds of orbit that are drawn."""
-    order = ("stable", "half-stable", "unstable")
-    return [Line2D([], [], label=kind, **orbit_marker(kind)) for kind in order if kind in kinds]
 
 
 def small(value: float) -> str:

@@ -12,11 +12,9 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.patches import Patch
 from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
@@ -34,16 +32,21 @@ from cyclemap.sweeps.sweep_curves import (
 )
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views import style
-from cyclemap.views.rotation_panels import cell_edges, draw_rotation_numbers, draw_rotation_plane
-from cyclemap.views.style import INK, PREDICTED, QUIET, UNSTABLE
+from cyclemap.views.rotation_panels import (
+    cell_edges,
+    draw_rotation_numbers,
+    draw_rotation_plane,
+    draw_shades,
+    mark_cells,
+    scale_beside,
+)
+from cyclemap.views.style import INK, PREDICTED, QUIET, Look
 
 MOST_PANELS = 2
-# Points between a panel and its title: a row of a legend.
-TITLE_PAD = 24.0
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
 MM = 1000.0
 Panel = tuple[str, Callable[[Axes], None]]
-REFUSED: dict[str, Any] = {
+REFUSED: Look = {
     "facecolor": "#f4f4f4",
     "edgecolor": QUIET,
     "hatch": "xxx",
@@ -97,41 +100,30 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
     panels = panels[:MOST_PANELS]
     figure = style.new_figure(13.333, 6.6)
-    grid = GridSpec(
-        1, len(panels), figure, left=0.06, right=0.975, bottom=0.14, top=0.74, wspace=0.2
-    )
-    for place, (title, draw) in enumerate(panels):
-        axes = figure.add_subplot(grid[0, place])
+    words = sweep_sentences(sweep)
+    room = style.write_page(figure, sweep_headline(sweep), words, settings_line(sweep))
+    placed = style.panels(figure, style.rows_of(len(panels)), room)
+    for axes, (title, draw) in zip(placed, panels, strict=True):
         draw(axes)
         if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
-            # The object that the ring is set in, and MIT's ring where it is MIT's.
-            slider = loop_from_settings(sweep.description["plan"]["settings"]).slider
-            outline = MM * slider.outline.points(120)
-            axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
-            if slider.name in MIT_SHAPE_NAMES:
-                x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-                axes.plot(
-                    x,
-                    y,
-                    "*",
-                    markersize=11,
-                    markerfacecolor=UNSTABLE,
-                    markeredgecolor=INK,
-                    zorder=6,
-                )
-                style.name_tag(
-                    axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points"
-                )
-            low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
-            low, high = (
-                np.minimum(low, outline.min(axis=0) - 3.0),
-                np.maximum(high, outline.max(axis=0) + 3.0),
-            )
-            axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        axes.set_title(title, pad=TITLE_PAD)
-    style.write_page(figure, sweep_headline(sweep), sweep_sentences(sweep), top=0.915)
-    figure.text(0.015, 0.025, settings_line(sweep), fontsize=8, color=QUIET)
+            _draw_object(axes, sweep)
+        style.entitle(axes, title)
     return figure
+
+
+def _draw_object(axes: Axes, sweep: Sweep) -> None:
+    """The object that the ring is set in, and MIT's ring where it is MIT's."""
+    slider = loop_from_settings(sweep.description["plan"]["settings"]).slider
+    outline = MM * slider.outline.points(120)
+    axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
+    if slider.name in MIT_SHAPE_NAMES:
+        x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
+        axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
+        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+    low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
+    low = np.minimum(low, outline.min(axis=0) - 3.0)
+    high = np.maximum(high, outline.max(axis=0) + 3.0)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
 
 
 def key_words(key: str) -> str:
@@ -174,29 +166,24 @@ def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
     refused points crossed out."""
     quantity, values = swept.planes[index]
     first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
+    labels = key_label(swept.first.key), key_label(swept.second.key)
     if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
-        plane = without_specks(swept.rotation)
-        draw_rotation_plane(axes, plane, key_label(swept.first.key), key_label(swept.second.key))
+        draw_rotation_plane(axes, without_specks(swept.rotation), *labels)
     else:
         look, ticks = _shades(values)
-        mesh = axes.pcolormesh(first, second, values.T, rasterized=True, **look)
-        _add_scale(axes, mesh, quantity, ticks)
-        axes.set(xlabel=key_label(swept.first.key), ylabel=key_label(swept.second.key))
-        axes.set_xlim(float(first.min()), float(first.max()))
-        axes.set_ylim(float(second.min()), float(second.max()))
-        axes.grid(visible=False)
+        scale = draw_shades(axes, first, second, values, quantity_label(quantity), **look)
+        _mark_counts(scale, ticks)
+        axes.set(xlabel=labels[0], ylabel=labels[1])
     if swept.refused.any():
-        # Crosses over the cells of points that were refused.
-        for column in np.flatnonzero(swept.refused.any(axis=0)).tolist():
-            rows = np.flatnonzero(swept.refused[:, column])
-            runs = [(first[row], first[row + 1] - first[row]) for row in rows.tolist()]
-            axes.broken_barh(
-                runs, (second[column], second[column + 1] - second[column]), **REFUSED, zorder=2
-            )
-        told = axes.get_legend_handles_labels()[0]
-        style.legend_above(axes, handles=[*told[:1], Patch(**REFUSED, label="refused")])
+        mark_cells(axes, first, second, swept.refused, label="refused", zorder=2, **REFUSED)
     _name_ticks(axes.xaxis, swept.first)
     _name_ticks(axes.yaxis, swept.second)
+
+
+def _mark_counts(scale: Colorbar, counts: Array | None) -> None:
+    """A tick for each count on a scale of shades; as they are for what runs on."""
+    if counts is not None:
+        scale.set_ticks(counts.tolist())
 
 
 def without_specks(plane: RotationPlane) -> RotationPlane:
@@ -220,7 +207,7 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
     )
 
 
-def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
+def _shades(values: Array) -> tuple[Look, Array | None]:
     """One shade for each small count, light to dark; shades that run on for all else."""
     found = values[np.isfinite(values)]
     counted = (
@@ -235,13 +222,6 @@ def _shades(values: Array) -> tuple[dict[str, Any], Array | None]:
     shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
     norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
     return {"cmap": shades, "norm": norm}, levels
-
-
-def _add_scale(axes: Axes, drawn: ScalarMappable, quantity: Quantity, ticks: Array | None) -> None:
-    """The scale of the shades of `_shades` beside the axes."""
-    bar = axes.get_figure(root=True).colorbar(drawn, ax=axes, label=quantity_label(quantity))  # type: ignore[union-attr]
-    if ticks is not None:
-        bar.set_ticks(ticks.tolist())
 
 
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
@@ -264,18 +244,10 @@ def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
     if not at.size:
         style.say(axes, "no fixed point")
     size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
-    look: dict[str, Any] = {
-        "linestyle": "none",
-        "marker": "o",
-        "markersize": size,
-        "markeredgecolor": PREDICTED,
-    }
-    axes.plot(
-        at[~stable], theta[~stable], markerfacecolor=UNSTABLE, markeredgewidth=0.9, zorder=3, **look
-    )
-    axes.plot(at[stable], theta[stable], markerfacecolor=PREDICTED, zorder=4, **look)
-    kinds = {"stable" if one else "unstable" for one in stable.tolist()}
-    _finish_line_axis(axes, swept, style.orbit_keys(kinds))
+    for kind, chosen in (("stable", stable), ("unstable", ~stable)):
+        look = {**style.orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
+        axes.plot(at[chosen], theta[chosen], label=kind if chosen.any() else None, **look)
+    _finish_line_axis(axes, swept)
 
 
 def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
@@ -285,33 +257,22 @@ def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
     quantity, values = swept.lines[index]
     if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
         draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
-        handles = axes.get_legend_handles_labels()[0]
     else:
         mark = "o-" if swept.axis.is_number else "o"
         axes.plot(swept.parameter, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
         axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
-        handles = []
-    _finish_line_axis(axes, swept, handles)
+    _finish_line_axis(axes, swept)
 
 
-def _finish_line_axis(axes: Axes, swept: SweptLines, handles: list[Any]) -> None:
-    """Limits and ticks of the key's axis, marks of refused points, the legend."""
+def _finish_line_axis(axes: Axes, swept: SweptLines) -> None:
+    """Limits and ticks of the key's axis, and marks of refused points."""
     low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
     margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
     axes.set_xlim(low - margin, high + margin)
     _name_ticks(axes.xaxis, swept.axis)
     if swept.refused.size:
-        bottom = axes.get_xaxis_transform()
-        marks = axes.plot(
-            swept.refused,
-            np.full(swept.refused.size, 0.02),
-            "x",
-            color=INK,
-            transform=bottom,
-            label="refused",
-        )
-        handles = [*handles, *marks]
-    style.legend_above(axes, columns=4, handles=handles)
+        bottom, level = axes.get_xaxis_transform(), np.full(swept.refused.size, 0.02)
+        axes.plot(swept.refused, level, "x", color=INK, transform=bottom, label="refused")
 
 
 # -- a sample
@@ -326,29 +287,13 @@ def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
     look, ticks = _shades(values)
     size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
     found = np.isfinite(values)
-    dots = axes.scatter(
-        first[found],
-        second[found],
-        c=values[found],
-        s=size,
-        edgecolor=QUIET,
-        linewidth=0.6,
-        **look,
-        zorder=3,
-    )
-    _add_scale(axes, dots, quantity, ticks)
+    look |= {"edgecolor": QUIET, "linewidth": 0.6, "zorder": 3}
+    dots = axes.scatter(first[found], second[found], c=values[found], s=size, **look)
+    _mark_counts(scale_beside(axes, dots, quantity_label(quantity)), ticks)
     if swept.refused.any():
-        axes.plot(
-            first[swept.refused],
-            second[swept.refused],
-            "x",
-            color=INK,
-            markersize=5,
-            label="refused",
-            zorder=4,
-        )
+        refused = first[swept.refused], second[swept.refused]
+        axes.plot(*refused, "x", color=INK, markersize=5, label="refused", zorder=4)
     axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
-    style.legend_above(axes)
 
 
 def _short(value: object) -> str:

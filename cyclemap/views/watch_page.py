@@ -1,22 +1,24 @@
-"""A watched collection: in sentences, and as a page of θ0 push by push, evidence, directions, what
-it is worth.
+"""A watched collection, and an audited data set: in sentences, and as pages of θ0 push by push,
+directions, what they are worth, and evidence or what the reset did.
 """
 
+import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
+from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
+from cyclemap.resets.monitor.audit import Audit, ResetEffect
 from cyclemap.views import style
+from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED, MEASURED_EDGE, PREDICTED, QUIET
+from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 
@@ -26,127 +28,92 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of
     its file.
     """
-    last = reports[-1]
-    figure = style.new_figure()
-    edges = {"left": 0.06, "right": 0.975, "bottom": 0.115, "top": 0.8}
-    grid = GridSpec(2, 2, figure, width_ratios=(1.9, 1.0), wspace=0.16, hspace=0.45, **edges)
-    draw_path(figure.add_subplot(grid[0, 0]), monitor.path, last)
-    axes = figure.add_subplot(grid[1, 0])
-    rest, visits = (
-        [getattr(one, name) for one in reports] for name in ("rest_evidence", "visit_evidence")
-    )
-    axes.plot(rest, color=PREDICTED, linewidth=1.8, label="of a rest")
-    axes.plot(visits, color=MEASURED, linewidth=1.8, linestyle="-.", label="of visits gathering")
-    axes.axhline(
-        last.threshold,
-        color=FORCE,
-        linewidth=1.2,
-        linestyle="--",
-        label=f"alarm, rate {monitor.alarm_rate:g}",
-    )
+    last, figure = reports[-1], style.new_figure()
+    title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
+    foot = "chance of an alarm, however long the collection, where no orientation lingers:"
+    foot = f"{foot} {monitor.alarm_rate:g} at most"
+    room = style.write_page(figure, title, watch_sentences(last), foot)
+    axes = draw_course(figure, room, monitor.path, reports)
+    rest = [report.rest_evidence for report in reports]
+    visits = [report.visit_evidence for report in reports]
+    axes.plot(rest, label="of a rest", **style.LINE)
+    axes.plot(visits, label="of visits gathering", **style.THIRD)
+    label = f"alarm, rate {monitor.alarm_rate:g}"
+    axes.axhline(last.threshold, label=label, **style.SECOND)
     if last.alarm is not None:
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
     # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any
     # bound.
     highest, lowest = max(*rest, *visits, 2.0 * last.threshold), min(*rest, *visits, -0.5)
     axes.set_yscale("symlog", linthresh=3.0)
-    axes.set(
-        ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias", title="Evidence"
-    )
-    axes.yaxis.set_major_locator(
-        FixedLocator([power for power in _DECADES if power <= 1.3 * highest])
-    )
+    axes.set(ylim=(1.1 * lowest, 1.3 * highest), ylabel="evidence against no bias")
+    powers = [power for power in _DECADES if power <= 1.3 * highest]
+    axes.yaxis.set_major_locator(FixedLocator(powers))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    _push_axis(axes, len(reports))
-    draw_rose(figure.add_subplot(grid[0, 1], projection="polar"), monitor.path, last)
-    draw_worth(
-        figure.add_subplot(grid[1, 1]), [report.coverage.effective_pushes for report in reports]
-    )
-    title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
-    foot = "chance of an alarm, however long the collection, where no orientation lingers:"
-    style.write_page(figure, title, watch_sentences(last), f"{foot} {monitor.alarm_rate:g} at most")
+    style.count_axis(axes, "push", len(reports))
+    style.entitle(axes, "Evidence")
     return figure
+
+
+def draw_course(
+    figure: Figure, room: style.Room, theta: Sequence[float], reports: Sequence[BiasReport]
+) -> Axes:
+    """Draw the orientations (rad) push by push, their rose, and what they are worth, by the
+    monitor's reports; return the panel that is left, below the first.
+    """
+    path, left, rose, worth = style.panels(
+        figure, "ac;bd", room, polar="c", width_ratios=(1.9, 1.0)
+    )
+    draw_path(path, theta, reports[-1])
+    draw_rose(rose, theta, reports[-1])
+    draw_worth(worth, [report.coverage.effective_pushes for report in reports])
+    return left
 
 
 def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """Draw the orientations (rad) push by push, and the alarm."""
     # A few dots must be seen, many must not run into each other.
     size = float(np.clip(90.0 / len(theta), 2.5, 9.0))
-    axes.plot(
-        np.degrees(np.mod(theta, 2.0 * np.pi)), ".", color=MEASURED_EDGE, markersize=size, zorder=2
-    )
+    axes.plot(np.degrees(theta) % 360.0, ".", color=MEASURED_EDGE, markersize=size, zorder=2)
     if last.alarm is not None:
         for direction in last.alarm.directions:
-            axes.axhline(
-                np.degrees(direction), color=FORCE, linewidth=1.0, linestyle="--", zorder=1
-            )
-        label = (
-            f"alarm at push {last.alarm.push}, towards "
-            f"{', '.join(map(angle, last.alarm.directions))}"
-        )
+            axes.axhline(np.degrees(direction), **{**style.THIRD, "linewidth": 1.0, "zorder": 1})
+        towards = directions(last.alarm.directions)
+        label = f"alarm at push {last.alarm.push}, towards {towards}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set(ylabel=style.THETA0, ylim=(0.0, 360.0), yticks=range(0, 361, 90))
-    axes.set_title("Orientations")
-    _push_axis(axes, len(theta))
+    axes.set_ylabel(style.THETA0)
+    style.whole_turn_ticks(axes)
+    style.count_axis(axes, "push", len(theta))
+    style.entitle(axes, "Orientations")
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """Draw the histogram of directions with equal areas for equal counts: radii are roots of
     densities.
     """
-    histogram, aim = angle_histogram(np.mod(theta, 2.0 * np.pi), 36), last.advice.direction
-    radii = np.sqrt(histogram.density * 2 * np.pi)
-    looks: dict[str, Any] = {"color": MEASURED, "edgecolor": MEASURED_EDGE, "linewidth": 0.6}
-    axes.bar(histogram.edges[:-1], radii, width=np.diff(histogram.edges), align="edge", **looks)
-    around = np.linspace(0.0, 2 * np.pi, 181)
-    axes.plot(
-        around,
-        np.ones_like(around),
-        color=QUIET,
-        linewidth=0.9,
-        linestyle=":",
-        label="spread evenly",
-    )
+    histogram, aim = angle_histogram(np.mod(theta, TWO_PI), 36), last.advice.direction
+    radii = np.sqrt(histogram.density * TWO_PI)
+    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
+    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
-    axes.plot(
-        [aim],
-        [top],
-        "v",
-        ms=9,
-        color=PREDICTED,
-        clip_on=False,
-        label=f"least covered: {angle(aim, 0)}",
-    )
+    told: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
+    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **told)
     axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
-    axes.grid(color="#ececec")
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.75, 0.12))
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.64, 0.1))
 
 
 def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     """Draw what the pushes recorded so far are worth, after each."""
     pushes = len(effective)
-    axes.plot(
-        [0, pushes], [0, pushes], color=QUIET, linewidth=0.9, linestyle=":", label="spread evenly"
-    )
+    axes.plot([0, pushes], [0, pushes], label="spread evenly", **style.EVEN)
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")
-    axes.set(
-        xlabel="pushes recorded",
-        ylabel="worth, in pushes spread evenly",
-        xlim=(0, pushes),
-        ylim=(0.0, None),
-    )
-    axes.set_title("What the pushes are worth")
-    axes.legend(loc="upper left")
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
-
-
-def _push_axis(axes: Axes, pushes: int) -> None:
-    axes.set(xlabel="push", xlim=(-0.5, max(pushes, 2) - 0.5))
-    axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    style.legend_above(axes)
+    axes.set_ylabel("worth, in pushes spread evenly")
+    axes.set_ylim(bottom=0.0)
+    style.count_axis(axes, "pushes recorded", pushes)
+    style.entitle(axes, "What the pushes are worth")
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
@@ -231,3 +198,107 @@ def _pushes(count: int) -> str:
 
 def _power(log10: float) -> str:
     return f"{10.0 ** max(log10, 0.0):.3g}" if log10 < 6.0 else f"10^{log10:.0f}"
+
+
+# Of the pushes behind an alarm, so many near its direction are a lock-in; fewer come and go.
+_LOCKED = 0.8
+
+
+def audit_headline(found: Audit) -> str:
+    """Whether the data set can be used as it is."""
+    if found.is_good:
+        return f"{found.name}: the orientations are spread well"
+    if found.locked_from is not None:
+        how = "locks in" if found.gathered > _LOCKED else "lingers"
+        return f"{found.name}: {how} from push {found.locked_from} on"
+    return f"{found.name}: the orientations are not spread over the circle"
+
+
+def audit_paragraph(found: Audit) -> str:
+    """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to
+    change.
+    """
+    pushes = len(found.theta)
+    state, others = found.report.coverage, found.others
+    of = f" (and {others} pushes of other sets, not looked at)" if others else ""
+    if len(found.covered) == 1 and found.covered[0][1] - found.covered[0][0] > 6.28:
+        where = (
+            f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
+            f"{angle(state.gap_centre, 0)}"
+        )
+    else:
+        arcs = ", ".join(
+            f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}"
+            for low, high in found.covered[:4]
+        )
+        more = f" and {len(found.covered) - 4} arcs more" if len(found.covered) > 4 else ""
+        where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
+    cover = f"The orientations of the object before {pushes} pushes{of} {where}."
+    worth = (
+        f"The {pushes} pushes tell as much of how motion depends on orientation as "
+        f"{found.worth:.0f} spread evenly."
+    )
+    alarm, start, aim = found.report.alarm, found.locked_from, angle(state.least_covered, 0)
+    locks = start is not None and found.gathered > _LOCKED
+    if not found.ordered:
+        gathered = "Their order is not known, so that nothing can be said of when they gathered."
+    elif alarm is None or start is None:
+        gathered = f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
+    else:
+        how = "lock in" if locks else "linger again and again"
+        gathered = (
+            f"From push {start} on they {how} about {directions(alarm.directions)}: "
+            f"{found.gathered:.0%} of the {pushes - start} pushes from there on lie within 10° of "
+            "it."
+        )
+    change = (
+        f"For more data begin at {aim}, the orientation least covered, or with a reset that "
+        "cyclemap reset finds."
+    )
+    if found.is_good:
+        change = f"Nothing needs to change; the orientation least covered is {aim}."
+    elif locks:
+        change = (
+            f"Weigh what follows push {start} less, or leave it out; for more data change the "
+            f"reset (cyclemap reset finds one) and begin at {aim}, the orientation least covered."
+        )
+    return " ".join([cover, gathered, worth, _undone(found), change])
+
+
+def _undone(found: Audit) -> str:
+    reset: ResetEffect | None = found.reset
+    if reset is None and found.posed:
+        return (
+            "What the reset did cannot be said: poses before and after pushes are there, but not "
+            "in a row of pushes that follow each other: it takes their numbers, a column rep, and "
+            "no orientations set at random."
+        )
+    if reset is None:
+        return "What the reset did cannot be said: the data have no poses after pushes."
+    turns = (np.degrees(turn) for turn in (reset.push_turn, reset.reset_turn))
+    push, back = (f"{turn.mean():.1f}° ± {turn.std():.1f}°" for turn in turns)
+    moved = angle(float((reset.push_turn + reset.reset_turn).mean()))
+    return (
+        f"A push turned the object by {push}, the reset behind it by {back}: that took "
+        f"{reset.undone:.0%} back, so that the next push began {moved} farther on average."
+    )
+
+
+@style.picture_style()
+def audit_page(found: Audit) -> Figure:
+    """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
+    push's.
+    """
+    figure = style.new_figure(13.333, 7.9)
+    room = style.write_page(figure, audit_headline(found), [audit_paragraph(found)])
+    reset = draw_course(figure, room, found.theta, found.reports)
+    if found.reset is None:
+        reset.axis("off")
+        style.say(reset, "no poses after pushes: what the reset did is unknown")
+        return figure
+    push, back = np.degrees([found.reset.push_turn, found.reset.reset_turn])
+    reset.plot(push, back, label="measured", **style.DOTS)
+    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **style.SECOND)
+    reset.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")
+    style.entitle(reset, "What the reset did")
+    return figure

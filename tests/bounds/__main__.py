@@ -1,5 +1,6 @@
 """No stated bound below the error, on random lifts: `python -m tests.bounds [LIFTS] [SEED]
-[MINUTES]` from the root.
+[MINUTES]` from the root, and on random families: `python -m tests.bounds families [FAMILIES] [SEED]
+[MINUTES]`.
 """
 
 import os
@@ -9,11 +10,17 @@ import time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from tests.bounds.bound_study import study, table
+from tests.bounds.family_study import study_families
 
 if __name__ == "__main__":
-    numbers = [float(word) for word in sys.argv[1:]] + [10_000, 0, 8][len(sys.argv) - 1 :]
+    words = sys.argv[1:]
+    run, usual = study, [10_000, 0, 8]
+    if words[:1] == ["families"]:
+        words = words[1:]
+        run, usual = study_families, [1_000, 0, 60]
+    numbers = [float(word) for word in words] + usual[len(words) :]
     begun = time.process_time()
-    found = study(
+    found = run(
         int(numbers[0]), int(numbers[1]), lambda: time.process_time() - begun > 60 * numbers[2]
     )
     print(table(found))

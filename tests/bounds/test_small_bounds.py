@@ -3,6 +3,7 @@
 import pytest
 
 from tests.bounds.bound_study import study
+from tests.bounds.family_study import study_families
 
 
 @pytest.mark.slow
@@ -11,3 +12,14 @@ def test_no_bound_is_below_the_error_on_random_lifts() -> None:
     assert found.broken == []
     assert found.judged["moment"] >= 40 and found.judged["density"] >= 20
     assert sum(found.refused.values()) <= 4
+
+
+@pytest.mark.slow
+def test_no_bound_is_below_the_error_on_random_families() -> None:
+    """Of bifurcations, curves of them, and their points of codimension two."""
+    found = study_families(40, 5)
+    assert found.broken == []
+    assert found.judged["saddle-node"] >= 50 and found.judged["border-collision"] >= 20
+    assert found.judged["curve of saddle-node"] >= 16 and found.judged["cusp"] >= 4
+    assert found.judged["period-doubling"] >= 4 and found.judged["border saddle-node"] >= 6
+    assert sum(found.refused.values()) <= 2

@@ -1,12 +1,14 @@
 """What planned pushes tell of worlds that are drawn, beside random ones: `python -m
 tests.calibration.planned_pushes`.
 
-`worlds [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of
+`own [200 [FIRST [COUNT ...]]]`: floor, rod and ring of a sample of `unknown`, the plate of
 another, both turned by any angle; rods are set off their marks, pushes and drags run at a
 ten-thousandth of the error that identification works with, and err as much as measured ones do.
 From each set of pushes the floor is identified as `cyclemap plan --after` does it. Asked are the
 error of the stable direction, whether 95 % intervals hold it, and whether the loop locks in, with
-the chance told.
+the chance told. `dynamic` and `mujoco` ask the same of worlds of the dynamic simulation, whose rod
+is fast, and of MuJoCo (the `peers` extra), whose ellipse has its centre in its middle and whose
+ring has no friction; the truth is their own map then.
 
 `measured [10]`: of the pushes that MIT's robot made (the data folder), ten chosen by the criterion
 of the plan predict those at other contacts, beside so many draws of ten. The floor is known, the
@@ -59,6 +61,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, push_noise
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
+from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
 from tests.inference.measured_floors import FLOORS, PLATES
 from tests.inference.measured_floors import measured as measured_pushes
 
@@ -99,7 +102,7 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
 
 def filled(
     loop: cm.CollectionLoop,
-    world: cm.CollectionLoop,
+    world: World,
     pushes: list[SetPush],
     rng: np.random.Generator,
 ) -> str:
@@ -118,15 +121,11 @@ def filled(
         lying = Pose(*(read + reading * rng.normal(size=3)).tolist())
         sent = (first - APPROACH * way + SET_OFF * rng.normal(size=2)).tolist()
         far = planned.push.distance + APPROACH
-        end = world.model.push(
-            lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far)
-        ).end
+        end = world.push(lying, WorldPush((sent[0], sent[1]), math.atan2(way[1], way[0]), far))
         # What no model says of a push moves the object, and the drag begins there.
         ended = Pose(*(np.array((end.x, end.y, end.theta)) + missed[:3] * rng.normal(size=3)))
         goal = planned.start.to_world(*slider.hitch)
-        back = world.model.drag(
-            ended, (goal,), pin_friction_radius=world.reset.pin_friction_radius
-        ).end
+        back = world.drag(ended, goal)
         seen = Pose(*(np.array((ended.x, ended.y, ended.theta)) + reading * rng.normal(size=3)))
         turned = back.theta + float(missed[3] * rng.normal() + reading[2] * rng.normal())
         lever = Pose(theta=turned).to_world(*slider.hitch)
@@ -188,7 +187,7 @@ def identified_errors(count: int) -> np.ndarray:
     for number in range(count):
         rng = np.random.default_rng([37, number])
         surface = drawn_world(loop, rng)
-        world = replace(loop_on(surface, loop), accuracy=1e-7)
+        world = OwnWorld(replace(loop_on(surface, loop), accuracy=1e-7))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "read.csv")
             path.write_text(filled(loop, world, plan, rng))
@@ -200,9 +199,21 @@ def identified_errors(count: int) -> np.ndarray:
     return np.array(errors)
 
 
-def worlds(count: int, first: int = 0, *counts: int) -> None:
-    """Print a line of JSON for each world: of so many of them, from number `first` on, after these
-    counts of pushes.
+def world_of(kind: str, surface: SurfaceParameters, loop: cm.CollectionLoop) -> World:
+    """Return a world of a kind with these numbers, as far as it has them."""
+    if kind == "mujoco":
+        from tests.calibration.mujoco_world import MujocoWorld
+
+        left_out = dict.fromkeys(("offset_x", "offset_y", "pin_friction_radius"), 0.0)
+        surface = SurfaceParameters.from_values(surface.values() | left_out)
+        return MujocoWorld(loop_on(surface, loop))
+    exact = replace(loop_on(surface, loop), accuracy=1e-7)
+    return DynamicWorld(exact) if kind == "dynamic" else OwnWorld(exact)
+
+
+def worlds(kind: str, count: int, first: int = 0, *counts: int) -> None:
+    """Print a line of JSON for each world of a kind: of so many of them, from number `first` on,
+    after these counts of pushes.
     """
     loop = own_loop()
     plans = {
@@ -212,12 +223,12 @@ def worlds(count: int, first: int = 0, *counts: int) -> None:
     for number in range(first, first + count):
         rng = np.random.default_rng([31, number])
         surface = drawn_world(loop, rng)
-        world = replace(loop_on(surface, loop), accuracy=1e-7)
-        stable = [
-            float(orbit.points[0])
-            for orbit in cm.fixed_points(world.circle_map(1e-4))
-            if orbit.stable
-        ]
+        world = world_of(kind, surface, loop)
+        if isinstance(world, OwnWorld):
+            orbits = cm.fixed_points(world.loop.circle_map(1e-4))
+            stable = [float(orbit.points[0]) for orbit in orbits if orbit.stable]
+        else:
+            stable = stable_directions(world, loop)
         told: dict[str, object] = {"world": number, "stable": stable}
         for pushes in plans:
             random = [offered[index] for index in rng.permutation(len(offered))[:pushes]]
@@ -364,10 +375,10 @@ def measured(draws: int) -> None:
 
 
 if __name__ == "__main__":
-    what, *rest = sys.argv[1:] or ["worlds"]
+    what, *rest = sys.argv[1:] or ["own"]
     if what == "measured":
         measured(int((rest or ["10"])[0]))
-    elif what == "worlds":
-        worlds(*(int(number) for number in rest or ["200"]))
+    elif what in ("own", "dynamic", "mujoco"):
+        worlds(what, *(int(number) for number in rest or ["200"]))
     else:
         summary([line for path in rest for line in Path(path).read_text().splitlines()])

@@ -7,15 +7,17 @@ import math
 import signal
 import subprocess
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-import cyclemap as cm
 from cyclemap.cli import run_watch as module
 from cyclemap.cli.main import run
-from cyclemap.cli.options import TableOptions
-from cyclemap.collection.lock_forecast import lock_forecast, sampled_turns
+from cyclemap.cli.options import ResultOptions, TableOptions
+from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
+from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.errors import DataFileError
 
 LOCKED = [20.0, 28.0, 36.0, 44.0, 52.0, *[60.0 + 0.3 * (k % 3) for k in range(30)]]
@@ -184,9 +186,9 @@ def test_however_following_ends_picture_and_json_are_written(
         tables = dict.fromkeys(("object_pose", "tip_pose", "ft_wrench"), poses)
         (here / "fol" / f"push_{k}.json").write_text(json.dumps(tables))
     grown(monkeypatch, fail)
-    results = {"out": here / "out", "picture_format": "png", "json_target": "-"}
+    results = ResultOptions(here / "out", "png", "-")
     with pytest.raises(type(failure)):
-        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), **results)
+        module.run_watch(here / "fol", 0.01, True, 0.5, None, None, TableOptions(), results)
     if code is not None:
         grown(monkeypatch, fail)
         assert run(["watch", "fol", *FOLLOW]) == code
@@ -275,13 +277,16 @@ def test_a_surface_with_samples_tells_what_is_ahead_of_where_the_log_stands(
     assert len(lines) == len(LOCKED) + 3 and len(computed) == 1
     ahead = [(line["theta0_deg"], line["forecast"]) for line in lines if "forecast" in line]
     assert [theta_deg for theta_deg, _ in ahead] == pytest.approx([LOCKED[-1], 200.0, 340.0])
-    loop, sigma = cm.CollectionLoop.mit("slate.toml"), math.radians(1.1)
-    for theta_deg, told in ahead:
-        expected = lock_forecast(loop, sigma, 300, math.radians(theta_deg))
+    sigma = math.radians(1.1)
+    path = np.radians([*LOCKED, 200.0, 10.0, 340.0])
+    for (theta_deg, told), pushes in zip(ahead, (0, 1, 3), strict=True):
+        log = path[: len(LOCKED) + pushes]
+        logged = turns_after_log(computed[0], log.tolist(), sigma, 300)
+        expected = forecast_from_turns(
+            logged.turns, logged.sigma, 300, math.radians(theta_deg), change=logged.change
+        )
         assert told["cycles"] == 300 and told["chance_of_lock_in"] == expected.chance
-        assert [told["orientations_of_36"][key] for key in ("median", "lower", "upper")] == [
-            *expected.orientations
-        ]
+        assert told["orientations_of_36"] == asdict(expected.orientations)
     assert json.loads((here / "out" / "watch_my_run.json").read_text())["forecast"] == ahead[-1][1]
     assert run(asked) == 0
     assert (

@@ -3,14 +3,19 @@ samples of both.
 """
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.collection.lock_forecast import LockForecast, lock_forecast
+from cyclemap.collection.lock_forecast import (
+    LikelyDirection,
+    LockForecast,
+    SeenOrientations,
+    lock_forecast,
+)
 from cyclemap.collection.uncertain_directions import direction_uncertainty
 from cyclemap.mechanics import EllipseFriction, Material, MaterialPosterior
 from cyclemap.views.sentences import ahead_sentence
@@ -33,24 +38,24 @@ def test_isotropic_friction_turns_the_object_all_around_and_never_locks_in() -> 
     and 45 see the whole circle."""
     found = lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60)
     assert found.chance == 0.0 and found.directions == ()
-    assert found.orientations == (36.0, 36.0, 36.0)
+    assert found.orientations == SeenOrientations(36.0, 36.0, 36.0)
 
 
 def test_a_loop_that_locks_does_so_where_its_stable_direction_is() -> None:
     loop = on_samples(LOCKS, LOCKS)
     found = lock_forecast(loop, SIGMA, 400, seed=3)
-    (theta, share, within), *rest = found.directions
+    likeliest, *rest = found.directions
     stable = direction_uncertainty(loop).directions[0].theta
     assert (
         found.chance == 1.0
-        and share > 0.9
-        and sum(part for _, part, _ in rest) < 0.1
-        and within < 0.3
+        and likeliest.share > 0.9
+        and sum(direction.share for direction in rest) < 0.1
+        and likeliest.within < 0.3
     )
-    assert stable is not None and math.remainder(theta - stable, 2.0 * math.pi) == pytest.approx(
-        0.0, abs=0.1
-    )
-    assert found.orientations[2] < 36.0
+    assert stable is not None and math.remainder(
+        likeliest.theta - stable, 2.0 * math.pi
+    ) == pytest.approx(0.0, abs=0.1)
+    assert found.orientations.upper < 36.0
 
 
 def test_the_chance_is_the_share_of_samples_that_lock() -> None:
@@ -61,7 +66,9 @@ def test_the_chance_is_the_share_of_samples_that_lock() -> None:
 def test_more_pushes_lock_in_and_see_no_less() -> None:
     loop = on_samples(LOCKS, TURNS)
     early, late = (lock_forecast(loop, SIGMA, cycles, start=4.0) for cycles in (50, 400))
-    assert early.chance <= late.chance and np.all(np.array(early.orientations) <= late.orientations)
+    assert early.chance <= late.chance and np.all(
+        np.array(astuple(early.orientations)) <= astuple(late.orientations)
+    )
 
 
 def test_portraits_and_staircases_tell_it_where_there_are_samples() -> None:
@@ -97,8 +104,9 @@ def test_the_sentence_tells_chance_directions_and_orientations() -> None:
         "Of all that is believed, within 60 pushes the loop locks in with a chance of 0%; 36 of 36 "
         "orientations will have been seen (36 to 36)."
     )
+    directions = LikelyDirection(1.0, 0.7, 0.1), LikelyDirection(3.0, 0.05, 2.0)
     locked = ahead_sentence(
-        LockForecast(300, 0.75, ((1.0, 0.7, 0.1), (3.0, 0.05, 2.0)), (20.0, 9.0, 36.0), 40)
+        LockForecast(300, 0.75, directions, SeenOrientations(20.0, 9.0, 36.0), 40)
     )
     assert (
         "within 300 pushes the loop locks in with a chance of 75%, at 57° ± 6° (70%) and any "

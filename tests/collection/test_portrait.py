@@ -29,9 +29,9 @@ def sawtooth() -> CircleMap:
 
 def test_statistics_do_not_smooth_a_jump() -> None:
     turns = turn_statistics(sawtooth())
-    assert turns.mean == pytest.approx(np.pi / 2 - 1.0, abs=1e-12)
-    assert turns.minimum == pytest.approx(-1.0, abs=1e-3)
-    assert turns.maximum == pytest.approx(np.pi - 1.0, abs=1e-3)
+    assert turns.mean_turn == pytest.approx(np.pi / 2 - 1.0, abs=1e-12)
+    assert turns.min_turn == pytest.approx(-1.0, abs=1e-3)
+    assert turns.max_turn == pytest.approx(np.pi - 1.0, abs=1e-3)
     assert turns.max_slope == 1.5
 
 
@@ -50,11 +50,11 @@ def test_the_mean_over_cubics_is_exact(count) -> None:
     turn[-1] = turn[0]
     whole = np.sum(width * (turn[:-1] + turn[1:]) / 2 + width**2 * (slope[:-1] - slope[1:]) / 12)
     found = turn_statistics(circle_map)
-    assert found.mean == pytest.approx(whole / TURN, abs=1e-14)
+    assert found.mean_turn == pytest.approx(whole / TURN, abs=1e-14)
     # The extremes lie between nodes at most π/150 apart, here and there: 0.2 (π/300)^2 / 2 at most
     # is missed.
-    assert found.minimum == pytest.approx(0.1, abs=2e-5)
-    assert found.maximum == pytest.approx(0.5, abs=2e-5)
+    assert found.min_turn == pytest.approx(0.1, abs=2e-5)
+    assert found.max_turn == pytest.approx(0.5, abs=2e-5)
     assert found.min_slope == pytest.approx(0.8, abs=1e-3) and found.max_slope == pytest.approx(
         1.2, abs=1e-3
     )

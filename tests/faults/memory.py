@@ -11,24 +11,43 @@ import tempfile
 from pathlib import Path
 
 from tests.faults.mutations import mutated
+from tests.faults.samples import PUSH
 
 LARGEST_BYTES, LONGEST_SECONDS = 2 * 10**9, 120.0
-DATA = ("push.h5", "push.json", "poses.csv", "staircase.csv", "pairs.csv", "log.tsv")
+PUSHES = (f"{PUSH}.h5", f"{PUSH}.json", "poses.csv")
+THETA0 = "plywood_rect1_theta0_2000.csv"
+DATA = (*PUSHES, THETA0, "pairs.csv", "log.tsv")
 DATA += ("log.xlsx", "log.parquet", "log.db3", "log.mcap", "log.bag")
 OUTLINES = ("tee.svg", "tee.dxf", "tee.stl", "tee.urdf", "tee.csv")
-# By command: what stands before the file, and the samples that it is given.
+PROTOCOLS = ("protocol.toml", "collection.toml")
+_SWEPT = "sweep isotropic --over noise_deg=1:2:2 --quantities rotation --workers 1"
+# By what is done: the command, the file's place in it, and the samples that it is given.
 COMMANDS: dict[str, tuple[str, tuple[str, ...]]] = {
-    "identify": ("identify", DATA),
-    "compare": ("compare plywood --data", DATA),
-    "audit": ("audit", DATA),
-    "probe": ("probe plywood --data", DATA),
-    "fit": ("fit", DATA),
-    "watch": ("watch", DATA),
-    "staircase": ("staircase plywood --data", DATA),
-    "portrait": ("portrait --material", ("material.toml",)),
-    "cycle": ("cycle plywood --theta0-deg 10 --protocol", ("protocol.toml", "collection.toml")),
-    "reset": ("reset plywood --protocol", ("protocol.toml",)),
-    "init": ("init made.toml --outline", OUTLINES),
+    "identify": ("identify {}", DATA),
+    "compare": ("compare plywood --data {}", DATA),
+    "audit": ("audit {}", DATA),
+    "probe": ("probe plywood --data {}", DATA),
+    "fit": ("fit {}", DATA),
+    "watch": ("watch {}", DATA),
+    "replay": ("replay isotropic --data {}", PUSHES),
+    "staircase": ("staircase plywood --data {}", DATA),
+    "report": ("report plywood --data {}", DATA),
+    "explore": ("explore plywood --no-browser --data {}", DATA),
+    "portrait": ("portrait --material {}", ("material.toml",)),
+    "fingerprint": ("fingerprint --material {}", ("material.toml",)),
+    "simulate": ("simulate plywood --cycles 20 --out made --protocol {}", PROTOCOLS),
+    "cycle": ("cycle plywood --theta0-deg 10 --protocol {}", PROTOCOLS),
+    "dynamics": ("dynamics plywood --theta0-deg 10 --protocol {}", ("collection.toml",)),
+    "experiment": ("experiment plywood --batches 2 --cycles 3 --protocol {}", ("collection.toml",)),
+    "sweep": (f"{_SWEPT} --protocol {{}}", ("collection.toml",)),
+    # What was begun is in the store, and gone on with.
+    "sweep on": (f"{_SWEPT} --out .", ("sweep_isotropic.sqlite",)),
+    "reset": ("reset plywood --protocol {}", ("protocol.toml",)),
+    "plan": ("plan {} --pushes 2", ("collection.toml",)),
+    "init": ("init made.toml --outline {}", OUTLINES),
+    # Captions of pictures that are there already.
+    "figures": ("figures table-friction --out .", ("figures.json",)),
+    "staircases": ("figures staircases --data .", (THETA0,)),
 }
 _SAMPLES = "from pathlib import Path; from tests.faults.samples import write_samples; "
 
@@ -67,7 +86,7 @@ def peaks(command: str, folder: Path, files: int, chance: random.Random) -> tupl
                 # Protocols name files that stand beside them.
                 shutil.copytree(folder, place, dirs_exist_ok=True)
                 (Path(place) / kind).write_bytes(content)
-                peak, code = peak_bytes([*words.split(), kind], Path(place))
+                peak, code = peak_bytes(words.format(kind).split(), Path(place))
             highest = max(highest, peak)
             codes.append(code)
     return highest, codes
@@ -83,7 +102,7 @@ def main(files: int, seed: int) -> int:
         for command in COMMANDS:
             peak, codes = peaks(command, Path(place), files, chance)
             ended = {code: codes.count(code) for code in sorted(set(codes))}
-            print(f"{command:<10}{peak / 1e6:>8.0f} MB, exit codes {ended}", flush=True)
+            print(f"{command:<12}{peak / 1e6:>8.0f} MB, exit codes {ended}", flush=True)
             exceeds |= peak > LARGEST_BYTES
     return int(exceeds)
 

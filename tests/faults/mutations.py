@@ -12,6 +12,8 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from tests.faults.samples import PUSH
+
 LARGEST_BYTES, LONGEST_SECONDS = 10**9, 30
 
 Reader = Callable[[Path], object]
@@ -33,16 +35,16 @@ def readers() -> dict[str, tuple[Reader, ...]]:
         return theta0_feed(path).look(finished=True)
 
     return {
-        "push.h5": (load_pushes, recognise),
-        "push.json": (load_pushes, recognise),
+        f"{PUSH}.h5": (load_pushes, recognise),
+        f"{PUSH}.json": (load_pushes, recognise),
         "poses.csv": (load_pushes, recognise),
-        "staircase.csv": (read_theta0_pairs, load_pushes, read_all_theta0),
+        "plywood_rect1_theta0_2000.csv": (read_theta0_pairs, load_pushes, read_all_theta0),
         "pairs.csv": (read_theta0_pairs, load_pushes),
         "support.csv": (load_footprint,),
         "schedule.csv": (read_schedule,),
         "material.toml": (load_material,),
         "protocol.toml": (read_protocol,),
-        "sweep.sqlite": (load_sweep,),
+        "sweep_isotropic.sqlite": (load_sweep,),
         "figures.json": (_read_index,),
         "collection.toml": (loop_from_file,),
         **{

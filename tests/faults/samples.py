@@ -5,6 +5,8 @@ import struct
 from importlib.util import find_spec
 from pathlib import Path
 
+# What a push is of is told by its file's name.
+PUSH = "motion_surface=plywood_shape=rect1_a=0_v=20_i=0.000_s=0.700_t=0.000_rep=0000"
 _CORNERS = [(0, 0), (80, 0), (80, 80), (0, 80)]
 
 
@@ -22,11 +24,11 @@ def write_samples(folder: Path) -> None:
     loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     for suffix in (".h5", ".json"):
         made = simulate_collection(loop, folder / f"made{suffix}", 1, suffix=suffix)
-        next(made.folder.rglob(f"motion_*{suffix}")).rename(folder / f"push{suffix}")
+        next(made.folder.rglob(f"motion_*{suffix}")).rename(folder / f"{PUSH}{suffix}")
     poses = "".join(f"{n},0.1,0.2,{n / 7:.4f},0.3,0.4,1.5\n" for n in range(20))
     (folder / "poses.csv").write_text(f"rep,x0,y0,theta0,x1,y1,theta1\n{poses}")
     rows = "".join(f"{n},{3 * n},{3 * n % 360},{3 if n < 99 else ''},\n" for n in range(100))
-    (folder / "staircase.csv").write_text(
+    (folder / "plywood_rect1_theta0_2000.csv").write_text(
         f"rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n{rows}"
     )
     (folder / "pairs.csv").write_text(
@@ -43,9 +45,9 @@ def write_samples(folder: Path) -> None:
     plan = SweepPlan.grid(
         "isotropic",
         {"noise_deg": (1.0, 2.0)},
-        numbers=PortraitNumbers(("rotation",), tolerance=1e-2),
+        numbers=PortraitNumbers(("rotation",)),
     )
-    run_sweep(plan, folder / "sweep.sqlite", workers=1)
+    run_sweep(plan, folder / "sweep_isotropic.sqlite", workers=1)
     line = {
         "name": "x",
         "title": "t",

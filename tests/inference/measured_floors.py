@@ -31,7 +31,7 @@ from cyclemap.evidence import (
     push_end_block,
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
-from cyclemap.evidence.data_blocks.stroke_block import predicted_push_ends, surface_model
+from cyclemap.evidence.data_blocks.stroke_block import surface_model
 from cyclemap.evidence.identification.data_block import SESSION_KINDS, session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import (
     held_values,
@@ -45,6 +45,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
+from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,

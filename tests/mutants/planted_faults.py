@@ -269,17 +269,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))",
                 "unsure = NEUTRAL",
             ),
+            # The margin of the first bracket is no fault to plant: brackets widen until these hold.
             (
-                "margin = np.abs(roots.residual) + 2.0 * roots.rounding",
-                "margin = 0.0 * np.abs(roots.residual) + 1e-300",
+                "(np.abs(low) > low_noise + TANGENCY * touch)\n"
+                "            & (np.abs(high) > high_noise + TANGENCY * touch)",
+                "(np.abs(low) > TANGENCY * touch)\n            & (np.abs(high) > TANGENCY * touch)",
             ),
             (
                 "broken, smallest = np.any(table < 0, axis=0)",
                 "broken, smallest = np.any(table < -1, axis=0)",
             ),
             (
-                "moved = theta[active] - residual[active] / (slope[active] - 1.0)",
-                "moved = theta[active] + residual[active] / (slope[active] - 1.0)",
+                "theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap",
+                "theta = np.where(beyond, theta - TWO_PI, theta)",
             ),
         ],
     ),
@@ -637,13 +639,21 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
         ],
     ),
+    "evidence/predicted_strokes.py": (
+        "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
+        [
+            ("for push in pushes]) / model.unit - travel", "for push in pushes]) / model.unit"),
+            ("longer = normal / (normal @ toward)", "longer = normal"),
+        ],
+    ),
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("way = length / model.unit - travel", "way = length / model.unit"),
-            ("longer = normal / (normal @ toward)", "longer = normal"),
-            ("predicted = predicted + gone * (turn_worn - predicted)", "predicted = predicted"),
-            ("jacobian *= 1.0 - by_share", "jacobian *= 1.0"),
+            ("predicted += weight * (between @ turned)", "predicted += between @ turned"),
+            (
+                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
+                "jacobian[:, columns] += between @ by_names",
+            ),
         ],
     ),
     "evidence/tables/measured_cycle_map.py": (

@@ -112,6 +112,12 @@ def test_evidence_knows_neither_the_origin_nor_whole_turns_nor_the_way_of_lookin
     )
 
 
+def test_no_path_tells_more_than_one_order_among_twenty_thousand_can() -> None:
+    """At every look the recorded order counts for N + 1 at most, and the looks share one weight."""
+    path = np.random.default_rng(6).uniform(0.0, 2.0, CHECKS[-1] + 1)
+    assert 5_000.0 < evidence_of(path) <= 20_000.0
+
+
 @pytest.mark.parametrize("turn_deg", [0.0, 3.0, 8.0, 120.0])
 def test_equal_turns_tell_nothing_for_all_their_orders_are_one(turn_deg) -> None:
     assert evidence_of(np.radians(turn_deg) * np.arange(60)) == 0.0

@@ -2,6 +2,8 @@
 so.
 """
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -44,11 +46,7 @@ def test_every_number_is_the_portraits_to_the_last_bit() -> None:
         "fixed_point_multiplier": tuple(orbit.multiplier for orbit in points),
         "fixed_point_stable": tuple(float(orbit.stable) for orbit in points),
         "gathering_jump_theta": drawn.gathering_jumps,
-        "mean_turn": turns.mean,
-        "min_turn": turns.minimum,
-        "max_turn": turns.maximum,
-        "min_slope": turns.min_slope,
-        "max_slope": turns.max_slope,
+        **asdict(turns),
         "tv_from_uniform": drawn.tv_from_uniform,
         "spectral_gap": operator.spectral_gap,
         "mixing_cycles": operator.mixing_cycles,

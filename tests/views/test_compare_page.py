@@ -14,6 +14,7 @@ from cyclemap.evidence.comparison.push_agreement import PushAgreement, quantity_
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.views import compare_page as sentences
 from cyclemap.views.compare_page import compare_page, residual_page
+from cyclemap.views.verdicts import verdicts
 
 SINE, NOISE = CircleMap.arnold(0.11, 0.6), WrappedNormal(0.1)
 FACTS = {
@@ -65,7 +66,7 @@ def test_a_page_has_a_panel_for_what_is_there_and_its_words_lie_apart(found, sho
 
 
 def test_the_sentences_count_the_answers_and_name_what_was_left_out(found) -> None:
-    answers = [one.agrees for one in found.verdicts]
+    answers = [one.agrees for one in verdicts(found)]
     kept, asked = answers.count(True), len(answers) - answers.count(None)
     assert (
         sentences.headline("sine", found)

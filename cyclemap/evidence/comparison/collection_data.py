@@ -19,16 +19,16 @@ from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
+from cyclemap.evidence.predicted_strokes import loop_of_session
 from cyclemap.evidence.pushes.columns import Row
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.evidence.tables.push_sets import selected_pushes
-from cyclemap.mechanics import SidePush, material_names
+from cyclemap.mechanics import SidePush, Slider, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -266,7 +266,7 @@ def _of_object(loop: CollectionLoop, name: str | None) -> CollectionLoop:
     """The loop with the object that data name, its own where they name none."""
     if name in (None, file_stem(loop.slider.name)):
         return loop
-    return loop_from_settings({"shape": name}, loop)
+    return loop_of_session(loop, Slider.mit(name, loop.slider.hitch))
 
 
 def _push_sets(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -34,6 +34,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
     turn_bins,
 )
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
+from cyclemap.written import ANGLE, DIRECTION
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
 # Orientations of the ensemble from which the predicted modes are taken.
@@ -176,10 +177,10 @@ class DirectionMatch:
     """
 
     kind: str
-    centre: float
-    predicted_mode: float | None
-    measured_mode: float | None
-    difference: float | None
+    centre: float = field(metadata=DIRECTION)
+    predicted_mode: float | None = field(metadata=DIRECTION | {"name": "predicted_peak"})
+    measured_mode: float | None = field(metadata=DIRECTION | {"name": "measured_peak"})
+    difference: float | None = field(metadata=ANGLE)
     p_value: PValue | None
 
 
@@ -188,7 +189,7 @@ class DirectionAgreement:
     """All directions. matches : one a predicted zone. measured_modes : (k,) rad, sorted."""
 
     matches: tuple[DirectionMatch, ...]
-    measured_modes: Array
+    measured_modes: Array = field(metadata=DIRECTION | {"name": "measured_peaks"})
 
 
 def direction_agreement(
@@ -204,11 +205,9 @@ def direction_agreement(
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
     simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
     for zone in zones:
-        mode = seen = off = p_value = None
-        if predicted.size:
-            mode = float(predicted[np.argmin(np.abs(shorter_way(predicted - zone.centre)))])
-        if mode is not None and measured.size:
-            seen = float(measured[np.argmin(np.abs(shorter_way(measured - mode)))])
+        mode, off, p_value = _nearest(predicted, zone.centre), None, None
+        seen = None if mode is None else _nearest(measured, mode)
+        if mode is not None and seen is not None:
             off = float(shorter_way(seen - mode))
             # A simulated collection without any mode is as far off as can be.
             others = [
@@ -218,6 +217,11 @@ def direction_agreement(
             p_value = monte_carlo_p_value(abs(off), others)
         matches.append(DirectionMatch(zone.kind, zone.centre, mode, seen, off, p_value))
     return DirectionAgreement(tuple(matches), read_only(measured))
+
+
+def _nearest(modes: Array, angle: float) -> float | None:
+    """The mode nearest to an angle, rad; None without any."""
+    return float(modes[np.argmin(np.abs(shorter_way(modes - angle)))]) if modes.size else None
 
 
 @dataclass(frozen=True)
@@ -267,18 +271,17 @@ def staircase_agreement(
     summary : of the map where it does not wear. progress : called with the fraction done, in (0,
         1].
     """
-    report, found = progress or (lambda fraction: None), []
-    for done, one in enumerate(null, 1):
-        found.append(_numbers(one))
+    report, simulated = progress or (lambda fraction: None), []
+    for done, run in enumerate(null, 1):
+        simulated.append(_numbers(run))
         report(done / len(null))
-    names, columns = ("turns", "steps", "step_height", "residence"), zip(*found, strict=True)
-    both = zip(names, _numbers(path), columns, strict=True)
-    quantities = {name: simulated_quantity(value, np.array(column)) for name, value, column in both}
-    theory = (
-        None
-        if summary is None
-        else compare_steps(find_steps(path, zones=summary.zones or None), summary)
-    )
+    quantities = {
+        name: simulated_quantity(value, np.array([numbers[name] for numbers in simulated]))
+        for name, value in _numbers(path).items()
+    }
+    theory = None
+    if summary is not None:
+        theory = compare_steps(find_steps(path, zones=summary.zones or None), summary)
     return StaircaseAgreement(null[0], quantities, theory)
 
 
@@ -303,9 +306,12 @@ def simulated_quantity(measured: float, simulated: Array) -> SimulatedQuantity:
     return SimulatedQuantity(value, middle, lower, upper, p_value)
 
 
-def _numbers(path: Array) -> tuple[float, float, float, float]:
+def _numbers(path: Array) -> dict[str, float]:
     """Turns, steps, median height and median length; NaN without steps or dwells."""
     steps = find_steps(path)
-    height = float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan
-    length = float(np.median(steps.lengths)) if steps.lengths.size else np.nan
-    return float(path[-1] - path[0]) / TWO_PI, float(steps.count), height, length
+    return {
+        "turns": float(path[-1] - path[0]) / TWO_PI,
+        "steps": float(steps.count),
+        "step_height": float(np.median(np.abs(steps.heights))) if steps.heights.size else np.nan,
+        "residence": float(np.median(steps.lengths)) if steps.lengths.size else np.nan,
+    }

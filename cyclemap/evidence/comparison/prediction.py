@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
+from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.orientations.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
@@ -23,6 +23,7 @@ SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
 Progress = Callable[[float], None]
+Predictor = CollectionLoop | CircleMap | DriftingMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class Prediction:
     map: CircleMap | DriftingMap
     noise: Noise
     kind: str
-    given: Any
+    given: Predictor
     samples: tuple[CircleMap | DriftingMap, ...] = ()
 
     @property
@@ -70,7 +71,7 @@ class Prediction:
 
 
 def as_prediction(
-    given: Any,
+    given: Predictor,
     noise: Noise | None,
     last: int,
     *,
@@ -98,37 +99,36 @@ def as_prediction(
         kind = "map" if isinstance(given, CircleMap) else "drifting map"
         return Prediction(given, noise, kind, given)
     # A loop is told by what it can do, so that a loop whose map is known may stand in for it.
-    if callable(getattr(given, "circle_map", None)) and callable(getattr(given, "cycle", None)):
-        report = progress or (lambda fraction: None)
-        if isinstance(given, CollectionLoop) and given.material.wear is not None:
-            # How many maps it takes is not known before; some twenty are usual.
-            chosen = drifting_map(
-                given, last + 1, progress=lambda done: report(0.3 * min(1.0, done / 20.0))
-            )
-        else:
-            chosen = given.circle_map(tolerance=tolerance, progress=lambda done: report(0.3 * done))
-        samples: list[CircleMap | DriftingMap] = []
-        loops = posterior_samples(given)
-        for done, one in enumerate(loops, 1):
-            # A surface at the edge of the posterior may not be able to make every cycle: the others
-            # tell the spread.
-            with suppress(UnsupportedContact, ConvergenceError):
-                worn = one.material.wear is not None
-                samples.append(
-                    drifting_map(one, last + 1, _SAMPLE_BLEND)
-                    if worn
-                    else one.circle_map(_SAMPLE_TOLERANCE)
-                )
-            report(0.3 + 0.7 * done / len(loops))
-        kept = tuple(samples) if len(samples) > 1 else ()
-        return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
-    raise InvalidInput(
-        f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap with "
-        "noise"
-    )
+    if not all(callable(getattr(given, name, None)) for name in ("circle_map", "cycle")):
+        raise InvalidInput(
+            f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap "
+            "with noise"
+        )
+    report = progress or (lambda fraction: None)
+    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, lambda done: report(0.3 * done))
+    samples = list[CircleMap | DriftingMap]()
+    loops = posterior_samples(given)
+    for done, loop in enumerate(loops, 1):
+        # A surface at the edge of the posterior may not be able to make every cycle: the others
+        # tell the spread.
+        with suppress(UnsupportedContact, ConvergenceError):
+            samples.append(_map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, lambda done: None))
+        report(0.3 + 0.7 * done / len(loops))
+    kept = tuple(samples) if len(samples) > 1 else ()
+    return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
 
 
-def posterior_samples(loop: Any) -> list[CollectionLoop]:
+def _map_of(
+    loop: CollectionLoop, last: int, tolerance: float, blend: float, report: Progress
+) -> CircleMap | DriftingMap:
+    """The map of a loop, or where its surface wears, its maps up to push ``last``."""
+    if isinstance(loop, CollectionLoop) and loop.material.wear is not None:
+        # How many maps it takes is not known before; some twenty are usual.
+        return drifting_map(loop, last + 1, blend, lambda done: report(min(1.0, done / 20.0)))
+    return loop.circle_map(tolerance=tolerance, progress=report)
+
+
+def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     """The loop on up to ``SAMPLES`` surfaces of its material's posterior, evenly picked; [] without
     a posterior.
     """

@@ -7,19 +7,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only
-from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
-from cyclemap.mechanics import QuasiStaticModel, SidePush
+from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
+from cyclemap.mechanics import QuasiStaticModel
+from cyclemap.mechanics.trajectory import Course
+from cyclemap.written import NUMBER, UNWRITTEN
 
 QUANTITIES = ("dtheta", "dx", "dy")
 # Below so many pushes the error of a bias is not told.
@@ -27,8 +29,6 @@ FEWEST = 3
 # A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
 # rounding.
 SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
-# A few pushes of many may have no answer, where the rod grazes a tip: this share is left out.
-_FAILING = 0.05
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the
 # mean moves.
 _SAMPLED_PUSHES = 100
@@ -53,8 +53,8 @@ class QuantityAgreement:
     explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     """
 
-    name: str
-    count: int
+    name: str = field(metadata=UNWRITTEN)
+    count: int = field(metadata=UNWRITTEN)
     measured_mean: float
     measured_std: float
     predicted_mean: float
@@ -64,10 +64,10 @@ class QuantityAgreement:
     rmse: float
     bias_error: float | None
     model_error: float
-    agrees: bool | None
-    percent: float
-    std_percent: float
-    explains: bool
+    agrees: bool | None = field(metadata=UNWRITTEN)
+    percent: float = field(metadata={"name": "rmse_percent", "unit": NUMBER})
+    std_percent: float = field(metadata={"name": "measured_std_percent", "unit": NUMBER})
+    explains: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,55 +113,64 @@ def push_agreements(
 
     Raises UnsupportedContact or ConvergenceError where that is more than one in twenty.
     """
-    agreements, unanswered, spacing = [], 0, 1 + len(sets) // _SAMPLED_PUSHES
+    if not sets:
+        return (), 0
     count = sum(len(pushes.push) for pushes in sets)
-    for number, pushes in enumerate(sets):
-        loop, starts = pushes.loop, list(zip(pushes.theta.tolist(), pushes.push, strict=True))
-        most = math.ceil(_FAILING * count) - unanswered
-        predicted = _moved(loop.model, loop, starts, most)
-        isotropic = _moved(loop.model.isotropic, loop, starts, most)
-        answered = np.isfinite(predicted[:, 0]) & np.isfinite(isotropic[:, 0])
-        unanswered += int(np.sum(~answered))
-        if np.any(answered):
-            shifts, stride = [], 1 + len(starts) // _SAMPLED_PUSHES
-            for sample in posterior_samples(loop) if number % spacing == 0 else []:
-                with suppress(UnsupportedContact, ConvergenceError):
-                    moved = _moved(sample.model, loop, starts[::stride])
-                    shifts.append(np.nanmean(moved - predicted[::stride], axis=0))
-            sampled = np.array(shifts) if len(shifts) > 1 else None
-            measured = np.column_stack([pushes.dtheta, pushes.displacement])
-            length = float(np.median([push.distance for push in pushes.push]))
-            columns = (pushes.theta, measured, predicted, isotropic)
-            theta, pushed, ours, alike = (read_only(column[answered]) for column in columns)
-            quantities = _quantities(pushed, ours, sampled)
-            agreements.append(
-                PushAgreement(pushes.facts, length, theta, pushed, ours, alike, quantities, sampled)
-            )
-        report((number + 1) / len(sets))
-    return tuple(sorted(agreements, key=lambda agreement: -agreement.count)), unanswered
+    most_failing = math.ceil(FAILING * count) / count
+    models = [pushes.loop.model for pushes in sets]
+    both = []
+    for of_sets in (models, [model.isotropic for model in models]):
+        courses = list[Course]()
+        for model, pushes in zip(of_sets, sets, strict=True):
+            courses += _courses(model, pushes)
+        both.append(predicted_motions(courses, most_failing))
+        report(0.4 * len(both))
+    answered = np.isfinite(both[0][:, 0]) & np.isfinite(both[1][:, 0])
+    edges = np.cumsum([len(pushes.push) for pushes in sets])[:-1]
+    columns = (np.split(column, edges) for column in (*both, answered))
+    agreements = []
+    for index, (pushes, predicted, isotropic, kept) in enumerate(zip(sets, *columns, strict=True)):
+        if np.any(kept):
+            is_sampled = index % (1 + len(sets) // _SAMPLED_PUSHES) == 0
+            sampled = _sampled_shifts(pushes, predicted) if is_sampled else None
+            agreements.append(_agreement(pushes, predicted, isotropic, kept, sampled))
+        report(0.8 + 0.2 * (index + 1) / len(sets))
+    ordered = sorted(agreements, key=lambda agreement: -agreement.count)
+    return tuple(ordered), int(np.sum(~answered))
 
 
-def _moved(
-    model: QuasiStaticModel,
-    loop: CollectionLoop,
-    pushes: Sequence[tuple[float, SidePush]],
-    most: int = 0,
-) -> Array:
-    """Turn and displacement (n, 3) of each push from its θ0; nan for those, at most so many, that
-    have no answer.
+def _courses(model: QuasiStaticModel, pushes: PushSet, stride: int = 1) -> list[Course]:
+    """Every so many-th push of a set on a model of its object, from its own θ0."""
+    courses = []
+    for theta, push in zip(pushes.theta[::stride].tolist(), pushes.push[::stride], strict=True):
+        pose = model.start_pose(theta)
+        courses.append(model.course(model.push_strokes(pose, push), pose))
+    return courses
+
+
+def _sampled_shifts(pushes: PushSet, predicted: Array) -> Array | None:
+    """Means of some of the pushes on samples of the material's posterior less those predicted,
+    (k, 3); None where there are not two.
     """
-    rows: list[tuple[float, ...]] = []
-    for theta, push in pushes:
-        try:
-            run = model.push(loop.start_pose(theta), push)
-        except (ConvergenceError, UnsupportedContact):
-            if most == 0:
-                raise
-            most -= 1
-            rows.append((math.nan,) * 3)
-        else:
-            rows.append((run.turn, *run.displacement))
-    return np.array(rows)
+    stride = 1 + len(pushes.push) // _SAMPLED_PUSHES
+    shifts = []
+    for sample in posterior_samples(pushes.loop):
+        with suppress(UnsupportedContact, ConvergenceError):
+            moved = predicted_motions(_courses(sample.model, pushes, stride), 0.0)
+            shifts.append(np.nanmean(moved - predicted[::stride], axis=0))
+    return np.array(shifts) if len(shifts) > 1 else None
+
+
+def _agreement(
+    pushes: PushSet, predicted: Array, isotropic: Array, kept: Array, sampled: Array | None
+) -> PushAgreement:
+    """The agreement of the pushes of a set that are kept (n,)."""
+    measured = np.column_stack([pushes.dtheta, pushes.displacement])
+    columns = (pushes.theta, measured, predicted, isotropic)
+    theta, ended, ours, alike = (read_only(column[kept]) for column in columns)
+    length = float(np.median([push.distance for push in pushes.push]))
+    quantities = _quantities(ended, ours, sampled)
+    return PushAgreement(pushes.facts, length, theta, ended, ours, alike, quantities, sampled)
 
 
 def _quantities(
@@ -178,33 +187,32 @@ def mean_distances(
     """How far pushes end from the prediction on average, place (m) and turn (rad), and from
     isotropic friction's.
     """
-    measured, *both = (
-        np.concatenate([getattr(one, name) for one in sets])
-        for name in ("measured", "predicted", "isotropic")
+    measured = _joined(sets, "measured")
+    predicted, isotropic = (
+        np.abs(_joined(sets, name) - measured) for name in ("predicted", "isotropic")
     )
-    off = [np.abs(predicted - measured) for predicted in both]
-    first, other = (
-        (float(np.mean(np.hypot(*one[:, 1:].T))), float(np.mean(one[:, 0]))) for one in off
-    )
-    return first, other
+    return _mean_distance(predicted), _mean_distance(isotropic)
+
+
+def _mean_distance(off: Array) -> tuple[float, float]:
+    turn, x, y = off.T
+    return float(np.mean(np.hypot(x, y))), float(np.mean(turn))
+
+
+def _joined(sets: Sequence[PushAgreement], name: str) -> Array:
+    return np.concatenate([getattr(pushes, name) for pushes in sets])
 
 
 def pooled_quantities(sets: Sequence[PushAgreement]) -> tuple[QuantityAgreement, ...]:
-    """The quantities of all sets taken together; () without any."""
-    if not sets:
-        return ()
-    measured, predicted = (
-        np.concatenate([getattr(one, name) for one in sets]) for name in ("measured", "predicted")
-    )
-    known = [(one.count, one.sampled) for one in sets if one.sampled is not None]
-    most = max((len(some) for _, some in known), default=0)
-    known = [(count, some) for count, some in known if len(some) == most]
-    shifts = (
-        np.average([some for _, some in known], axis=0, weights=[count for count, _ in known])
-        if known
-        else None
-    )
-    return _quantities(measured, predicted, shifts)
+    """The quantities of all sets, of which there is one at least, taken together."""
+    known = [(pushes.count, pushes.sampled) for pushes in sets if pushes.sampled is not None]
+    most = max((len(sampled) for _, sampled in known), default=0)
+    complete = [(count, sampled) for count, sampled in known if len(sampled) == most]
+    shifts = None
+    if complete:
+        counts, samples = zip(*complete, strict=True)
+        shifts = np.average(samples, axis=0, weights=counts)
+    return _quantities(_joined(sets, "measured"), _joined(sets, "predicted"), shifts)
 
 
 def quantity_agreement(

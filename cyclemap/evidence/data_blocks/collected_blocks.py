@@ -5,12 +5,10 @@ left out.
 from __future__ import annotations
 
 import math
-import os
-from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -29,30 +27,23 @@ from cyclemap.evidence.data_blocks.force_blocks import (
     sliding_forces,
     wrench_twist_block,
 )
+from cyclemap.evidence.data_blocks.session_blocks import (
+    PLATE_OWNED,
+    SESSION_OWNED,
+    SessionBlock,
+    loop_of_plate,
+    named_blocks,
+    odd_sessions,
+)
 from cyclemap.evidence.data_blocks.stroke_block import (
-    NODES,
-    TIP_OFFSET,
     cycle_pair_block,
     drag_turn_block,
-    predicted_push_ends,
     push_end_block,
-    surface_model,
 )
-from cyclemap.evidence.identification.data_block import (
-    DataBlock,
-    Labels,
-    Progress,
-    part_of,
-    session_block,
-)
-from cyclemap.evidence.identification.surface_parameters import (
-    FIELD_NAMES,
-    FLOOR_NAMES,
-    PLATE_NAMES,
-    SURFACE,
-    SurfaceParameters,
-)
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
+from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.predicted_strokes import push_from_contact
 from cyclemap.evidence.pushes.columns import ENDS, named_column
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -83,19 +74,17 @@ from cyclemap.evidence.pushes.push_table import (
     UnreadableFile,
     load_pushes,
 )
-from cyclemap.evidence.tables.push_sets import push_sets
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider
-from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.evidence.tables.push_sets import PushSet, push_sets
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
 
+T = TypeVar("T")
+
 MOST_STROKES = 2000
-# What belongs to a plate, or to the frame that its data are in, and what to a session.
-PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
-SESSION_OWNED = SURFACE.select(FLOOR_NAMES).parameters
 PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
     "push ends",
     "drag-backs",
@@ -122,14 +111,11 @@ LAYOUTS = (
 _LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
-# Pushes of rods that were set by marks, at most: each has two unknowns of its own.
-_MOST_SET = 200
-# A session whose robot was this far from where it was sent (m), and so many times further than in
-# others, is odd.
-_ASTRAY, _TIMES, _SESSIONS_OF_A_FIELD = 5e-4, 3.0, 4
-# So is one in which a plate turns by this share less or more than in another, and by so many
-# standard errors; so many pushes, at least and at most, tell.
-_TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS, _MOST_TURNS = 0.15, 4.0, 20, 200
+# Pushes of rods that were set by marks, at most: each has two unknowns of its own. Pushes of a
+# session that are asked, at most, how far they turn.
+_MOST_SET, _MOST_TURNS = 200, 200
+# So many sessions tell how the floor's shape varies with the place.
+_SESSIONS_OF_A_FIELD = 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
@@ -150,106 +136,88 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
     found: list[tuple[Path, str]] = []
     unused: list[UnreadableFile] = []
-    files = [place]
+    tables = [place]
     if place.is_dir():
-        below = sorted(Path(folder, name) for folder, _, names in os.walk(place) for name in names)
-        found += (
-            [(place, RECORDS)] if any(file.suffix.lower() in SUFFIXES for file in below) else []
-        )
-        files = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
-    for file in files:
-        if file.suffix.lower() in SUFFIXES:
-            found.append((file, RECORDS))
-            continue
-        if file.suffix.lower() != CSV_SUFFIX:
-            unused.append(
-                UnreadableFile(file, f"a file of another kind ({file.suffix or 'no suffix'})")
-            )
-            continue
-        try:
-            table = read_csv_table(file)
-        except DataFileError as error:
-            unused.append(UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, ")))
-            continue
-        columns = set(table.header)
-        sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
-        posed = not sorts and all(named_column(table, one) for one in ENDS)
-        if posed or any(columns >= names for names in _ORIENTATIONS):
-            sorts.append(CYCLES)
+        below = sorted(place.rglob("*"))
+        tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
+    if any(file.suffix.lower() in SUFFIXES for file in (below if place.is_dir() else [place])):
+        found.append((place, RECORDS))
+        tables = [file for file in tables if file != place]
+    for file in tables:
+        sorts, reason = _sorts_of_table(file)
         found += [(file, sort) for sort in sorts]
-        if not sorts:
-            unused.append(
-                UnreadableFile(
-                    file, f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
-                )
-            )
+        if reason:
+            unused.append(UnreadableFile(file, reason))
     if not found and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
     return found, unused
 
 
-@dataclass(frozen=True)
-class FileNote:
-    """What is told of a file, or of a session: its name, and words."""
+def _sorts_of_table(file: Path) -> tuple[list[str], str]:
+    """The sorts of data that a table holds, and where there are none, why."""
+    if file.suffix.lower() != CSV_SUFFIX:
+        return [], f"a file of another kind ({file.suffix or 'no suffix'})"
+    try:
+        table = read_csv_table(file)
+    except DataFileError as error:
+        return [], str(error).removeprefix(f"{file}").lstrip(":, ")
+    columns = {*table.header}
+    sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
+    posed = not sorts and all(named_column(table, name) for name in ENDS)
+    if posed or any(columns >= names for names in _ORIENTATIONS):
+        sorts.append(CYCLES)
+    unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
+    return sorts, "" if sorts else unknown
 
-    about: str
-    words: str
 
+def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return notes in words, each of a file or session and what is told of it; of many of which the
+    same is told the first is named, the others are counted.
 
-def joined_notes(notes: Iterable[FileNote]) -> tuple[str, ...]:
-    """Return notes in words; of many files that are told the same the first is named, the others
-    are counted.
-
-    >>> joined_notes([FileNote(f"scan{number}.h5", "1 friction scans") for number in range(144)])
+    >>> joined_notes([(f"scan{index}.h5", "1 friction scans") for index in range(144)])
     ('scan0.h5 and 143 more like it: 1 friction scans',)
     """
     alike: dict[str, list[str]] = {}
-    for note in notes:
-        alike.setdefault(note.words, []).append(note.about)
-    told = list[str]()
+    for about, words in notes:
+        alike.setdefault(words, []).append(about)
+    joined = list[str]()
     for words, names in alike.items():
-        if len(names) <= _MOST_NAMED:
-            told += [f"{name}: {words}" for name in names]
-        else:
-            told.append(f"{names[0]} and {len(names) - 1} more like it: {words}")
-    return tuple(told)
+        if len(names) > _MOST_NAMED:
+            names = [f"{names[0]} and {len(names) - 1} more like it"]
+        joined += [f"{name}: {words}" for name in names]
+    return tuple(joined)
 
 
-class BlockBuilder:
+@dataclass(eq=False)
+class _Collected:
     """Blocks of data and notes on what they hold and what stays out, file by file and plate by
     plate.
 
-    What blocks are made with: see `collected_blocks`.
+    given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
+        session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
+        each was read. noise : of each kind; infinite where some data do not tell it.
     """
 
-    def __init__(
-        self,
-        loop: CollectionLoop,
-        first: int,
-        wear: bool,
-        most: int,
-        nodes: int,
-        push_length: float | None,
-        target: Place | None = None,
-    ) -> None:
-        self.given, self.first, self.wear, self.most, self.nodes = loop, first, wear, most, nodes
-        self.target = target
-        self.push_length = math.nan if push_length is None else push_length
-        self.path, self.plate, self.loop = Path(), loop.slider.name, loop
-        self.session, self.known_sessions = "", dict[tuple[str, str], Path]()
-        self.blocks: list[DataBlock] = []
-        self.plates: list[str] = []
-        self.sessions: list[str] = []
-        self.tip_errors: dict[str, float] = {}
-        # Pushes by plate and session.
-        self.pushes: dict[str, dict[str, list[MeasuredPush]]] = {}
-        # Filled-in pushes by their numbers: where each was read.
-        self.filled: dict[tuple[str, ...], str] = {}
-        self.rods_set = 0
-        self.notes: list[FileNote] = []
-        self.scans: list[Array] = []
-        self.last_cycle = 0.0
-        self.known_noise, self.unknown_noise = dict[str, float](), set[str]()
+    given: CollectionLoop
+    first: int
+    wear: bool
+    most: int
+    push_length: float
+    target: Place | None
+    path: Path = Path()
+    plate: str = ""
+    session: str = ""
+    loop: CollectionLoop = field(init=False)
+    known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
+    blocks: list[SessionBlock] = field(default_factory=list)
+    tip_errors: dict[str, float] = field(default_factory=dict)
+    pushes: dict[str, dict[str, list[MeasuredPush]]] = field(default_factory=dict)
+    filled: dict[tuple[str, ...], str] = field(default_factory=dict)
+    rods_set: int = 0
+    notes: list[tuple[str, str]] = field(default_factory=list)
+    scans: list[Array] = field(default_factory=list)
+    last_cycle: float = 0.0
+    noise: dict[str, float] = field(default_factory=dict)
 
     def add_file(
         self, path: Path, sort: str, selection: RowSelection, progress: Progress
@@ -263,36 +231,31 @@ class BlockBuilder:
             table = convention_of(path).table(read_csv_table(path))
             _, facts, left_out = selected_rows(table, selection)
         else:
-            pushes, left_out = select_pushes(
-                path, selection, sort == CYCLES, part_of(progress, 0, 2)
-            )
-            facts = [
-                row for frame in (pushes.table, pushes.scans) for row in frame.to_dict("records")
-            ]
-            self._add_unreadable(pushes)
-        surfaces, objects = (told(one.get(name) for one in facts) for name in ("surface", "object"))
-        self._leave_out(left_out)
+            reading = part_of(progress, 0, 2)
+            pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
+            frames = (pushes.table, pushes.scans)
+            facts = [row for frame in frames for row in frame.to_dict("records")]
+            if pushes.unreadable:
+                bad = pushes.unreadable[0]
+                reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
+                self._leave_out(reason, len(pushes.unreadable))
+        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+        for reason, count in left_out.items():
+            self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
             for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
                 self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
-        for number, (plate, speed) in enumerate(sessions):
+        for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
             self.session = self._session(sort, speed)
-            chosen = (
-                dict(selection.chosen) if speed is None else {**selection.chosen, "speed": speed}
-            )
+            chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
             own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
             if is_table:
                 self._add_table(sort, table, selected_rows(table, own)[0])
-            elif sort == CYCLES:
-                strokes = pushes_of(pushes, own)
-                self._add_cycles(strokes)
-                self._add_posed(strokes.table)
             else:
-                self._add_records(
-                    pushes_of(pushes, own), part_of(part_of(progress, 1, 2), number, len(sessions))
-                )
+                done = part_of(part_of(progress, 1, 2), index, len(sessions))
+                self._add_pushes(pushes_of(pushes, own), sort, done)
         return surfaces, objects
 
     def _session(self, sort: str, speed: float | None) -> str:
@@ -306,246 +269,124 @@ class BlockBuilder:
             session += f", {self.path.stem}"
         return session
 
-    def named(self, population: bool) -> tuple[DataBlock, ...]:
-        """Return the blocks, those of several plates or sessions with unknowns of their own, and
-        how sessions differ.
-
-        population : whether one session is taken as one of several. Equal names get a number
-            behind.
-        """
-        names = {one.name for one in SESSION_OWNED}
-        of_floor = [bool(names & {*block.parameters}) for block in self.blocks]
-        # What tells no speed belongs to the first session of its plate that does.
-        first = dict(
-            reversed([both for both in zip(self.plates, self.sessions, strict=True) if both[1]])
-        )
-        own = [
-            one or first.get(plate, plate)
-            for plate, one in zip(self.plates, self.sessions, strict=True)
-        ]
-        sessions = list(dict.fromkeys(one for one, told in zip(own, of_floor, strict=True) if told))
-        several = len(sessions) > 1 or (population and len(sessions) == 1)
-        blocks = []
-        for block, plate, session in zip(self.blocks, self.plates, own, strict=True):
-            if len({*self.plates}) > 1 or several:
-                block = replace(block, name=f"{session if several else plate} {block.name}")
-            if len({*self.plates}) > 1:
-                block = block.of_owner(plate, PLATE_OWNED)
-            blocks.append(block.of_owner(session, SESSION_OWNED) if several else block)
-        if several:
-            blocks.append(session_block(sessions, self._odd_sessions()))
-        used = [block.name for block in blocks]
-        return tuple(
-            replace(block, name=f"{block.name} {used[: number + 1].count(block.name)}")
-            if used.count(block.name) > 1
-            else block
-            for number, block in enumerate(blocks)
-        )
-
-    def _odd_sessions(self) -> list[str]:
-        """Sessions whose robot strayed, or whose plate turned, unlike in the others, with a note of
-        each.
-        """
-        usual = float(np.median([*self.tip_errors.values()])) if self.tip_errors else 0.0
-        odd = {}
-        for session, size in self.tip_errors.items():
-            if size > max(_ASTRAY, _TIMES * usual):
-                strayed = (
-                    f"{1e3 * size:.2g} mm from where it was sent on average, {1e3 * usual:.2g} mm "
-                    "in others"
-                )
-                odd[session] = f"the rod was {strayed}"
-        for plate, sessions in self.pushes.items():
-            counted = {
-                session: own for session, own in sessions.items() if len(own) >= _FEWEST_TURNS
-            }
-            if len(counted) > 1:
-                slider = loop_of_plate(self.given, plate).slider
-                odd |= self._turned_unlike(
-                    {session: flat_turns(own, slider) for session, own in counted.items()}
-                )
-        for session, reason in odd.items():
-            words = f"an odd session, {reason}: it does not count to the floor's mean"
-            self.notes.append(FileNote(session, words))
-        return [*odd]
-
-    def _turned_unlike(self, turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:
-        """Of sessions of one plate those that turned it unlike the others, and why; turns : of
-        each, see `flat_turns`.
-
-        Of two that differ the odd one is that whose robot strayed more; where nothing tells, both
-        are noted only.
-        """
-        odd = {}
-        for session, (ratio, error) in turns.items():
-            # The median of all, of two the other one.
-            ranked = sorted(
-                both for name, both in turns.items() if len(turns) > 2 or name != session
-            )
-            other, its_error = ranked[(len(ranked) - 1) // 2]
-            apart = abs(ratio - other)
-            if apart <= _TURNS_APART * max(ratio, other) or apart <= _TURN_ERRORS * math.hypot(
-                error, its_error
-            ):
-                continue
-            astray = [self.tip_errors.get(name, 0.0) for name in turns if name != session]
-            reason = (
-                f"its turns are {ratio:.2f} of isotropic friction's on a flat floor, "
-                f"{other:.2f} in others"
-            )
-            if len(turns) > 2 or self.tip_errors.get(session, 0.0) > max(astray):
-                odd[session] = reason
-            elif self.tip_errors.get(session, 0.0) == max(astray):
-                self.notes.append(
-                    FileNote(session, f"{reason}; nothing tells which of the two is odd")
-                )
-        return odd
-
-    def _add_unreadable(self, pushes: PushTable) -> None:
-        """Note files of the MIT layout that could not be read."""
-        if pushes.unreadable:
-            one = pushes.unreadable[0]
-            reason = f"unreadable, the first {one.path.name}: {one.reason}"
-            self._leave_out(Counter({reason: len(pushes.unreadable)}))
-
     def _note(self, words: str) -> None:
-        self.notes.append(FileNote(str(self.path), words))
+        self.notes.append((str(self.path), words))
+
+    def _leave_out(self, reason: str, count: int) -> None:
+        """Note how many rows of the file stay out, and why."""
+        if count > 0:
+            self._note(f"{count} left out: {reason}")
 
     def _add(self, block: DataBlock, words: str, noise: Mapping[str, float] | None = None) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
         data tell it.
         """
         for kind in set(block.kinds.tolist()):
-            if noise is None:
-                self.unknown_noise.add(kind)
-            else:
-                self.known_noise[kind] = max(noise[kind], self.known_noise.get(kind, 0.0))
-        self.blocks.append(block)
-        self.plates.append(self.plate)
-        self.sessions.append(self.session)
+            size = math.inf if noise is None else noise[kind]
+            self.noise[kind] = max(size, self.noise.get(kind, 0.0))
+        self.blocks.append(SessionBlock(block, self.plate, self.session))
         self._note(f"{words} of {self.plate}")
 
-    def _leave_out(self, counts: Counter[str]) -> None:
-        """Note how many rows of the file stay out, and why."""
-        for reason, count in (+counts).items():
-            self._note(f"{count} left out: {reason}")
-
-    def _add_records(self, pushes: PushTable, progress: Progress) -> None:
-        """Add what files of the MIT layout tell: friction scans, cycles of repeated pushes, their
-        ends and forces.
+    def _add_pushes(self, pushes: PushTable, sort: str, progress: Progress) -> None:
+        """Add what pushes tell: of cycles where they were repeated, of their ends; in files of the
+        MIT layout also of forces, and of friction scans.
         """
-        columns = {name: pushes.scans[name].to_numpy(dtype=float) for name in SCAN_FIELDS}
-        known = np.all(np.isfinite([*columns.values()]), axis=0)
-        self._leave_out(Counter({"friction scans without direction or force": int(np.sum(~known))}))
-        if np.any(known):
-            table, weight = (
-                {name: column[known] for name, column in columns.items()},
-                self.loop.model.weight,
-            )
-            self.scans.append(scan_traction(table, weight))
-            self._add(
-                friction_scan_block(table, weight),
-                f"{np.sum(known)} friction scans, weight {weight:.3g} N",
-            )
-        self._add_cycles(pushes)
-        self._add_pushes(pushes.table, progress)
+        if sort == RECORDS:
+            self._add_scans(pushes.scans)
+        for rows in push_sets(pushes) if len(pushes.table) else ():
+            if rows.pairs is not None and rows.contacts == 1:
+                self._add_cycles(rows)
+        if sort == RECORDS:
+            self._add_records(pushes.table, progress)
+        else:
+            self._add_posed(pushes.table)
 
-    def _add_cycles(self, pushes: PushTable) -> None:
-        """Add a block of cycles for each set of pushes that were repeated at one contact."""
-        for one in push_sets(pushes) if len(pushes.table) else ():
-            pairs = one.pairs
-            if pairs is None or one.contacts != 1:
-                continue
-            number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-            late = number >= self.first
-            count = int(np.sum(late))
-            self._leave_out(
-                Counter({f"cycles before {self.first}": late.size - count, **pairs.dropped})
-            )
-            if count < _FEWEST_CYCLES:
-                self._note(f"{count} cycles of {one.name} left out: too few")
-                continue
-            place = {
-                name: one.facts[name] for name in ("side", "fraction", "angle") if name in one.facts
-            }
-            loop = replace(self.loop, push=replace(self.loop.push, **place))
-            since = number[late] - self.first
-            share, groups = since / np.max(since) if self.wear else None, _cycle_groups(count)
-            block = cycle_pair_block(
-                loop, pairs.theta[late], pairs.turn[late], groups, share, self.nodes
-            )
-            self.last_cycle = max(self.last_cycle, float(np.max(since)))
-            self._add(block, f"{count} cycles of {one.name}" + (", wearing" if self.wear else ""))
+    def _add_scans(self, scans: pandas.DataFrame) -> None:
+        known = scans[np.isfinite(scans[[*SCAN_FIELDS]].astype(float)).all(axis=1)]
+        without = len(scans) - len(known)
+        self._leave_out("friction scans without direction or force", without)
+        if len(known):
+            weight = self.loop.model.weight
+            self.scans.append(scan_traction(known, weight))
+            words = f"{len(known)} friction scans, weight {weight:.3g} N"
+            self._add(friction_scan_block(known, weight), words)
+
+    def _add_cycles(self, rows: PushSet) -> None:
+        """Add the cycles of a set of pushes that were repeated at one contact."""
+        pairs = rows.pairs
+        assert pairs is not None
+        number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+        late = number >= self.first
+        count = int(np.sum(late))
+        self._leave_out(f"cycles before {self.first}", late.size - count)
+        for reason, dropped in pairs.dropped.items():
+            self._leave_out(reason, dropped)
+        if count < _FEWEST_CYCLES:
+            self._note(f"{count} cycles of {rows.name} left out: too few")
+            return
+        place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
+        loop = replace(self.loop, push=replace(self.loop.push, **place))
+        since = number[late] - self.first
+        share = since / np.max(since) if self.wear else None
+        groups = _cycle_groups(count)
+        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
+        self.last_cycle = max(self.last_cycle, float(np.max(since)))
+        self._add(block, f"{count} cycles of {rows.name}" + (", wearing" if self.wear else ""))
 
     def _add_posed(self, table: pandas.DataFrame) -> None:
         """Add ends of pushes without the places of the rod: it went from its first touch on as the
         loop's does.
         """
         posed = table[["x0", "dtheta"]].notna().all(axis=1) & ~(table["repetition"] < self.first)
-        rows = table[posed].to_dict("records")
+        rows = table[posed].fillna({"length": self.push_length})
+        known = rows[rows["length"].notna()]
         pushes: list[MeasuredPush] = []
-        for row in rows:
-            length = self.push_length if math.isnan(row["length"]) else row["length"]
-            if math.isnan(length):
-                continue
-            push = told_push(self.loop.push, row, length)
-            place, way = first_contact(self.loop.slider, push, self.loop.pusher.radius)
+        for row in known.to_dict("records"):
+            push = told_push(self.loop.push, row, row["length"])
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            tips = start.to_world(*place), start.to_world(*(place + push.distance * way))
-            pushes.append(MeasuredPush(start, end, *tips, contact=len(pushes)))
-        self._leave_out(Counter({f"ends of pushes: {NO_LENGTH}": len(rows) - len(pushes)}))
+            slider, radius = self.loop.slider, self.loop.pusher.radius
+            pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
+        self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
         self._add_push_ends(pushes)
 
-    def _add_pushes(self, table: pandas.DataFrame, progress: Progress) -> None:
+    def _add_records(self, table: pandas.DataFrame, progress: Progress) -> None:
         """Add ends and forces of recorded pushes."""
-        late = ~(table["repetition"].to_numpy(dtype=float) < self.first)
-        steady = np.nan_to_num(table["acceleration"].to_numpy(dtype=float)) == 0.0
-        self._leave_out(Counter({"pushed with acceleration": int(np.sum(~steady & late))}))
-        rows = table[steady & late].to_dict("records")
+        late = table[~(table["repetition"] < self.first)]
+        steady = late[late["acceleration"].fillna(0.0) == 0.0]
+        self._leave_out("pushed with acceleration", len(late) - len(steady))
+        rows = steady.to_dict("records")
         chosen = _thinned(rows, self.most)
         if len(chosen) < len(rows):
             self._note(f"every {len(rows) / len(chosen):.3g}th of {len(rows)} pushes taken")
         places: list[tuple[float, float]] = []
         pushes: list[MeasuredPush] = []
         records: list[PushRecord] = []
-        for number, row in enumerate(chosen):
+        for index, row in enumerate(chosen):
             record = convention_of(row["path"]).record(read_push_file(row["path"]))
             assert isinstance(record, PushRecord)
-            tip = record.tip_pose[:, 1:3]
-            length = float(np.hypot(*(tip[-1] - tip[0])))
-            # How far the tip strays from the straight line between its ends.
-            beside = (tip - tip[0]) @ [tip[0, 1] - tip[-1, 1], tip[-1, 0] - tip[0, 0]]
-            if length > _STRAIGHT and np.max(np.abs(beside)) <= _STRAIGHT * length:
-                first, last = (tuple(place) for place in tip[[0, -1]].tolist())
-                pushes.append(MeasuredPush(Pose(*record.start), Pose(*record.end), first, last))
+            push = _straight_push(record)
+            if push is not None:
+                pushes.append(push)
                 places.append((row["side"], row["fraction"]))
                 records.append(record)
-            part_of(progress, number, len(chosen))(1.0)
-        self._leave_out(
-            Counter({"pushes whose tip did not go straight": len(chosen) - len(records)})
-        )
-        if not records:
-            return
-        # Pushes are grouped by contact where there are many contacts, else by runs of repetitions.
-        known, groups = sorted(set(places)), _cycle_groups(len(pushes)).tolist()
-        if len(known) >= _FEWEST_CONTACTS and not any(
-            math.isnan(number) for place in known for number in place
-        ):
-            groups = [known.index(place) for place in places]
-        self._add_push_ends(
-            [replace(push, contact=group) for push, group in zip(pushes, groups, strict=True)]
-        )
+            part_of(progress, index, len(chosen))(1.0)
+        self._leave_out("pushes whose tip did not go straight", len(chosen) - len(records))
+        if records:
+            groups = _contact_groups(places)
+            both = zip(pushes, groups.tolist(), strict=True)
+            self._add_push_ends([replace(push, contact=group) for push, group in both])
+            self._add_forces(records)
+
+    def _add_forces(self, records: Sequence[PushRecord]) -> None:
         outline = self.loop.slider.outline_points(360)
         sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
         pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
         if pieces < _FEWEST_PIECES:
             self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
-        else:
-            self._add(
-                force_ratio_block(sliding),
-                f"{pieces} force ratios while the rod slides, in {count} pushes",
-            )
+            return
+        words = f"{pieces} force ratios while the rod slides, in {count} pushes"
+        self._add(force_ratio_block(sliding), words)
 
     def _add_push_ends(
         self,
@@ -554,14 +395,14 @@ class BlockBuilder:
         set_by_marks: bool = False,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
-        if kept:
-            self.pushes.setdefault(self.plate, {}).setdefault(
-                self.session, _thinned(pushes, _MOST_TURNS)
-            )
-            first_set = self.rods_set + 1 if set_by_marks else None
-            block = push_end_block(kept, self.loop.slider, self.target, first_set)
-            self.rods_set += len(kept) if set_by_marks else 0
-            self._add(block, f"{_counted(kept, pushes)} push ends", noise)
+        if not kept:
+            return
+        sessions = self.pushes.setdefault(self.plate, {})
+        sessions.setdefault(self.session, _thinned(pushes, _MOST_TURNS))
+        first_set = self.rods_set + 1 if set_by_marks else None
+        block = push_end_block(kept, self.loop.slider, self.target, first_set)
+        self.rods_set += len(kept) if set_by_marks else 0
+        self._add(block, f"{_counted(kept, pushes)} push ends", noise)
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
@@ -584,35 +425,62 @@ class BlockBuilder:
         if sort == PUSH_ENDS:
             self._refuse_repeated(table, rows)
             pushes = read_measured_pushes(table, rows)
-            astray = [
-                error for row in rows if (error := tip_error(table, row)) <= LARGEST_TIP_ERROR
-            ]
-            self.tip_errors[self.session] = float(np.mean(astray)) if astray else 0.0
-            self._leave_out(Counter({"the tip was not where it was sent": len(rows) - len(pushes)}))
+            errors = [tip_error(table, row) for row in rows]
+            small = [error for error in errors if error <= LARGEST_TIP_ERROR]
+            self.tip_errors[self.session] = float(np.mean(small)) if small else 0.0
+            self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
-                pushes = tuple(replace(push, contact=number) for number, push in enumerate(pushes))
+                pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
             self._add_push_ends(pushes, _told_noise(table, rows), FRAMES_AGREE in table.header)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
-            kept, noise = _thinned(drags, self.most), _told_noise(table, rows)
+            kept = _thinned(drags, self.most)
             block = drag_turn_block(kept, self.loop.slider, self.target)
-            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
+            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(table, rows))
         else:
-            outline = self.loop.slider.outline
-            data = read_wrench_twists(table, rows, outline.extent)
-            scaled = f"torque and turning rate scaled by {1e3 * outline.extent:.2f} mm"
-            block = wrench_twist_block(data, self.loop.slider)
-            self._add(block, f"{len(data.twist)} pairs of wrench and twist, {scaled}")
-            sources = (
-                sorted({table.text(row, "source") for row in rows})
-                if "source" in table.header
-                else []
-            )
-            if len(sources) > 1:
-                listed = ", ".join(sources)
-                self._note(
-                    f"pairs are of several sources ({listed}): what stands in two counts twice"
-                )
+            self._add_wrenches(table, rows)
+
+    def _add_wrenches(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+        extent = self.loop.slider.outline.extent
+        data = read_wrench_twists(table, rows, extent)
+        scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
+        words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
+        self._add(wrench_twist_block(data, self.loop.slider), words)
+        sources = {table.text(row, "source") for row in rows if "source" in table.header}
+        if len(sources) > 1:
+            listed = ", ".join(sorted(sources))
+            self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
+
+    def named(self, population: bool) -> tuple[DataBlock, ...]:
+        """Return the blocks of all files, with notes on odd sessions; see `named_blocks`."""
+        odd, open_ones = odd_sessions(self.given, self.tip_errors, self.pushes)
+        for session, reason in open_ones.items():
+            self.notes.append((session, f"{reason}; nothing tells which of the two is odd"))
+        for session, reason in odd.items():
+            words = f"an odd session, {reason}: it does not count to the floor's mean"
+            self.notes.append((session, words))
+        return named_blocks(self.blocks, [*odd], population)
+
+
+def _straight_push(record: PushRecord) -> MeasuredPush | None:
+    """The push of a record whose tip went straight; None of another one."""
+    tip = record.tip_pose[:, 1:3]
+    way = tip[-1] - tip[0]
+    length = float(np.hypot(*way))
+    # How far the tip strays from the straight line between its ends, times its length.
+    beside = np.abs((tip - tip[0]) @ [-way[1], way[0]])
+    if length <= _STRAIGHT or np.max(beside) > _STRAIGHT * length:
+        return None
+    first, last = (tuple(place) for place in tip[[0, -1]].tolist())
+    return MeasuredPush(Pose(*record.start), Pose(*record.end), first, last)
+
+
+def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
+    """Groups of pushes: by contact where there are many contacts, else by runs of repetitions."""
+    known = sorted(set(places))
+    if len(known) < _FEWEST_CONTACTS or np.isnan(known).any():
+        return _cycle_groups(len(places))
+    return np.array([known.index(place) for place in places])
 
 
 def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
@@ -621,14 +489,9 @@ def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | N
     """
     if not {*ERRORS} <= set(table.header):
         return None
-    read = np.array([[table.number(row, name) for name in ERRORS] for row in rows])
-    worst = 1e-3 * float(read[:, 0].max()), math.radians(float(read[:, 1].max()))
-    along, _, turned, dragged = push_noise(worst)
-    return {
-        "push place (m)": float(along),
-        "push turn (rad)": float(turned),
-        "drag turn (rad)": float(dragged),
-    }
+    millimetres, degrees = (max(table.number(row, name) for row in rows) for name in ERRORS)
+    along, _, turned, dragged = push_noise((1e-3 * millimetres, math.radians(degrees))).tolist()
+    return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
 def _plates_and_speeds(
@@ -642,44 +505,20 @@ def _plates_and_speeds(
         own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
         if speed is not None and not math.isnan(speed):
             own.add(float(speed))
-    return [
-        (own, speed)
-        for own in sorted(speeds)
-        for speed in (sorted(speeds[own]) if speeds[own] else (None,))
-    ]
-
-
-def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
-    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
-    for another name.
-    """
-    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
-        return loop
-    return replace(loop, slider=Slider.mit(plate, loop.slider.hitch), footprint=None)
-
-
-def flat_turns(pushes: Sequence[MeasuredPush], slider: Slider) -> tuple[float, float]:
-    """Return the mean size of turns over that of isotropic friction on a flat floor, and its
-    standard error.
-    """
-    ends = predicted_push_ends(surface_model(SurfaceParameters(), slider), pushes)[0]
-    predicted = np.abs(ends[:, 2] - [push.start.theta for push in pushes])
-    measured = np.abs([push.end.theta - push.start.theta for push in pushes])
-    mean = max(float(np.mean(predicted)), 1e-9)
-    ratio = float(np.mean(measured)) / mean
-    return ratio, float(np.std(measured - ratio * predicted)) / math.sqrt(len(pushes)) / mean
+    pairs = list[tuple[str, float | None]]()
+    for name in sorted(speeds):
+        pairs += [(name, speed) for speed in sorted(speeds[name])] or [(name, None)]
+    return pairs
 
 
 def _cycle_groups(count: int) -> Labels:
     return np.arange(count) // min(max(count // _FEWEST_GROUPS, 1), _LONGEST_GROUP)
 
 
-def _thinned(rows: Sequence[Any], most: int) -> list[Any]:
+def _thinned(rows: Sequence[T], most: int) -> list[T]:
     """At most so many of the rows, evenly spread."""
-    return [
-        rows[k]
-        for k in np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))
-    ]
+    places = np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int)
+    return [rows[place] for place in np.unique(places)]
 
 
 def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
@@ -717,7 +556,6 @@ def collected_blocks(
     first: int = 0,
     wear: bool = False,
     most: int = MOST_STROKES,
-    nodes: int = NODES,
     push_length: float | None = None,
     population: bool = False,
     target: Place | None = None,
@@ -727,39 +565,41 @@ def collected_blocks(
 
     Parameters
     ----------
-    paths : Sequence[str or Path]
+    paths : sequence of str or Path
         Files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles
         where they are repeated), CSV tables of push ends with the tip's places or without (then
         it went as the loop's does, from its first touch on), of drag-backs, of orientations, of
         wrenches and twists.
     loop : CollectionLoop
         Who is pushed where, with which rod and ring.
-    select : mapping, optional
+    select : mapping of str to str or float or None, optional
         Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are
         all those of the MIT dataset that the data name, or the selected one; of an outline of
         the loop's own, that one alone.
-    first : int, optional
+    first : int, default 0
         The first cycle (repetition) used.
-    wear : bool, optional
+    wear : bool, default False
         Let the surface of the cycles wear.
-    push_length : float, optional
-        How far the rod of pushes went from its first touch, m, where tables of poses do not
-        tell; None leaves the ends of such pushes out.
-    target : Place, optional
-        m, in the frame of the data, where resets end: how the floor's shape varies with the
-        place about it is then an unknown of pushes and drags.
-    population : bool, optional
-        Whether the floor is known from other sessions, so that a single one is one of several.
     most : int, optional
         Strokes of one sort in a session, at most: beyond, every so many-th is taken.
-    nodes : int, optional
+            nodes : int, optional
         See `cycle_pair_block`; with 9 the ring's lever comes out 3 % short on a map with strong
         second harmonics, with 15 it does not.
+    push_length : float or None, optional
+        How far the rod of pushes went from its first touch, m, where tables of poses do not
+        tell; None leaves the ends of such pushes out.
+    population : bool, default False
+        Whether the floor is known from other sessions, so that a single one is one of several.
+    target : tuple[float, float] or None, optional
+        (x, y), m, in the frame of the data, where resets end: how the floor's shape varies with
+        the place about it is then an unknown of pushes and drags.
+    progress : callable, optional
+        Called with the fraction done.
 
     Returns
     -------
     CollectedBlocks
-        The blocks of all data in files, folders and trees.
+        The blocks, and what was made of each path.
 
     Raises
     ------
@@ -773,6 +613,21 @@ def collected_blocks(
     of its own; drags count to the session of pushes of that plate and speed, and what tells no
     speed to the first session of its plate. A push of a repeated set tells its end and its
     cycle's end: their errors are taken as independent.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.collection import CollectionLoop
+    >>> loop = CollectionLoop.mit("plywood")
+    >>> theta = [0.0]
+    >>> for cycle in range(30):
+    ...     theta.append(float(loop.cycle(theta[-1]).theta_next) + 0.5)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{np.degrees(angle):.3f}\\n" for angle in theta)
+    ...     count = Path(place, "mine.csv").write_text(text)
+    ...     collected = collected_blocks([f"{place}/mine.csv"], loop)
+    >>> [block.name for block in collected.blocks]
+    ['cycles']
     """
     whole_number("first cycle", first, least=0)
     chosen = dict(select or {})
@@ -782,47 +637,44 @@ def collected_blocks(
     elif loop.slider.name not in MIT_SHAPE_NAMES:
         objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
     selection = RowSelection(objects, chosen)
-    builder = BlockBuilder(
-        loop, first, wear, whole_number("most strokes", most, least=2), nodes, push_length, target
+    length = math.nan if push_length is None else push_length
+    collected = _Collected(
+        loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
-    found = [recognise(path) for path in paths]
-    files = list(dict.fromkeys(file for known, _ in found for file in known))
-    unused = list(dict.fromkeys(file for _, others in found for file in others))
+    recognised = [recognise(path) for path in paths]
+    files = list(dict.fromkeys(file for known, _ in recognised for file in known))
+    unused = list(dict.fromkeys(file for _, others in recognised for file in others))
     surfaces, shapes = set[str](), set[str]()
-    for number, (path, sort) in enumerate(files):
-        on, of = builder.add_file(path, sort, selection, part_of(progress, number, len(files)))
-        surfaces, shapes = surfaces | on, shapes | of
+    for index, (path, sort) in enumerate(files):
+        on, of = collected.add_file(path, sort, selection, part_of(progress, index, len(files)))
+        surfaces |= on
+        shapes |= of
     if len(surfaces) > 1:
-        raise InvalidInput(
-            f"the data are of several surfaces: {', '.join(sorted(surfaces))}; select one, "
-            "surface=NAME"
-        )
+        listed = ", ".join(sorted(surfaces))
+        raise InvalidInput(f"the data are of several surfaces: {listed}; select one, surface=NAME")
     if len(shapes) > 1 and loop.slider.name not in MIT_SHAPE_NAMES:
-        raise InvalidInput(
-            f"the data are of several objects: {', '.join(sorted(shapes))}; select one"
-        )
-    if not builder.blocks:
-        reasons = joined_notes(
-            [*builder.notes, *(FileNote(str(file.path), file.reason) for file in unused)]
-        )
+        listed = ", ".join(sorted(shapes))
+        raise InvalidInput(f"the data are of several objects: {listed}; select one")
+    if not collected.blocks:
+        others = [(str(file.path), file.reason) for file in unused]
+        reasons = joined_notes([*collected.notes, *others])
         listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
         facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
         if facts and not unused:
             raise InvalidInput(f"no such {facts}; {listed}")
         raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
-    blocks = builder.named(population)
-    notes = joined_notes(
-        [*builder.notes, *(FileNote(str(file.path), f"not used: {file.reason}") for file in unused)]
-    )
-    scans = np.concatenate(builder.scans) if builder.scans else None
-    loop = loop if len(set(builder.plates)) > 1 else loop_of_plate(loop, builder.plates[0])
-    noise = {
-        kind: size
-        for kind, size in builder.known_noise.items()
-        if kind not in builder.unknown_noise
-    }
+    blocks = collected.named(population)
+    plates = {own.plate for own in collected.blocks}
     return CollectedBlocks(
-        blocks, notes, next(iter(surfaces), None), loop, scans, builder.last_cycle, noise
+        blocks,
+        joined_notes(
+            [*collected.notes, *((str(file.path), f"not used: {file.reason}") for file in unused)]
+        ),
+        next(iter(surfaces), None),
+        loop if len(plates) > 1 else loop_of_plate(loop, *plates),
+        np.concatenate(collected.scans) if collected.scans else None,
+        collected.last_cycle,
+        {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
     )
 
 

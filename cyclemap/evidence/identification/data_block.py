@@ -68,31 +68,33 @@ Function = Callable[[Values], tuple[Array, Array]]
 class DataBlock:
     """Data of one sort, set against a prediction that depends on named parameters.
 
-    Attributes
+    Parameters
     ----------
+    name : str
+        Names the data in print, unlike that of any other block.
     parameters : tuple of str
         Names of the k unknowns.
-    function : Function
+    function : callable
         Values by name -> residuals (n,), predicted less measured in the data's own units, and
-        derivatives (n, k). Where the model has no answer it raises InvalidInput, ConvergenceError
-        or UnsupportedContact, and the search turns back.
-    groups : Labels
-        (n,) whole numbers; rows of one label share their errors and are left out together.
-    kinds : Kinds
-        (n,) which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
+        derivatives (n, k). Where the model has no answer it raises InvalidInput,
+        ConvergenceError or UnsupportedContact, and the search turns back.
+    groups : array_like of int, shape (n,)
+        Rows of one label share their errors and are left out together.
+    kinds : str or array_like of str, shape (n,)
+        Which noise each row has, such as `push turn (rad)`, one size of noise a kind; one name
         does for all.
-    own_parameters : tuple of Parameter
+    own_parameters : tuple of Parameter, default ()
         Unknowns that belong to these data alone.
-    part : callable or None
+    part : callable or None, optional
         Rows (m,) -> the function of these rows alone, where that is quicker than to leave out
         the others.
-    motions : ndarray or None
-        (s, 2) rad, orientation before each stroke or cycle and its measured turn, for pictures.
-    curve : callable or None
+    motions : ndarray, shape (s, 2), or None
+        Orientation before each stroke or cycle and its measured turn, rad, for pictures.
+    curve : callable or None, optional
         Of cycles: values, angles (a,), whether at the end of the wear -> predicted turns (a,).
-    asked : tuple of str
+    asked : tuple of str, default ()
         What `function` calls the parameters, where they have other names.
-    stayed : callable or None
+    stayed : callable or None, optional
         Of strokes: values -> after how many the object is taken to be where it was, since the
         rod misses it or the motion has no answer.
 
@@ -103,7 +105,9 @@ class DataBlock:
 
     Examples
     --------
-    >>> line = DataBlock("line", ("slope",), lambda v: (v["slope"] - np.ones(2), np.ones((2, 1))), [0, 1], "m")
+    >>> def function(values):
+    ...     return values["slope"] - np.ones(2), np.ones((2, 1))
+    >>> line = DataBlock("line", ("slope",), function, groups=[0, 1], kinds="m")
     >>> line.residuals({"slope": 3.0})[0]
     array([2., 2.])
     """
@@ -160,6 +164,14 @@ class DataBlock:
                 f"block {self.name!r} has residuals or derivatives that are not finite"
             )
         return residual, jacobian
+
+    def columns_by(self, names: Sequence[str], jacobian: Array) -> Array:
+        """Return derivatives (n, k) by names of those by the block's parameters, 0 by others."""
+        columns = np.zeros((len(jacobian), len(names)))
+        for index, name in enumerate(names):
+            if name in self.parameters:
+                columns[:, index] = jacobian[:, self.parameters.index(name)]
+        return columns
 
     def subset(self, keep: ArrayLike) -> DataBlock:
         """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
@@ -276,11 +288,7 @@ class JointProblem:
         for block in self.blocks:
             residual, jacobian = block.residuals(values)
             residuals.append(residual)
-            by_free = np.zeros((len(block.groups), len(self.space)))
-            for index, name in enumerate(block.parameters):
-                if name in self.space.names:
-                    by_free[:, self.space.names.index(name)] = jacobian[:, index]
-            jacobians.append(by_free)
+            jacobians.append(block.columns_by(self.space.names, jacobian))
         return np.concatenate(residuals), np.concatenate(jacobians)
 
     def subset(self, keep: ArrayLike, values: Mapping[str, float]) -> JointProblem:
@@ -317,13 +325,26 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     width = np.array(
         [positive_number(f"deviation of the believed {key}", beliefs[key][1]) for key in names]
     )
+    kinds = np.repeat(PRIOR_KIND, len(names))
+    return linear_block(
+        "priors", names, np.diag(1.0 / width), centre / width, np.arange(len(names)), kinds
+    )
+
+
+def linear_block(
+    name: str,
+    parameters: tuple[str, ...],
+    jacobian: Array,
+    measured: Array,
+    groups: Labels,
+    kinds: Kinds,
+) -> DataBlock:
+    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times its parameters."""
 
     def function(values: Values) -> tuple[Array, Array]:
-        return (np.array([values[key] for key in names]) - centre) / width, np.diag(1.0 / width)
+        return jacobian @ [values[key] for key in parameters] - measured, jacobian
 
-    return DataBlock(
-        "priors", names, function, np.arange(len(names)), np.repeat(PRIOR_KIND, len(names))
-    )
+    return DataBlock(name, parameters, function, groups, kinds)
 
 
 def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock:
@@ -350,15 +371,10 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
         ]
     )
     kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
-    usual = np.concatenate([np.zeros(len(names)), np.full(believed, _USUAL_SPREAD)])
-    groups = np.arange(usual.size) // len(FLOOR_NAMES)
-    parameters = (*names, *FLOOR_NAMES)
-
-    def function(values: Values) -> tuple[Array, Array]:
-        return jacobian @ [values[name] for name in parameters] + usual, jacobian
-
     kinds = np.concatenate([kinds, np.tile(SESSION_KINDS, _BELIEVED_SESSIONS)])
-    return DataBlock("sessions", parameters, function, groups, kinds)
+    usual = np.concatenate([np.zeros(len(names)), np.full(believed, -_USUAL_SPREAD)])
+    groups = np.arange(usual.size) // len(FLOOR_NAMES)
+    return linear_block("sessions", (*names, *FLOOR_NAMES), jacobian, usual, groups, kinds)
 
 
 def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:

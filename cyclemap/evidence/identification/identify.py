@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -45,6 +45,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
+from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.
 _CLOSE = 1e-3
@@ -57,11 +58,24 @@ Beliefs = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True)
 class KindErrors:
-    """Sizes of the errors of one kind in one block, in its own unit: in the sample, of rows left
-    out, and of isotropic friction, plate and floor flat, all else usual; nan where there are none.
+    """Sizes of the errors of one kind in one block, in its own unit.
 
-    rows : how many errors; of a place or a force one each, the length of the vector by which it is
+    Attributes
+    ----------
+    block : str
+        Name of the block.
+    kind : str
+        Name of the kind.
+    rows : int
+        How many errors; of a place or a force one each, the length of the vector by which it is
         off.
+    mean, median, rms : float
+        Sizes of the errors in the sample.
+    left_out_mean, left_out_median, left_out_rms : float
+        The same of rows left out; nan where none were.
+    isotropic_mean, isotropic_median : float
+        The same of isotropic friction, plate and floor flat, all else usual; nan where that has
+        no answer.
     """
 
     block: str
@@ -161,14 +175,22 @@ def kind_errors(
 
 @dataclass(frozen=True)
 class Estimate:
-    """One parameter.
+    """One parameter, as identified.
 
-    value, lower, upper : best value and ends of its interval, in `unit`. standard_error : to first
-        order, inf where the
-    data do not fix it. identifiable : whether the data
-        exclude any value between the bounds. at_bound : `lower`, `upper`, or empty. lower_open,
-        upper_open : the end is a bound, not a
-        finding.
+    Attributes
+    ----------
+    name, description, unit : str
+        As of the `Parameter`.
+    value, lower, upper : float
+        Best value and ends of its interval, in `unit`.
+    standard_error : float
+        To first order, inf where the data do not fix it.
+    identifiable : bool
+        Whether the data exclude any value between the bounds.
+    at_bound : str
+        `lower`, `upper`, or empty.
+    lower_open, upper_open : bool
+        The end is a bound, not a finding.
     """
 
     name: str
@@ -180,8 +202,8 @@ class Estimate:
     standard_error: float
     identifiable: bool
     at_bound: str
-    lower_open: bool
-    upper_open: bool
+    lower_open: bool = field(metadata=UNWRITTEN)
+    upper_open: bool = field(metadata=UNWRITTEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,10 +212,16 @@ class Identification:
 
     Attributes
     ----------
-    priors : mapping
+    estimates : tuple of Estimate
+        One a free parameter.
+    level : float
+        Of their intervals, in (0, 1).
+    priors : mapping of str to tuple[float, float]
         What was believed (value, standard deviation).
     errors : tuple of KindErrors
         By block and kind.
+    starts : MultiStart
+        All searches.
     fit : Fit
         The minimum of the best start.
     uncertainty : Uncertainty
@@ -202,6 +230,16 @@ class Identification:
         All that qualifies the result, in words.
     problem : JointProblem
         What was solved.
+
+    Examples
+    --------
+    >>> ratios = np.array([0.19, 0.21, 0.2, 0.2])
+    >>> def law(values):
+    ...     return values["pusher_friction"] - ratios, np.ones((4, 1))
+    >>> block = DataBlock("ratios", ("pusher_friction",), law, range(4), "ratio")
+    >>> found = identify([block], ["pusher_friction"])
+    >>> round(found.values["pusher_friction"], 4), found["pusher_friction"].identifiable
+    (0.2, True)
     """
 
     estimates: tuple[Estimate, ...]
@@ -279,7 +317,7 @@ def identify(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Identification:
-    """Identify the `free` parameters from blocks of data by maximum likelihood.
+    """Identify parameters from blocks of data by maximum likelihood.
 
     Blocks share friction and rod; what belongs to a plate or a data set is an unknown of its own
     there (`DataBlock.of_plate`), so that any number of data sets of any plates and sorts is
@@ -287,28 +325,55 @@ def identify(
 
     Parameters
     ----------
-    blocks : the data; the `own_parameters` of a block are added to `space`.
-    free : names to be identified. fixed : values of others; what is not given has its nominal
-        value, and a note.
-    priors : beliefs (value, standard deviation) about free parameters, in SI units; see
+    blocks : sequence of DataBlock
+        The data; the `own_parameters` of a block are added to `space`.
+    free : sequence of str
+        Names to be identified.
+    fixed : mapping of str to float or None, optional
+        Values of others; what is not given has its nominal value, and a note.
+    priors : mapping, optional
+        Beliefs (value, standard deviation) about free parameters, in SI units; see
         `usual_beliefs`.
-    starts : searches, the first from the natural start, the rest spread about it (seeded).
-    level : of the intervals, value -+ t standard errors, cut at the bounds; errors of rows of one
-        group may be alike.
-    folds : 0, or a number of random folds of every block's groups.
-    noise : sizes of kinds of noise that are known; all others are estimated.
-    student : degrees of freedom of Student noise, for data with outliers; None: normal.
-    progress : called with the fraction done.
+    starts : int, default 8
+        How many searches, the first from the natural start, the rest spread about it.
+    level : float, default 0.95
+        Of the intervals, in (0, 1): value -+ t standard errors, cut at the bounds; errors of
+        rows of one group may be alike.
+    folds : int, default 0
+        0, or a number of random folds of every block's groups, each left out once.
+    noise : mapping of str to float or None, optional
+        Sizes of kinds of noise that are known; all others are estimated.
+    student : float or None, optional
+        Degrees of freedom of Student noise, for data with outliers; None: normal.
+    space : ParameterSpace, optional
+        What the parameters are.
+    seed : int, default 0
+        Of starts and folds.
+    progress : callable, optional
+        Called with the fraction done.
 
-    Raises InvalidInput for names or numbers that do not fit, ConvergenceError if no start has an
-    answer.
+    Returns
+    -------
+    Identification
+        Estimates with their intervals, and what qualifies them.
 
+    Raises
+    ------
+    InvalidInput
+        For names or numbers that do not fit.
+    ConvergenceError
+        If no start has an answer.
+
+    Examples
+    --------
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
-    >>> law = lambda v: (v["pusher_friction"] - data, np.ones((8, 1)))
-    >>> found = identify([DataBlock("ratios", ("pusher_friction",), law, range(8), "ratio")], ["pusher_friction"])
-    >>> [round(getattr(found["pusher_friction"], key), 4) for key in ("value", "lower", "upper")]
-    [0.1986, 0.1919, 0.2053]
+    >>> def law(values):
+    ...     return values["pusher_friction"] - data, np.ones((8, 1))
+    >>> block = DataBlock("ratios", ("pusher_friction",), law, range(8), "ratio")
+    >>> rod = identify([block], ["pusher_friction"])["pusher_friction"]
+    >>> round(rod.value, 4), round(rod.lower, 4), round(rod.upper, 4)
+    (0.1986, 0.1919, 0.2053)
     """
     student_quantile(level, 10.0)
     whole_number("seed", seed, least=0)

@@ -53,25 +53,33 @@ ROUNDEST = 1e-6
 class Parameter:
     """One unknown.
 
-    Attributes
+    Parameters
     ----------
+    name : str
+        Names it in files and in print.
     description : str
         In plain words, for reports.
     unit : str
         SI; 1 for a pure number.
     lower, upper : float
-        bounds; infinite where there is none.
+        Bounds; infinite where there is none.
     start : float
         Where a search begins, strictly between the bounds.
     scale : float
-        a change that matters; starts are drawn within two scales of `start`.
-    nominal : float or None
-        The value taken where the parameter is neither free nor given; `start` if left out.
+        A change that matters, positive; starts are drawn within two scales of `start`.
+    nominal : float or None, optional
+        The value taken where the parameter is neither free nor given; None: `start`.
 
     Raises
     ------
     InvalidInput
         Where the numbers contradict each other.
+
+    Examples
+    --------
+    >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, start=1.0, scale=0.5)
+    >>> heat.nominal
+    1.0
     """
 
     name: str
@@ -100,8 +108,30 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class ParameterSpace:
-    """Parameters in order, each name once: names, bounds lower and upper, start and scale, (k,)
-    each.
+    """Parameters in order, each name once.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+        The parameters.
+
+    Attributes
+    ----------
+    names : tuple of str
+        k names.
+    lower : ndarray, shape (k,)
+        Lower bounds.
+    upper : ndarray, shape (k,)
+        Upper bounds.
+    start : ndarray, shape (k,)
+        Where searches begin.
+    scale : ndarray, shape (k,)
+        Changes that matter.
+
+    Raises
+    ------
+    InvalidInput
+        For a name that is given twice.
 
     Examples
     --------
@@ -291,19 +321,26 @@ def floor_field(values: Mapping[str, float]) -> FloorField | None:
 class SurfaceParameters:
     """Values of the unknowns of a surface, rod and ring; `SURFACE` describes each.
 
-    Attributes
+    Parameters
     ----------
-    friction_scale : float
+    friction_scale : float, optional
         Log sqrt(mu_a mu_b).
-    ellipticity_x, ellipticity_y : float
+    ellipticity_x, ellipticity_y : float, default 0.0
         log(mu_a/mu_b) (cos 2 phi, sin 2 phi).
-    offset_x, offset_y : float
+    offset_x, offset_y : float, default 0.0
         R(phi)(m0, n0) / sqrt(mu_a mu_b), world frame.
-    pusher_friction : float
-        Coefficient of rod on object. floor_... : of the floor's shape, world frame, plate_... :
-        of the plate's, its own frame; kPa at 50 mm.
-    pin_friction_radius : float
-        m.
+    floor_dome : float, default 0.0
+        Dome of the floor, kPa at 50 mm.
+    floor_bow_x, floor_bow_y : float, default 0.0
+        Bow of the floor times cos and sin of twice its axis, world frame, kPa at 50 mm.
+    pusher_friction : float, optional
+        Coefficient of friction of rod and object.
+    plate_dome : float, default 0.0
+        Dome of the plate, kPa at 50 mm.
+    plate_warp_x, plate_warp_y : float, default 0.0
+        Bow of the plate times cos and sin of twice its axis, its own frame, kPa at 50 mm.
+    pin_friction_radius : float, default 0.0
+        Radius of the friction circle of the rod in the ring, m.
 
     Raises
     ------

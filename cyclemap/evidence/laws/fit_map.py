@@ -58,18 +58,24 @@ class WornLaw:
 
     Attributes
     ----------
-    coefficients : ndarray
-        (degree + 1, 2K + 1), row j with Legendre's polynomial P_j; rows ordered as in
-        ``PeriodicLaw``.
+    coefficients : ndarray, shape (degree + 1, 2K + 1)
+        Row j with Legendre's polynomial P_j; rows ordered as in ``PeriodicLaw``.
     first, last : float
         The cycles s = -1 and s = 1; outside them the law stays as it is at the nearer one.
     whole : PeriodicLaw
         The law at mid-run, with the count, RMSE and scatter of the whole fit. The scatter does
         not wear.
-    covariance : ndarray
-        (degree + 1, 2K + 1, degree + 1, 2K + 1).
-    rmse_by_order : ndarray or None
-        (degrees, orders), as in ``PeriodicLaw``.
+    covariance : ndarray, shape (degree + 1, 2K + 1, degree + 1, 2K + 1)
+        Of the coefficients.
+    rmse_by_order : ndarray, shape (degrees, orders), or None
+        As in ``PeriodicLaw``.
+
+    Examples
+    --------
+    >>> n = np.arange(400.0)
+    >>> worn = fit_worn_law(2.4 * n, (1.0 + n / 100) * np.cos(2.4 * n), n, harmonics=1, degree=1)
+    >>> worn.degree, worn.harmonics, round(float(worn.at(300.0).cosine[1]), 6)
+    (1, 1, 4.0)
     """
 
     coefficients: Array
@@ -122,23 +128,34 @@ def fit_worn_law(
 
     Parameters
     ----------
-    theta, value, cycle : array_like
-        (n,), radians, any unit, and numbers of the cycles; the rows in order of recording.
-    harmonics, degree : int, optional
-        The two orders; what is None is chosen, both together, as in ``fit_periodic_law``: by
-        blocks of successive cycles left out, the fewest coefficients within one standard error
-        of the best.
-    noise_harmonics, seed : int, optional
+    theta : array_like, shape (n,)
+        Angles, rad, the rows in order of recording.
+    value : array_like, shape (n,)
+        Values, any unit.
+    cycle : array_like, shape (n,)
+        Numbers of the cycles.
+    harmonics : int or None, optional
+        The order of the series; None: chosen, together with the degree where that is None, as
+        in ``fit_periodic_law``: by blocks of successive cycles left out, the fewest
+        coefficients within one standard error of the best.
+    max_harmonics : int, optional
+        The largest order that is tried.
+    degree : int or None, optional
+        Of the polynomials; None: chosen.
+    noise_harmonics : int or None, default 0
+        As in ``fit_periodic_law``.
+    seed : int, default 0
         As in ``fit_periodic_law``.
 
     Returns
     -------
     WornLaw
+        The law at every cycle.
 
     Raises
     ------
     InvalidInput
-        As there, and where all cycles are the same.
+        As in ``fit_periodic_law``, and where all cycles are the same.
 
     Examples
     --------
@@ -190,6 +207,13 @@ class FittedMap:
     wear : WornLaw or None
         The law that changes with the cycle, with its own scatter; None where no cycle numbers
         were given.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.0, 60)
+    >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
+    >>> fitted.map.degree, fitted.sigma < 1e-9
+    (1, True)
     """
 
     law: PeriodicLaw
@@ -259,29 +283,36 @@ def fit_map(
 
     Parameters
     ----------
-    theta, theta_next : array_like
-        (n,) radians in order of recording, ``theta_next`` lifted: the difference is the turn.
-        Where all images lie within one turn, and turns of neighbouring angles differ by whole
-        ones, they were wrapped: whole turns are then added so that neighbours agree, and the
-        middle turn lies in [-π, π).
-    cycle : array_like, optional
-        (n,) the number of each pair's cycle; then the wear is fitted too, with its own choice
-        of ``harmonics`` and polynomial degree (``wear_degree`` None chooses up to 4), see
-        ``fit_worn_law``.
+    theta : array_like, shape (n,)
+        Angles, rad, in order of recording.
+    theta_next : array_like, shape (n,)
+        Their images, rad, lifted: the difference is the turn. Where all images lie within one
+        turn, and turns of neighbouring angles differ by whole ones, they were wrapped: whole
+        turns are then added so that neighbours agree, and the middle turn lies in [-π, π).
+    harmonics : int or None, optional
+        The order; None chooses it, as in ``fit_periodic_law``.
+    max_harmonics : int, optional
+        The largest order that is tried.
+    noise_harmonics : int or None, default 0
+        As in ``fit_periodic_law``.
+    cycle : array_like, shape (n,), optional
+        The number of each pair's cycle; then the wear is fitted too, with its own choice of
+        ``harmonics`` and polynomial degree, see ``fit_worn_law``.
+    wear_degree : int or None, optional
+        Degree of the wear's polynomials; None chooses up to 4.
+    seed : int, default 0
+        As in ``fit_periodic_law``.
 
     Returns
     -------
     FittedMap
+        The map, its scatter, and its wear.
 
     Raises
     ------
     InvalidInput
         For lists of different lengths, values that are not finite, too few pairs, and turns
         that jump by a whole one where images are not all within one turn.
-
-    Notes
-    -----
-    The rest is as in ``fit_periodic_law``.
 
     Examples
     --------
@@ -367,15 +398,29 @@ class FittedStaircase:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredStaircase:
-    """A measured path (m,), rad, unwrapped, and the staircase of the map fitted to it.
+    """A measured path, and the staircase of the map fitted to it.
 
     Attributes
     ----------
+    path : ndarray, shape (m,)
+        Orientations, rad, unwrapped.
     steps : Steps
         The dwells and steps found in the path, without a model.
     foretold : FittedStaircase or None
         What the map fitted to its pairs makes of it; None where the pairs do not fix a map all
         around, and `problem` says why.
+    problem : str
+        Why there is nothing foretold; empty where there is.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * math.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> found = measured_staircase(Theta0Pairs(theta[:-1], theta[1:], path=theta))
+    >>> round(found.cycles_a_turn, 1), found.problem
+    (15.4, '')
     """
 
     path: Array
@@ -392,17 +437,35 @@ class MeasuredStaircase:
 
 
 def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
-    """Find the steps of the measured path, fit its map, and predict the staircase from that: wear
+    """Find the steps of a measured path, fit its map, and predict the staircase from that: wear
     counts as noise.
+
+    Parameters
+    ----------
+    pairs : Theta0Pairs
+        Measured steps of the cycle map, in order.
+    seed : int, default 0
+        Of the noisy run, and of the choice of the fit's order.
 
     Returns
     -------
     MeasuredStaircase
+        The path, its steps, and what its map foretells.
 
     Raises
     ------
     InvalidInput
         Where the order of the pushes is unknown, or the turns have no noise.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * math.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> found = measured_staircase(Theta0Pairs(theta[:-1], theta[1:], path=theta))
+    >>> found.foretold.run.theta.shape, len(found.steps.start)
+    ((81,), 0)
     """
     path = pairs.unbroken.path
     if path is None:

@@ -4,7 +4,7 @@ and uncertainty.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -158,33 +158,49 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
 class PeriodicLaw:
     """The law y(θ) = c_0 + Σ_k c_k cos kθ + s_k sin kθ, in the unit of the values it was fitted to.
 
-    Attributes
+    Parameters
     ----------
-    coefficients : ndarray
-        (2K + 1,) in the order c_0, c_1, s_1, c_2, s_2, ...
-    covariance : ndarray
-        (2K + 1, 2K + 1) of these.
-    log_variance : ndarray
-        (2q + 1,) the log of the scatter's variance, a series in the same order; (1,) for
-        constant scatter.
+    coefficients : array_like, shape (2K + 1,)
+        In the order c_0, c_1, s_1, c_2, s_2, ...
+    covariance : array_like, shape (2K + 1, 2K + 1)
+        Of the coefficients.
+    log_variance : array_like, shape (2q + 1,)
+        The log of the scatter's variance, a series in the same order; (1,) for constant
+        scatter.
     sigma : float
         Root mean square scatter of one value about the law, degrees of freedom counted.
+    count : int
+        How many values were fitted.
     rmse : float
-        Of the residuals.
-    count, mean, total_std : int
-        Of the values fitted.
+        Root mean square of the residuals.
+    mean : float
+        Mean of the values fitted.
+    total_std : float
+        Standard deviation of the values fitted.
     lag_correlation : float
         Of each residual with the next in order of recording; far from 0, the covariance, that
         of independent residuals, is too small.
-    rmse_by_order : ndarray or None
-        (orders,) root mean square error in values left out, by order, inf where it cannot be
-        fitted; None where the order was given.
+    rmse_by_order : ndarray, shape (orders,), or None
+        Root mean square error in values left out, by order, inf where it cannot be fitted; None
+        where the order was given.
+
+    Raises
+    ------
+    InvalidInput
+        For shapes that do not fit each other.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.0, 40)
+    >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
+    >>> law.harmonics, round(float(law.slope(np.pi / 2.0)), 9), law.count
+    (1, -1.0, 40)
     """
 
     coefficients: Array
     covariance: Array
     log_variance: Array
-    sigma: float
+    sigma: float = field(metadata={"name": "scatter"})
     count: int
     rmse: float
     mean: float
@@ -285,21 +301,28 @@ def fit_periodic_law(
 
     Parameters
     ----------
-    theta, value : array_like
-        (n,), radians and any unit, in order of recording where the order is to be chosen.
-    harmonics : int, optional
+    theta : array_like, shape (n,)
+        Angles, rad, in order of recording where the order is to be chosen.
+    value : array_like, shape (n,)
+        Values, any unit.
+    harmonics : int or None, optional
         The order; None chooses it from 0 to ``max_harmonics`` by ten-fold cross-validation
         whose folds are made of blocks of successive cycles, dealt by ``seed``, with the
         one-standard-error rule on paired differences.
+    max_harmonics : int, optional
+        The largest order that is tried.
     noise_harmonics : int, optional
         The order of the log-variance of the scatter in θ; 0 takes it constant, None chooses
         from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
         maximum likelihood, and its order is chosen twice: with equal weights, then with the
         weights 1/variance (of mean 1) of that first law.
+    seed : int, default 0
+        Deals the blocks.
 
     Returns
     -------
     PeriodicLaw
+        The law, its covariance and its scatter.
 
     Raises
     ------

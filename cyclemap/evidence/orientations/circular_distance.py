@@ -15,6 +15,7 @@ from cyclemap.checks import finite_array, finite_number, positive_number, read_o
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.theta0_pairs import bin_index
 from cyclemap.maps.operator.transfer_operator import peaks_of
+from cyclemap.written import NUMBER
 
 Density = Callable[[Array], Array]
 
@@ -37,12 +38,21 @@ _NARROWEST = 0.002
 class CircularLaw:
     """A law on the circle, tabulated once so that many samples can be set against it.
 
+    Parameters
+    ----------
+    density : callable
+        Vectorised, of angles in [0, 2π] (rad), per radian, period 2π.
+    cells : int, default 2048
+        Of the table, equal, at least 8.
+
     Attributes
     ----------
-    density : Density
-        Vectorised callable of angles in [0, 2π] (radians), per radian, period 2π;
-    cells : int
-        Of the table, equal.
+    knots : ndarray, shape (cells + 1,)
+        Ends of the cells, rad.
+    heights : ndarray, shape (cells + 1,)
+        Density at the knots, per radian.
+    masses : ndarray, shape (cells + 1,)
+        Distribution function at the knots.
 
     Raises
     ------
@@ -56,6 +66,11 @@ class CircularLaw:
     each cell (slopes limited as by Fritsch & Carlson 1980): error O(h⁴), h = 2π/cells, for a
     smooth positive density, O(h³) where it touches 0, O(h) beside a jump. The table is rescaled
     to mass 1.
+
+    References
+    ----------
+    Fritsch, F. N. & Carlson, R. E. (1980), Monotone piecewise cubic interpolation, SIAM Journal on
+    Numerical Analysis 17(2).
 
     Examples
     --------
@@ -136,23 +151,19 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
 
 
 def circular_wasserstein(sample: Any, law: Any) -> Array:
-    """Wasserstein distance of order 1 on the circle, radians, in [0, π]: shape (...), a number for
-    one sample.
+    """Return the Wasserstein distance of order 1 on the circle.
 
     Parameters
     ----------
-    sample : Any
-        (..., n), radians, any turn; each row is a sample of its own.
-    law : Any
-        a ``CircularLaw``, or a second sample (m,), with which ``sample`` must be (n,). Between
-        two samples it is exact to rounding. Against a law, G is taken as linear between the
-        table's knots and the sample's angles: an error of at most h²/8 times the total
-        variation of the density, h = 2π/cells; about 1e-6 rad for a density with one peak of
-        height 1.
+    sample : array_like, shape (..., n)
+        Orientations, rad, any turn; each row is a sample of its own.
+    law : CircularLaw or array_like, shape (m,)
+        A law, or a second sample, with which ``sample`` must be (n,).
 
     Returns
     -------
-    ndarray
+    ndarray, shape (...)
+        Distances, rad, in [0, π]; a number for one sample.
 
     Raises
     ------
@@ -162,7 +173,15 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     Notes
     -----
     W1 = ∫ |F - G - median(F - G)| dθ, F and G the distribution functions from any origin, the
-    median over the uniform measure (Rabin, Delon & Gousseau 2011).
+    median over the uniform measure (Rabin, Delon & Gousseau 2011). Between two samples it is exact
+    to rounding. Against a law, G is taken as linear between the table's knots and the sample's
+    angles: an error of at most h²/8 times the total variation of the density, h = 2π/cells; about
+    1e-6 rad for a density with one peak of height 1.
+
+    References
+    ----------
+    Rabin, J., Delon, J. & Gousseau, Y. (2011), Transportation distances on the circle, Journal of
+    Mathematical Imaging and Vision 41.
 
     Examples
     --------
@@ -222,22 +241,33 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
 
 
 def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
-    """Total variation distance ½ Σ |share of the sample - probability| over equal bins of [0, 2π),
-    in [0, 1].
+    """Return the total variation distance ½ Σ |share of the sample - probability| over equal bins
+    of [0, 2π).
+
+    Parameters
+    ----------
+    sample : array_like, shape (..., n)
+        Orientations, rad, as for ``circular_wasserstein``.
+    law : CircularLaw or array_like, shape (m,)
+        As for ``circular_wasserstein``.
+    bins : int, optional
+        How many bins.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (...)
+        Distances in [0, 1]; a number for one sample.
 
     Notes
     -----
-    sample, law, shape : as for ``circular_wasserstein``. Bins hide what differs inside them, so
-    that it is at most the distance of the laws themselves; n independent orientations from the
-    law itself lie Σ √(P(1 - P)/(2πn)) away on average, more where they are autocorrelated.
+    Bins hide what differs inside them, so that it is at most the distance of the laws themselves; n
+    independent orientations from the law itself lie Σ √(P(1 - P)/(2πn)) away on average, more where
+    they are autocorrelated.
 
     Examples
     --------
-    >>> float(total_variation([0.5, 1.0, 2.0, 3.0], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)), 2))
+    >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
+    >>> float(total_variation([0.5, 1.0, 2.0, 3.0], uniform, bins=2))
     0.5
     """
     if not isinstance(law, CircularLaw):
@@ -264,23 +294,36 @@ class PValue:
     Attributes
     ----------
     value : float
-        (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1]
-        (Davison & Hinkley 1997): under the null P(value ≤ a) ≤ a for any a and any number of
-        runs.
+        (1 + number of simulated statistics that reach the observed one)/(runs + 1), in (0, 1]:
+        under the null P(value ≤ a) ≤ a for any a and any number of runs.
     runs : int
-        Simulated statistics.
+        How many simulated statistics.
     statistic : float
         The observed one.
-    null_quantiles : ndarray
+    null_quantiles : ndarray, shape (7,)
         The simulated ones at ``LEVELS``.
     standard_error : float
         Of ``value`` by the finite number of runs: the posterior standard deviation of the true
         p after a uniform prior, which is never 0.
+
+    References
+    ----------
+    Davison, A. C. & Hinkley, D. V. (1997), Bootstrap methods and their application, Cambridge.
+
+    Examples
+    --------
+    >>> from cyclemap.evidence import CollectionModel, collection_p_values
+    >>> from cyclemap.maps import CircleMap, WrappedNormal
+    >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
+    >>> path = model.paths(0.0, 50, 1, seed=5)[0]
+    >>> turns = collection_p_values(path, model, runs=19)["turns"]
+    >>> turns.runs, 0.05 <= turns.value <= 1.0
+    (19, True)
     """
 
     LEVELS: ClassVar[tuple[float, ...]] = (0.05, 0.25, 0.5, 0.75, 0.9, 0.95, 0.99)
 
-    value: float
+    value: float = field(metadata={"name": "p_value", "unit": NUMBER})
     runs: int
     statistic: float
     null_quantiles: Array
@@ -304,22 +347,33 @@ def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
 
 
 def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
-    """Kuiper's V = max(F - G) + max(G - F), in (0, 1] (Kuiper 1960); it does not depend on the
-    origin of the angles.
+    """Return Kuiper's V = max(F - G) + max(G - F); it does not depend on the origin of the angles.
 
     Parameters
     ----------
-    sample : Any
-        (..., n), radians, any turn. Returns shape (...). Raises InvalidInput for an empty
-        sample.
+    sample : array_like, shape (..., n)
+        Orientations, rad, any turn; each row is a sample of its own.
+    law : CircularLaw
+        What it is set against.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (...)
+        V in (0, 1].
+
+    Raises
+    ------
+    InvalidInput
+        For an empty sample, and numbers that are not finite.
+
+    References
+    ----------
+    Kuiper, N. H. (1960), Tests concerning random points on a circle, Indagationes Mathematicae 22.
 
     Examples
     --------
-    >>> round(float(kuiper_statistic([0.0, np.pi], CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi)))), 12)
+    >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
+    >>> round(float(kuiper_statistic([0.0, np.pi], uniform)), 12)
     0.5
     """
     reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
@@ -330,12 +384,34 @@ def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
 
 
 def watson_statistic(sample: Any, law: CircularLaw) -> Array:
-    """Watson's U² = n ∫ (F - G - mean)² dG (Watson 1961), at least 1/(12n); the rest as of
-    ``kuiper_statistic``.
+    """Return Watson's U² = n ∫ (F - G - mean)² dG; it does not depend on the origin of the angles.
+
+    Parameters
+    ----------
+    sample : array_like, shape (..., n)
+        Orientations, rad, any turn; each row is a sample of its own.
+    law : CircularLaw
+        What it is set against.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (...)
+        U², at least 1/(12n).
+
+    Raises
+    ------
+    InvalidInput
+        For an empty sample, and numbers that are not finite.
+
+    References
+    ----------
+    Watson, G. S. (1961), Goodness-of-fit tests on a circle, Biometrika 48.
+
+    Examples
+    --------
+    >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
+    >>> round(float(watson_statistic([0.0, np.pi], uniform)), 6)
+    0.041667
     """
     reached = np.sort(law.cumulative(orientations("sample", sample)), axis=-1)
     size = reached.shape[-1]
@@ -344,19 +420,19 @@ def watson_statistic(sample: Any, law: CircularLaw) -> Array:
 
 
 def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
-    """Angles in [0, 2π) of the maxima of a wrapped normal kernel estimate of the density, sorted,
-    shape (k,).
+    """Return the maxima of a wrapped normal kernel estimate of the density of orientations.
 
     Parameters
     ----------
-    theta : Any
-        Shape (n,), radians, any turn.
+    theta : array_like, shape (n,)
+        Orientations, rad, any turn.
     bandwidth : float, optional
-        radians, the kernel's standard deviation, 0.002 to π.
+        The kernel's standard deviation, rad, 0.002 to π.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (k,)
+        Angles in [0, 2π), sorted.
 
     Notes
     -----

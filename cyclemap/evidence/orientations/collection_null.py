@@ -34,13 +34,24 @@ _APART = 1_000  # between the seeds of two samples
 class CollectionModel:
     """θ_{n+1} = F_n(θ_n) + ξ_n: a map, fixed or drifting, and its noise.
 
-    Attributes
+    Parameters
     ----------
-    first : int
+    map : CircleMap or DriftingMap
+        The map, fixed or drifting.
+    noise : Noise
+        That of one cycle.
+    first : int, default 0
         Of a drifting map, the cycle that a collection begins with.
-    samples : tuple[CircleMap or DriftingMap, ...]
+    samples : tuple of CircleMap or DriftingMap, default ()
         Maps of a posterior's samples, from which simulated collections then come in turn, not
         from ``map``.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import WrappedNormal
+    >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
+    >>> model.paths(0.0, length=5, count=3, seed=0).shape
+    (3, 5)
     """
 
     map: CircleMap | DriftingMap
@@ -99,12 +110,25 @@ CollectionRefit = Callable[[Array], CollectionModel]
 def simulated_ensemble(
     model: CollectionModel, start: float, length: int, count: int, seed: int
 ) -> Ensemble:
-    """Simulate ``count`` collections of ``length`` orientations from ``start`` (rad), with the law
-    of what they record.
+    """Simulate collections from one start, with the law of what they record.
+
+    Parameters
+    ----------
+    model : CollectionModel
+        What is simulated.
+    start : float
+        Orientation that every collection begins with, rad.
+    length : int
+        Orientations of a collection.
+    count : int
+        How many collections.
+    seed : int
+        Of the noise.
 
     Returns
     -------
     Ensemble
+        The paths (count, length), rad, and the law.
 
     Notes
     -----
@@ -174,24 +198,31 @@ def collection_p_values(
 
     Parameters
     ----------
-    theta : Any
-        (n,) rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks for the
-        climb.
-    statistics : mapping, optional
+    theta : array_like, shape (n,)
+        Orientations, rad, n ≥ 2, in the order of the cycles, unwrapped where a statistic asks
+        for the climb.
+    model : CollectionModel
+        The null: the map and its noise.
+    statistics : mapping of str to callable or None, optional
         By name; None takes ``collection_statistics()``.
-    refit : CollectionRefit, optional
+    runs : int, default 199
+        How many collections are simulated.
+    seed : int, default 0
+        Of these.
+    refit : callable, optional
         None for a model given in full, else what fits a path (n,), unwrapped, to a model, by
         the rule that made ``model`` of ``theta``: each simulated collection is then set against
         an ensemble of its own fit, as the measured one is (parametric bootstrap).
-    ensemble : Ensemble, optional
+    ensemble : Ensemble or None, optional
         Of the model, where it is at hand; it must come from another seed than ``seed`` and
         ``seed`` + 1.
-    progress : callable, optional
+    progress : callable or None, optional
         Called with the fraction done, in (0, 1].
 
     Returns
     -------
-    dict[str, PValue]
+    dict of str to PValue
+        By the names of the statistics.
 
     Raises
     ------
@@ -209,14 +240,19 @@ def collection_p_values(
     cycles, are measured to be rejected at the 5 % level in 3 to 6 % of runs, at 10 % in 6 to 11
     %.
 
+    References
+    ----------
+    Davison, A. C. & Hinkley, D. V. (1997), Bootstrap methods and their application, Cambridge,
+    chapter 4.
+
     Examples
     --------
     >>> from cyclemap.maps import WrappedNormal
-    >>> worn = DriftingMap.between([(0, CircleMap.arnold(0.05, 0.3)), (200, CircleMap.arnold(0.1, 0.3))])
-    >>> model = CollectionModel(worn, WrappedNormal(0.2))
-    >>> path = model.paths(0.0, 200, 1, seed=5)[0]
-    >>> still = CollectionModel(CircleMap.arnold(0.05, 0.3), WrappedNormal(0.2))
-    >>> [collection_p_values(path, one)["turns"].value < 0.05 for one in (model, still)]
+    >>> fresh, old = CircleMap.arnold(0.05, 0.3), CircleMap.arnold(0.1, 0.3)
+    >>> worn = CollectionModel(DriftingMap.between([(0, fresh), (200, old)]), WrappedNormal(0.2))
+    >>> path = worn.paths(0.0, 200, 1, seed=5)[0]
+    >>> still = CollectionModel(fresh, WrappedNormal(0.2))
+    >>> [collection_p_values(path, model)["turns"].value < 0.05 for model in (worn, still)]
     [False, True]
     """
     path, report = finite_array("theta", theta, ndim=1), progress or (lambda fraction: None)

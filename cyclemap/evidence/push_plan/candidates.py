@@ -14,6 +14,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, RodMissesObject
+from cyclemap.evidence.predicted_strokes import push_from_contact
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import Ellipse, Pose, SidePush, Slider
 from cyclemap.mechanics.first_touch import first_contact
@@ -45,16 +46,12 @@ class SetPush:
     def rod(self, slider: Slider, radius: float) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return where the rod's centre first touches and where it ends,
         m in the frame of `start`."""
-        place, way = first_contact(slider, self.push, radius)
-        return self.start.to_world(*place), self.start.to_world(*(place + self.push.distance * way))
+        measured = self.measured(slider, radius)
+        return measured.tip_start, measured.tip_end
 
-    def measured(
-        self, slider: Slider, radius: float, end: Pose | None = None, contact: int = 0
-    ) -> MeasuredPush:
-        """Return the push as one that was measured; without an end it has not moved."""
-        return MeasuredPush(
-            self.start, end or self.start, *self.rod(slider, radius), contact=contact
-        )
+    def measured(self, slider: Slider, radius: float) -> MeasuredPush:
+        """Return the push as one that was measured, and has not moved the object."""
+        return push_from_contact(slider, radius, self.push, self.start, self.start)
 
     def dragged(self, slider: Slider, end: Pose) -> MeasuredDrag:
         """Return the drag by the ring from the push's end to where the ring was before it, not

@@ -21,6 +21,7 @@ from cyclemap.evidence.pushes.planned_table import (
     table_bytes,
 )
 from cyclemap.mechanics.first_touch import first_contact
+from cyclemap.text_files import file_stem
 
 MM = 1e3
 _POINTS = [f"{place}_{axis}_mm" for place in ("approach", "touch", "end", "ring") for axis in "xy"]
@@ -53,7 +54,7 @@ def empty_table(
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
         set_up: list[object] = [
             number,
-            loop.slider.name,
+            file_stem(loop.slider.name),
             push.side,
             push.fraction,
             *_rounded([math.degrees(push.angle)]),

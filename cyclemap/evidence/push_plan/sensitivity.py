@@ -25,7 +25,6 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     interpolation,
     push_end_block,
 )
-from cyclemap.evidence.identification.data_block import DataBlock
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF
@@ -94,14 +93,14 @@ def push_sensitivity(
         residual, jacobian = block.residuals({**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0})
         ends.append(starts + residual.reshape(-1, 3))
         shifted = jacobian.reshape(len(pushes), 3, -1)[..., -2:]
-        by = _by_unknowns(block, jacobian, len(pushes))
+        by = block.columns_by(UNKNOWNS, jacobian).reshape(len(pushes), 3, -1)
         plain.append(by / noise[:3, None])
         derivatives.append(over_noise(by, shifted, noise[:3]))
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
     turns = [
-        _by_unknowns(back, back.residuals(values)[1], len(pushes)) / noise[3]
+        back.columns_by(UNKNOWNS, back.residuals(values)[1])[:, np.newaxis] / noise[3]
         for values in known.values
     ]
     first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
@@ -116,17 +115,6 @@ def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
     """
     covariance = np.diag(noise**2) + SET_OFF**2 * by_rod @ by_rod.swapaxes(-1, -2)
     return np.asarray(np.linalg.solve(np.linalg.cholesky(covariance), by))
-
-
-def _by_unknowns(block: DataBlock, jacobian: Array, count: int) -> Array:
-    """Derivatives (count, rows, k) by UNKNOWNS,
-    nought by those that the block does not depend on."""
-    names = [name for name in block.parameters if name in UNKNOWNS]
-    whole = np.zeros((len(jacobian), len(UNKNOWNS)))
-    whole[:, [UNKNOWNS.index(name) for name in names]] = jacobian[
-        :, [block.parameters.index(name) for name in names]
-    ]
-    return whole.reshape(count, -1, len(UNKNOWNS))
 
 
 @dataclass(frozen=True, eq=False)

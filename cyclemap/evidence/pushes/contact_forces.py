@@ -55,21 +55,21 @@ class ContactSamples:
 def contact_force_ratio(
     push: PushRecord, outline: Array, rod_radius: float = MIT_ROD_RADIUS
 ) -> float:
-    """Return the median over the push of |tangential| over normal contact force; NaN where it
-    cannot be had.
+    """Return the median over a push of |tangential| over normal contact force.
 
     Parameters
     ----------
-    outline : ndarray
-        (k, 2) m, the object's closed outline in its own frame as a polyline.
+    push : PushRecord
+        The recording.
+    outline : ndarray, shape (k, 2)
+        The object's closed outline in its own frame as a polyline, m.
     rod_radius : float, optional
-        m.
+        Radius of the rod, m.
 
     Returns
     -------
     float
-        The median over the push of |tangential| over normal contact force; NaN where it cannot
-        be had.
+        NaN where it cannot be had.
 
     Notes
     -----
@@ -80,6 +80,16 @@ def contact_force_ratio(
     and the normal force is at least 0.5 N; with fewer than 10 such samples the ratio is NaN. In
     a sliding contact under Coulomb's law it is the friction coefficient, in a sticking one it
     is less.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import Slider
+    >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+    >>> tip = [[0.0, 0.0, 0.04975, 0.0], [1.0, 0.01, 0.04975, 0.0]]
+    >>> forces = [[time, -0.1, 1.0, 0.0] for time in np.linspace(0.0, 1.0, 20)]
+    >>> outline = Slider.mit("rect1").outline_points()
+    >>> round(contact_force_ratio(PushRecord(still, tip, forces), outline), 6)
+    0.1
     """
     contact = _contact_frame(push, outline, rod_radius)
     force = contact.force[contact.touching]

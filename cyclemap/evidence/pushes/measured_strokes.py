@@ -18,7 +18,7 @@ from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.columns import Row, column_value
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
-from cyclemap.text_files import CsvRow, CsvTable, require_columns
+from cyclemap.text_files import CsvRow, CsvTable, file_stem, require_columns
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
@@ -56,7 +56,9 @@ class RowSelection:
     def refusal(self, facts: Row) -> str:
         """Return why a row of these facts stays out; empty where it is kept."""
         shape = facts.get("object")
-        if self.objects and _known(shape) and shape not in self.objects:
+        # Files spell a name as file names can.
+        names = (shape, file_stem(str(shape)))
+        if self.objects and _known(shape) and not set(names) & set(self.objects):
             return (
                 f"of {shape}, not {self.objects[0]}"
                 if len(self.objects) == 1
@@ -158,17 +160,31 @@ def _known(value: object) -> bool:
 
 @dataclass(frozen=True)
 class MeasuredPush:
-    """A straight push: the object's poses before and after, the rod's centre before and after (m,
-    world frame).
+    """A straight push, as measured.
 
-    Attributes
+    Parameters
     ----------
-    contact : int
+    start : Pose
+        The object's pose before, world frame.
+    end : Pose
+        The object's pose after; end.theta is on the lift nearest to start.theta.
+    tip_start : tuple[float, float]
+        The rod's centre before, (x, y), m, world frame.
+    tip_end : tuple[float, float]
+        The rod's centre after, m, world frame.
+    contact : int, default 0
         Label of the place touched, alike for pushes there.
 
-    Notes
-    -----
-    end.theta is on the lift nearest to start.theta.
+    Raises
+    ------
+    InvalidInput
+        For a rod that stays where it is.
+
+    Examples
+    --------
+    >>> push = MeasuredPush(Pose(), Pose(0.0, -0.03, 0.2), (0.0, 0.05), (0.0, 0.01))
+    >>> round(push.length, 3)
+    0.04
     """
 
     start: Pose
@@ -196,13 +212,22 @@ class MeasuredPush:
 
 @dataclass(frozen=True)
 class MeasuredDrag:
-    """A straight drag by the ring: the object's poses before and after; end.theta nearest to
-    start.theta.
+    """A straight drag by the ring, as measured.
 
-    Attributes
+    Parameters
     ----------
-    contact : int
+    start : Pose
+        The object's pose before, world frame.
+    end : Pose
+        The object's pose after; end.theta nearest to start.theta.
+    contact : int, default 0
         Label of drags that belong together.
+
+    Examples
+    --------
+    >>> drag = MeasuredDrag(Pose(), Pose(0.05, 0.0, -0.4))
+    >>> drag.end.theta - drag.start.theta
+    -0.4
     """
 
     start: Pose

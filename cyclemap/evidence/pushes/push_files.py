@@ -52,13 +52,15 @@ _WRENCH_LIMITS = (1e11, 1e5, 1e5, 1e5)
 class PushRecord:
     """The time series of one push, each on its own clock, in the world frame.
 
-    Attributes
+    Parameters
     ----------
-    object_pose, tip_pose : ndarray
-        (n, 4) and (m, 4): time (s), x (m), y (m), angle (rad, wrapped or not).
-    ft_wrench : ndarray
-        (k, 4): time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT
-        files have it.
+    object_pose : array_like, shape (n, 4)
+        Time (s), x (m), y (m), angle (rad, wrapped or not) of the object.
+    tip_pose : array_like, shape (m, 4)
+        The same of the rod.
+    ft_wrench : array_like, shape (k, 4)
+        Time (s), fx (N), fy (N), torque (N m), of the object on the rod as the MIT files have
+        it.
 
     Raises
     ------
@@ -124,12 +126,23 @@ class ScanRecord:
     """The time series of one friction scan: a straight stroke of the rod that carries the object
     with it.
 
-    Attributes
+    Parameters
     ----------
-    tip : ndarray
-        (m, 4): time (s), x (m), y (m), angle (rad).
-    ft_wrench : ndarray
-        (k, 4) as in `PushRecord`, and refused alike.
+    tip : array_like, shape (m, 4)
+        Time (s), x (m), y (m), angle (rad) of the rod.
+    ft_wrench : array_like, shape (k, 4)
+        As in `PushRecord`, and refused alike.
+
+    Raises
+    ------
+    InvalidInput
+        As `PushRecord`.
+
+    Examples
+    --------
+    >>> tip = [[0.0, 0.3, 0.0, 0.0], [1.0, 0.3, 0.1, 0.0]]
+    >>> ScanRecord(tip, [[0.0, 0.0, 2.0, 0.0]]).stroke
+    (0.0, 0.1)
     """
 
     tip: Array
@@ -184,9 +197,15 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     """Read one push (or, where its name or its tables say so, one friction scan) from a .h5, .hdf5
     or .json file.
 
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
     Returns
     -------
     PushRecord or ScanRecord
+        The recording, checked.
 
     Raises
     ------
@@ -202,6 +221,17 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     `tip_pose`) and `ft_wrench`; see `PushRecord` for their columns. Any name will do, but scans
     (`record_...`) must be straight. Other tables are passed over. In JSON they are lists of
     rows.
+
+    Examples
+    --------
+    >>> import json, pathlib, tempfile
+    >>> poses = [[0.0, 0.3, 0.0, 1.5], [0.1, 0.3, 0.05, 1.6]]
+    >>> tables = {"object_pose": poses, "tip_pose": poses, "ft_wrench": poses}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     count = pathlib.Path(folder, "push.json").write_text(json.dumps(tables))
+    ...     push = read_push_file(f"{folder}/push.json")
+    >>> round(push.turn, 6), round(push.length, 6)
+    (0.1, 0.05)
     """
     path = Path(path)
     try:

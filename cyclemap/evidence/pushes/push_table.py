@@ -160,7 +160,20 @@ def _refuse_other_units(table: CsvTable, row: CsvRow, found: Mapping[str, float]
 
 @dataclass(frozen=True)
 class UnreadableFile:
-    """A file (or folder) that could not be read, and why."""
+    """A file (or folder) that could not be read.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    reason : str
+        Why, in words.
+
+    Examples
+    --------
+    >>> UnreadableFile(Path("cut.json"), "it is cut short").reason
+    'it is cut short'
+    """
 
     path: Path
     reason: str
@@ -173,32 +186,44 @@ class PushTable:
     Attributes
     ----------
     table : pandas.DataFrame
-        a row a push. `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`,
-        `fraction`, `angle` (rad), `repetition`: from the file's name. `length` (m): of the
-        rod's path, from `tip_x0`, `tip_y0` to `tip_x1`, `tip_y1` (m, world). `x0`, `y0` (m),
-        `theta0` (rad), `x1`, `y1`, `theta1`: first and last pose there. `dx`, `dy` (m):
-        displacement in the object's initial frame. `dtheta` (rad): theta1 - theta0, counted
-        along the series, so never wrapped. `theta_next` (rad): start of the next repetition of
-        the same set (same folder or CSV table, same facts), on the lift nearest to theta1; so
-        theta_next - theta0 is the turn of the cycle where the drag back turns by less than half
-        a turn. `force_ratio`: see `contact_force_ratio`. `samples`: poses of the object, 0 in a
-        CSV table. `path`: the file.
+        A row a push; its columns are listed below.
     scans : pandas.DataFrame
-        a row a friction scan. `direction` (rad) of the motion in the world, by the name;
-        `force_along` and `force_across` (N): see `scan_forces`; `ratio`: force_across /
-        force_along, zero where friction is isotropic; `samples`: wrenches; the rest as above.
+        A row a friction scan; its columns are listed below.
     unreadable : tuple of UnreadableFile
         The files left out, in order of their paths.
     convention : Convention
-        In which they were written; all of the above is in ours.
+        In which they were written; all of the table is in ours.
     convention_told : bool
         Whether somebody said it.
 
     Notes
     -----
+    Columns of ``table``: `surface`, `object` (text), `acceleration` (m/s^2), `speed` (m/s), `side`,
+    `fraction`, `angle` (rad), `repetition`: from the file's name. `length` (m): of the rod's path,
+    from `tip_x0`, `tip_y0` to `tip_x1`, `tip_y1` (m, world). `x0`, `y0` (m), `theta0` (rad), `x1`,
+    `y1`, `theta1`: first and last pose there. `dx`, `dy` (m): displacement in the object's initial
+    frame. `dtheta` (rad): theta1 - theta0, counted along the series, so never wrapped. `theta_next`
+    (rad): start of the next repetition of the same set (same folder or CSV table, same facts), on
+    the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle where the drag back
+    turns by less than half a turn. `force_ratio`: see `contact_force_ratio`. `samples`: poses of
+    the object, 0 in a CSV table. `path`: the file.
+
+    Columns of ``scans``: `direction` (rad) of the motion in the world, by the name; `force_along`
+    and `force_across` (N): see `scan_forces`; `ratio`: force_across / force_along, zero where
+    friction is isotropic; `samples`: wrenches; the rest as above.
+
     What is unknown is NaN: facts of a file whose name is not of the layout, the repetition of a
-    single push, theta_next of the last of a set, the force ratio of an object that is no MIT
-    shape or without contact.
+    single push, theta_next of the last of a set, the force ratio of an object that is no MIT shape
+    or without contact.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "slate.csv").write_text("theta0_deg\\n0\\n10\\n25\\n")
+    ...     pushes = load_pushes(f"{place}/slate.csv")
+    >>> len(pushes.table), len(pushes.scans), pushes.unreadable
+    (2, 0, ())
     """
 
     table: pandas.DataFrame
@@ -221,19 +246,26 @@ def load_pushes(
 
     Parameters
     ----------
-    angles, frame, offset_deg : str, optional
-        How the data count angles and lay their axes, as in `Convention`; what is not told is
-        what a collection.toml with the data says in its table [data], else counter-clockwise
-        and right-handed, 0.
-    progress : callable, optional
-        Called with the fraction done, in (0, 1]. Other files are passed over; links to folders
-        are not followed. Rows are sorted by the facts in the order of their columns, then by
-        path, then as in their file. For CSV tables of poses or of θ0 see `read_push_csv`; a
-        push that stands in two files makes two rows.
+    path : str or Path
+        A file, a folder or a tree. Other files are passed over; links to folders are not
+        followed.
+    angles : str or None, optional
+        How the data count angles, as in `Convention`; None: what a collection.toml with the
+        data says in its table [data], else counter-clockwise.
+    frame : str or None, optional
+        How they lay their axes, as in `Convention`; None: what a collection.toml says, else
+        right-handed.
+    offset_deg : float or None, optional
+        What they count angles from, as in `Convention`; None: what a collection.toml says, else
+        0.
+    progress : callable or None, optional
+        Called with the fraction done, in (0, 1].
 
     Returns
     -------
     PushTable
+        Rows sorted by the facts in the order of their columns, then by path, then as in their
+        file; a push that stands in two files makes two rows.
 
     Raises
     ------
@@ -243,8 +275,9 @@ def load_pushes(
     Notes
     -----
     A file that cannot be read - cut short, damaged, a table missing, wrong columns, text or NaN
-    among the numbers, a clock that runs backwards, a size that its file cannot hold - is listed
-    in `unreadable` with the reason, and the rest is kept.
+    among the numbers, a clock that runs backwards, a size that its file cannot hold - is listed in
+    `unreadable` with the reason, and the rest is kept. For CSV tables of poses or of θ0 see
+    `read_push_csv`.
 
     Examples
     --------
@@ -256,8 +289,10 @@ def load_pushes(
     ...     _ = pathlib.Path(folder, name).write_text(json.dumps(tables))
     ...     _ = pathlib.Path(folder, "cut.json").write_text(json.dumps(tables)[:50])
     ...     pushes = load_pushes(folder)
-    >>> pushes.table[["object", "speed", "dtheta"]].round(9).values.tolist(), pushes.unreadable[0].path.name
-    ([['hex', 0.02, 0.1]], 'cut.json')
+    >>> pushes.table[["object", "speed", "dtheta"]].round(9).values.tolist()
+    [['hex', 0.02, 0.1]]
+    >>> pushes.unreadable[0].path.name
+    'cut.json'
     """
     files, unreadable = _files(Path(path))
     convention = convention_of(path, angles, frame, offset_deg)

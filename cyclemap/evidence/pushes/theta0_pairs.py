@@ -20,6 +20,7 @@ from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
 from cyclemap.text_files import CsvTable, read_csv_table, require_columns
+from cyclemap.written import ANGLE
 
 STAIRCASE_COLUMNS = ("rep", "theta0_accum_deg", "theta0_mod360_deg", "dtheta_to_next_deg", "flag")
 PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
@@ -55,22 +56,36 @@ DEFAULT_BINS, _MOST_BINS = 72, 1_000_000
 class Theta0Pairs:
     """Measured steps of the cycle map.
 
-    Attributes
+    Parameters
     ----------
-    theta, theta_next : ndarray
-        (n,) rad. `theta_next` is lifted: `theta_next - theta` is the turn of that cycle.
-    path : ndarray or None
-        (m,) rad, the unwrapped θ0 of every push in order, flagged ones too; None where order is
+    theta : ndarray, shape (n,)
+        Orientations before the pushes, rad.
+    theta_next : ndarray, shape (n,)
+        Orientations before the next ones, rad, lifted: `theta_next - theta` is the turn of that
+        cycle.
+    path : ndarray, shape (m,), optional
+        The unwrapped θ0 of every push in order, rad, flagged ones too; None where order is
         unknown.
-    dropped : mapping
+    dropped : mapping of str to int, optional
         How many pairs were left out, by reason.
-    cycle : ndarray or None
-        (n,) the number of each pair's push;
-    path_cycle : ndarray or None
-        (m,) that of each entry of `path`. None where unknown.
-    moved : tuple of float
+    cycle : ndarray, shape (n,), optional
+        The number of each pair's push; None where unknown.
+    path_cycle : ndarray, shape (m,), optional
+        That of each entry of `path`; None where unknown.
+    moved : tuple of float, default ()
         Numbers of pushes behind which somebody moved the object: they make no pair, and the
         path breaks there.
+
+    Raises
+    ------
+    InvalidInput
+        For lists of different lengths, empty ones, and numbers that are not finite.
+
+    Examples
+    --------
+    >>> theta = np.array([0.0, 0.4, 0.9, 1.5])
+    >>> Theta0Pairs(theta[:-1], theta[1:], path=theta).turn.round(3).tolist()
+    [0.4, 0.5, 0.6]
     """
 
     theta: Array
@@ -152,28 +167,45 @@ def read_theta0_pairs(
 
     Parameters
     ----------
-    angles, offset_deg : str, optional
-        How the file counts angles, as in `Convention`, or all of that as one; what is not told
-        is what a collection.toml with the data says, else counter-clockwise. Orientations alone
-        cannot tell.
+    path : str or Path
+        The file.
+    angles : str or None, optional
+        How the file counts angles, as in `Convention`; None: what a collection.toml with the
+        data says, else counter-clockwise. Orientations alone cannot tell.
+    offset_deg : float or None, optional
+        What it counts them from, as in `Convention`; None: what a collection.toml says, else 0.
+    convention : Convention or None, optional
+        All of that as one.
 
     Returns
     -------
     Theta0Pairs
+        The pairs, on the lift.
+
+    Raises
+    ------
+    DataFileError
+        Naming the file, the line and the mend.
 
     Notes
     -----
-    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row
-      with a flag makes no pair and is counted in `dropped`; the last row has no next θ0.
-    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order
-      where pairs begin where the one before ended (half of 20 or more within a fifth of what
-      turns vary by, or all within 0.005 degrees), in any order else. Pairs of a row in order
-      that begin elsewhere are warned of (`DoubtfulInput`).
+    - `rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag`: a staircase; a row with a
+      flag makes no pair and is counted in `dropped`; the last row has no next θ0.
+    - `theta0_deg,theta_next_deg`: pairs; the turn is the shorter way round. They are in order where
+      pairs begin where the one before ended (half of 20 or more within a fifth of what turns vary
+      by, or all within 0.005 degrees), in any order else. Pairs of a row in order that begin
+      elsewhere are warned of (`DoubtfulInput`).
     - `theta0_deg`: the pushes in order, numbered from 0; the turn is the shorter way round. A
-      column beside it whose name is nearly theta_next_deg, or speaks of the next one, is
-      refused.
+      column beside it whose name is nearly theta_next_deg, or speaks of the next one, is refused.
 
-    DataFileError names the file, the line and the mend.
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = pathlib.Path(place, "slate.csv").write_text("theta0_deg\\n0\\n10\\n25\\n")
+    ...     pairs = read_theta0_pairs(f"{place}/slate.csv")
+    >>> np.degrees(pairs.turn).round(6).tolist()
+    [10.0, 15.0]
     """
     table = (convention or convention_of(path, angles, None, offset_deg)).table(
         read_csv_table(path)
@@ -363,8 +395,22 @@ def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True, eq=False)
 class TurnBins:
-    """Centres (k,), rad in [0, 2π), median turns (k,), rad, and pairs (k,) of equal bins of θ0 with
-    three or more.
+    """Median turns in equal bins of θ0 that hold three pairs or more.
+
+    Attributes
+    ----------
+    centre : ndarray, shape (k,)
+        Centres of the bins, rad in [0, 2π).
+    median : ndarray, shape (k,)
+        Median turns, rad.
+    count : ndarray of int, shape (k,)
+        How many pairs each holds.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.2, 12)
+    >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).count.tolist()
+    [4, 4, 4]
     """
 
     centre: Array
@@ -374,8 +420,20 @@ class TurnBins:
 
 @dataclass(frozen=True, eq=False)
 class AngleHistogram:
-    """How often each direction was recorded. edges : (k + 1,) rad over [0, 2π]. density : (k,) per
-    rad.
+    """How often each direction was recorded.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (k + 1,)
+        Ends of the bins, rad over [0, 2π].
+    density : ndarray, shape (k,)
+        Per rad.
+
+    Examples
+    --------
+    >>> histogram = angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2)
+    >>> round(float(np.sum(histogram.density * np.diff(histogram.edges))), 9)
+    1.0
     """
 
     edges: Array
@@ -384,22 +442,53 @@ class AngleHistogram:
 
 @dataclass(frozen=True)
 class MapAgreement:
-    """How far measured turns lie from a map's: root mean squares over pairs, and over bin medians
-    alike (rad).
+    """How far measured turns lie from a map's.
+
+    Attributes
+    ----------
+    pairs : int
+        How many pairs.
+    rms : float
+        Root mean square over the pairs, rad.
+    bins : int
+        How many bins of θ0.
+    bin_rms : float
+        Root mean square over the bins' medians, rad.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.2, 12)
+    >>> agreement = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.2).agreement
+    >>> agreement.pairs, round(agreement.rms, 6)
+    (12, 0.1)
     """
 
     pairs: int
-    rms: float
+    rms: float = field(metadata=ANGLE)
     bins: int
-    bin_rms: float
+    bin_rms: float = field(metadata=ANGLE)
 
 
 def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
-    """Median turn of the pairs in `bins` equal bins of θ0 over [0, 2π).
+    """Return the median turn of pairs in equal bins of θ0 over [0, 2π).
+
+    Parameters
+    ----------
+    pairs : Theta0Pairs
+        Measured steps of the cycle map.
+    bins : int, optional
+        How many bins.
 
     Returns
     -------
     TurnBins
+        Those that hold three pairs or more.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.2, 12)
+    >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).median.round(6).tolist()
+    [0.3, 0.3, 0.3]
     """
     index = bin_index(pairs.theta, bins)
     count = np.bincount(index, minlength=bins)
@@ -409,12 +498,19 @@ def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
 
 
 def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
-    """Probability density (per rad) of the directions `theta` (n,) rad in `bins` equal bins over
-    [0, 2π).
+    """Return the probability density of directions in equal bins over [0, 2π).
+
+    Parameters
+    ----------
+    theta : ndarray, shape (n,)
+        Directions, rad, any turn.
+    bins : int, optional
+        How many bins.
 
     Returns
     -------
     AngleHistogram
+        Ends of the bins, and density per rad.
 
     Examples
     --------
@@ -439,8 +535,25 @@ def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredOverlay:
-    """Measured pairs with their medians by direction, their histogram, and their distance from a
-    map.
+    """Measured pairs over a map.
+
+    Attributes
+    ----------
+    pairs : Theta0Pairs
+        The measured steps.
+    bins : TurnBins
+        Their medians by direction.
+    histogram : AngleHistogram
+        How often each direction was recorded.
+    agreement : MapAgreement
+        Their distance from the map.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.2, 12)
+    >>> overlay = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.3)
+    >>> round(overlay.agreement.rms, 9), overlay.pairs.theta.size
+    (0.0, 12)
     """
 
     pairs: Theta0Pairs
@@ -450,11 +563,26 @@ class MeasuredOverlay:
 
 
 def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> MeasuredOverlay:
-    """Summarise `pairs` against the map that turns θ (rad) by `turn(θ)` (rad).
+    """Summarise measured pairs against a map.
+
+    Parameters
+    ----------
+    pairs : Theta0Pairs
+        Measured steps of the cycle map.
+    turn : callable
+        θ (n,) rad -> what the map turns it by, (n,) rad.
 
     Returns
     -------
     MeasuredOverlay
+        Medians, histogram, and distance from the map.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.2, 12)
+    >>> pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.sin(theta))
+    >>> round(measured_overlay(pairs, lambda theta: 0.3 + 0.1 * np.sin(theta)).agreement.rms, 9)
+    0.0
     """
     bins = turn_bins(pairs)
     off, bin_off = pairs.turn - turn(pairs.theta), bins.median - turn(bins.centre)

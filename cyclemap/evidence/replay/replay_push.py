@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -11,11 +12,10 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
-from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
-from cyclemap.mechanics.first_touch import first_touches
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.
 BEND = 0.3e-3
@@ -138,27 +138,21 @@ def push_along(
     """
     travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
     done, touched, left = 0.0, False, False
-    for start, end in pairwise(corners):
-        length = math.hypot(*(end - start))
+    for (x, y), (end_x, end_y) in pairwise(corners.tolist()):
+        length = math.hypot(end_x - x, end_y - y)
         if length == 0.0:
             continue
-        place, direction = (
-            (float(start[0]), float(start[1])),
-            math.atan2(*(end - start)[::-1].tolist()),
-        )
-        if rod_gap(model, pose, place)[0] < -_ROUNDING:
-            there = f"({place[0]:.4f}, {place[1]:.4f}) m"
+        if rod_gap(model, pose, (x, y))[0] < -_ROUNDING:
+            there = f"({x:.4f}, {y:.4f}) m"
             raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
-        rod = np.array(pose.to_object(*place)) / model.unit
-        touch = first_touches(
-            model.curve.pieces, model.radius, rod[None], np.array([direction - pose.theta])
-        )[0]
+        stroke = WorldPush((x, y), math.atan2(end_y - y, end_x - x), length)
         left = touched
-        if touch[0] * model.unit < length:
-            push = model.push(pose, WorldPush(place, direction, length), _SAMPLE_SPACING)
-            course, at = push.trajectory, done + max(float(touch[0]), 0.0) * model.unit
-            travels += [np.array([at]), at + course.path]
-            poses += [poses[-1][-1:], course.pose]
+        with suppress(RodMissesObject):
+            push = model.push(pose, stroke, _SAMPLE_SPACING)
+            # Strokes of the engine begin where the rod touches.
+            at = done + length - model.unit * push.course.strokes.length
+            travels += [np.array([at]), at + push.trajectory.path]
+            poses += [poses[-1][-1:], push.trajectory.pose]
             pose, touched, left = push.end, True, push.ended == "left"
         done += length
         travels.append(np.array([done]))
@@ -172,23 +166,23 @@ class Replay:
 
     Attributes
     ----------
-    time : ndarray
-        (n,) s.
-    measured, predicted : ndarray
-        (n, 3), x, y (m) and theta (rad, counted along the series).
-    travel : ndarray
-        (n,) m, the rod's way along its path.
-    tip : ndarray
-        (n, 2) m, its place.
-    outline : ndarray
-        (k, 2) m, the object's, closed.
-    shift : ndarray
-        (2,) m, by which the recorded path was moved: the offset that was given, and what takes
-        the rod out of the object at the start.
+    time : ndarray, shape (n,)
+        Of the recorded poses, s.
+    measured, predicted : ndarray, shape (n, 3)
+        x, y (m) and theta (rad, counted along the series).
+    travel : ndarray, shape (n,)
+        The rod's way along its path, m.
+    tip : ndarray, shape (n, 2)
+        Its place, m.
+    shift : ndarray, shape (2,)
+        By which the recorded path was moved, m: the offset that was given, and what takes the
+        rod out of the object at the start.
+    outline : ndarray, shape (k, 2)
+        The object's, closed, m.
     start_gap : float
-        m, between rod and object there with the offset alone; negative: they overlap.
+        Between rod and object at the start with the offset alone, m; negative: they overlap.
     straightness : float
-        m, how far the path leaves its chord.
+        How far the path leaves its chord, m.
     strokes : int
         How many straight pushes stand for it.
     touched, left : bool
@@ -198,6 +192,16 @@ class Replay:
         neither does.
     leaving_agrees : bool
         Whether the rod ends over 3 mm from both objects, or from neither.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
+    >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
+    >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
+    >>> replay = replay_push(PushRecord(still, tip, still), model)
+    >>> replay.touched, replay.strokes, round(float(replay.error[-1]), 5)
+    (True, 1, 0.00975)
     """
 
     time: Array
@@ -259,17 +263,28 @@ class Replay:
 def replay_push(
     record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)
 ) -> Replay:
-    """Push the model's slider from the record's first pose along the record's tip path.
+    """Push the model's slider from a record's first pose along the record's tip path.
+
+    Parameters
+    ----------
+    record : PushRecord
+        The recording.
+    model : QuasiStaticModel
+        Slider, surface and rod.
+    offset : tuple[float, float], default (0.0, 0.0)
+        What is added to the path, (x, y), m.
 
     Returns
     -------
     Replay
+        The recorded push beside its prediction.
 
     Raises
     ------
     InvalidInput
-        For a larger overlap or a tip that does not move; UnsupportedContact and
-        ConvergenceError as `QuasiStaticModel.push` does.
+        For a rod that overlaps the object by more than 5 mm, or a tip that does not move.
+    UnsupportedContact, ConvergenceError
+        As `QuasiStaticModel.push` does.
 
     Notes
     -----

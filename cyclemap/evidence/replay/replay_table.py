@@ -4,7 +4,7 @@ speed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
 from cyclemap.evidence.pushes.columns import column_value
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -30,22 +31,10 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
-from cyclemap.mechanics import (
-    EllipseFriction,
-    FrameShift,
-    Material,
-    PlatePressure,
-    Pusher,
-    QuasiStaticModel,
-    Slider,
-    SurfaceShape,
-)
-from cyclemap.mechanics.foundation import FLAT, FloorField
-from cyclemap.mechanics.material import FloorSession
+from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
-from cyclemap.mechanics.plate_footprint import plate_footprint
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.text_files import read_csv_table
+from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -88,10 +77,10 @@ DATASET_PUSHER = Pusher(friction=0.25)
 ACCURACY = 1e-5
 # Where the dataset's robot dragged objects to, m.
 DATASET_TARGET = (0.35, -0.03)
-_Models = tuple[QuasiStaticModel, QuasiStaticModel]
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
 # Reading the folder is this share of the work.
 _READING = 0.1
+_A_SCAN = "a friction scan, not a push"
 REPLAY_COLUMNS = (
     *_FACTS,
     "error",
@@ -211,15 +200,8 @@ class ReplayedPushes:
 
 def replay_pushes(
     path: str | Path,
-    friction: EllipseFriction,
+    loop: CollectionLoop,
     *,
-    pusher: Pusher = DATASET_PUSHER,
-    sliders: Mapping[str, Slider] | None = None,
-    plates: Sequence[PlatePressure] = (),
-    frames: Sequence[FrameShift] = (),
-    floor: SurfaceShape = FLAT,
-    sessions: Sequence[FloorSession] = (),
-    field: FloorField | None = None,
     select: Mapping[str, str | float] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> ReplayedPushes:
@@ -227,21 +209,11 @@ def replay_pushes(
 
     Parameters
     ----------
-    friction : EllipseFriction
-        Of the surface; of an isotropic one the coefficient changes no motion.
-    sliders : mapping, optional
-        The objects by the names in the files; None: those of the dataset, `butter` among them.
-    plates : sequence of PlatePressure, optional
-        How objects rest on the surface, by the same names; the others are flat, or as built in
-        where the floor has a shape.
-    floor : SurfaceShape, optional
-        Its shape, kPa at 50 mm;
-    sessions : sequence of FloorSession, optional
-        Its shapes in sessions that were seen, taken for pushes of their plate and speed.
-    field : FloorField, optional
-        How the floor's shape varies with the place about the dataset's target, kPa.
-    frames : sequence of FrameShift, optional
-        How the frames of each plate's data are shifted.
+    loop : CollectionLoop
+        Its material tells the surface, how plates rest on it, the floor's shape in sessions that
+        were seen, and how the frames of each plate's data are shifted; a shape that varies with
+        the place is about the dataset's target. Its rod pushes. Its object is known by its name,
+        beside those of the dataset, `butter` among them.
     select : mapping, optional
         Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is
         replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what
@@ -271,91 +243,77 @@ def replay_pushes(
     """
     import pandas
 
-    report, chosen = progress or (lambda fraction: None), dict(select or {})
+    report = progress or (lambda fraction: None)
+    chosen = dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
     found, left = select_pushes(
         Path(path), selection, True, lambda fraction: report(_READING * fraction)
     )
-    for name, slider in (sliders or {}).items():
-        own = found.table[found.table["object"] == name]
-        check_pushes(
-            replace(found, table=own),
-            CollectionLoop.mit("isotropic", slider=slider, footprint=None),
-        )
-    objects = dataset_sliders() if sliders is None else sliders
-    surface, models = (
-        Material("floor", friction, plates=tuple(plates), floor=floor, field=field),
-        dict[str, _Models](),
-    )
-    shapes = {one.name: one.shape for one in sessions}
-    shifts = {one.plate: (one.x, one.y) for one in frames}
+    if not len(found.table) and left:
+        reasons = ", ".join(f"{count} {why}" for why, count in left.items())
+        raise InvalidInput(f"{path}: nothing is selected: {reasons}")
+    replayer = _Replayer(loop)
+    of_known = found.table["object"].isin([*replayer.sliders])
+    check_pushes(replace(found, table=found.table[of_known]), loop)
+    left_out = [
+        *found.unreadable,
+        *(UnreadableFile(Path(file), _A_SCAN) for file in found.scans["path"].unique()),
+    ]
     rows: list[dict[str, Any]] = []
     replays: list[Replay] = []
-    left_out = list(found.unreadable)
-    left_out += [
-        UnreadableFile(Path(file), "a friction scan, not a push")
-        for file in found.scans["path"].unique()
-    ]
-    files, total, done = found.table["path"].unique(), max(len(found.table), 1), 0
-    if not len(files) and left:
-        raise InvalidInput(
-            f"{path}: nothing is selected: "
-            f"{', '.join(f'{count} {why}' for why, count in left.items())}"
-        )
-    for file in map(Path, files):
-        try:
-            for facts, record in _recorded(file, selection, left_out):
-                done += 1
-                try:
-                    if facts.object is None:
-                        raise InvalidInput(
-                            "its name does not say which object was pushed: it is not of the MIT "
-                            "layout"
-                        )
-                    if facts.object not in objects:
-                        told = f"object {facts.object!r} has no outline"
-                        raise InvalidInput(
-                            f"{told}: neither the material file nor the data's collection.toml "
-                            "has it"
-                        )
-                    session = session_name(facts.object, facts.speed)
-                    if session not in models:
-                        found_there = replace(surface, floor=shapes.get(session, floor))
-                        models[session] = _models(objects[facts.object], found_there, pusher)
-                    (model, plain), offset = models[session], shifts.get(facts.object, (0.0, 0.0))
-                    record = record if field is None else _seen_from(record, DATASET_TARGET)
-                    replay = replay_push(record, model, offset)
-                    isotropic = (
-                        replay if plain is model and not any(offset) else replay_push(record, plain)
-                    )
-                except CycleMapError as error:
-                    left_out.append(UnreadableFile(file, str(error)))
-                else:
-                    replays.append(replay)
-                    plainly = {
-                        f"isotropic_{key}": isotropic.summary()[key]
-                        for key in ("error", "turn_error")
-                    }
-                    known = {key: getattr(facts, key) for key in _FACTS}
-                    rows.append({**known, **replay.summary(), **plainly, "path": str(file)})
-                report(_READING + (1.0 - _READING) * min(done / total, 1.0))
-        except CycleMapError as error:
-            left_out.append(UnreadableFile(file, str(error)))
+    done = 0
+    for file in map(Path, found.table["path"].unique()):
+        for facts, record in _recorded(file, selection, left_out):
+            done += 1
+            try:
+                row, replay = replayer.replayed(facts, record)
+            except CycleMapError as error:
+                left_out.append(UnreadableFile(file, str(error)))
+            else:
+                rows.append({**row, "path": str(file)})
+                replays.append(replay)
+            report(_READING + (1.0 - _READING) * min(done / len(found.table), 1.0))
     report(1.0)
     left_out.sort(key=lambda entry: entry.path)
-    return ReplayedPushes(
-        pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS)), tuple(replays), tuple(left_out)
-    )
+    table = pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))
+    return ReplayedPushes(table, tuple(replays), tuple(left_out))
 
 
-def _models(slider: Slider, surface: Material, pusher: Pusher) -> _Models:
-    """The models of an object: on the surface, and on isotropic friction, all flat."""
-    friction, footprint = surface.friction, plate_footprint(surface, slider)
-    model = QuasiStaticModel(slider, friction, pusher, footprint, accuracy=ACCURACY)
-    is_plain = (
-        footprint is None and friction.mu_a == friction.mu_b and friction.m0 == friction.n0 == 0.0
-    )
-    return model, model if is_plain else model.isotropic
+class _Replayer:
+    """Replays the pushes of known objects; the loop of each session is made once."""
+
+    def __init__(self, loop: CollectionLoop) -> None:
+        self.loop = replace(loop, accuracy=ACCURACY)
+        self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
+        self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
+
+    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, Any], Replay]:
+        """Return the row of a push, and its replay; raises CycleMapError where there is none."""
+        name = facts.object
+        if name is None:
+            raise InvalidInput(
+                "its name does not say which object was pushed: it is not of the MIT layout"
+            )
+        if name not in self.sliders:
+            raise InvalidInput(
+                f"object {name!r} has no outline: neither the material file nor the data's "
+                "collection.toml has it"
+            )
+        session = session_name(name, facts.speed)
+        if session not in self.models:
+            model = loop_of_session(self.loop, self.sliders[name], session).model
+            self.models[session] = model, model.isotropic
+        model, plain = self.models[session]
+        material = self.loop.material
+        seen = record if material.field is None else _seen_from(record, DATASET_TARGET)
+        replay = replay_push(seen, model, frame_shift(material, name))
+        beside = replay_push(seen, plain)
+        isotropic = {
+            "isotropic_error": float(beside.error[-1]),
+            "isotropic_turn_error": float(beside.turn_error[-1]),
+        }
+        known = {key: getattr(facts, key) for key in _FACTS}
+        return {**known, **replay.summary(), **isotropic}, replay
 
 
 def _seen_from(record: PushRecord, place: tuple[float, float]) -> PushRecord:
@@ -368,14 +326,23 @@ def _recorded(
     path: Path, selection: RowSelection, left_out: list[UnreadableFile]
 ) -> Iterator[tuple[PushFacts, PushRecord]]:
     """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a
-    CSV table.
+    CSV table. What cannot be read is added to ``left_out``.
     """
-    if path.suffix.lower() != CSV_SUFFIX:
+    try:
+        if path.suffix.lower() == CSV_SUFFIX:
+            yield from _of_table(path, selection, left_out)
+            return
         record = convention_of(path).record(read_push_file(path))
         if not isinstance(record, PushRecord):
-            raise InvalidInput("a friction scan, not a push")
+            raise InvalidInput(_A_SCAN)
         yield push_facts(path) or PushFacts(), record
-        return
+    except CycleMapError as error:
+        left_out.append(UnreadableFile(path, str(error)))
+
+
+def _of_table(
+    path: Path, selection: RowSelection, left_out: list[UnreadableFile]
+) -> Iterator[tuple[PushFacts, PushRecord]]:
     table = convention_of(path).table(read_csv_table(path))
     if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
         raise InvalidInput(
@@ -385,14 +352,12 @@ def _recorded(
         facts = {name: column_value(table, row, name) for name in FACTS}
         if selection.refusal(facts):
             continue
-        start, end, tip_start, tip_end = push_ends(table, row)
-        if (astray := tip_error(table, row)) > LARGEST_TIP_ERROR:
-            left_out.append(
-                UnreadableFile(
-                    path, f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"
-                )
-            )
+        astray = tip_error(table, row)
+        if astray > LARGEST_TIP_ERROR:
+            reason = f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"
+            left_out.append(UnreadableFile(path, reason))
             continue
-        poses = [[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]]
-        tips = [[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]]
-        yield PushFacts(**facts), PushRecord(poses, tips, [[0.0, 0.0, 0.0, 0.0]])  # type: ignore[arg-type]
+        start, end, tip_start, tip_end = push_ends(table, row)
+        poses = np.array([[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]])
+        tips = np.array([[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]])
+        yield PushFacts(**facts), PushRecord(poses, tips, np.zeros((1, 4)))

@@ -5,7 +5,7 @@ was fitted to.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
 )
 from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.written import ANGLE
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
@@ -121,6 +122,14 @@ def turn_pace(
 
 
 @dataclass(frozen=True)
+class ScatterPlace:
+    """An orientation, rad, and how much cycles scatter there, rad."""
+
+    theta: float = field(metadata=ANGLE)
+    scatter: float = field(metadata=ANGLE)
+
+
+@dataclass(frozen=True)
 class TurnPlace:
     """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever
     the place.
@@ -129,8 +138,8 @@ class TurnPlace:
     of a slow passage.
     """
 
-    theta: float
-    turn: float
+    theta: float = field(metadata=ANGLE)
+    turn: float = field(metadata=ANGLE)
     lower: float
     upper: float
     cycles: float | None = None
@@ -182,7 +191,7 @@ class WornForecast:
     measured_histogram: AngleHistogram
     histogram: AngleHistogram
     total_variation: float
-    wasserstein: float
+    wasserstein: float = field(metadata=ANGLE)
     run_distances: Array
     pace: TurnPace
 
@@ -193,23 +202,36 @@ class MeasuredCycleMap:
 
     Attributes
     ----------
+    pairs : Theta0Pairs
+        The measured steps.
     fitted : FittedMap
         With scatter that may depend on the angle and wear in time (of degree 0 where it was not
         asked for, or the order of the cycles is unknown).
-    quietest, loudest : tuple[float, float]
-        (rad, rad) where the pairs within 10 degrees scatter least and most about it, and their
-        root mean square.
+    quietest, loudest : ScatterPlace
+        Where the pairs within 10 degrees scatter least and most about it, by their root mean
+        square.
     early, late : MapState
         The map an eighth of the run from its ends.
     forecast : WornForecast or None
         None where the order of the pushes is unknown, or the map's paths leave the measured
         orientations.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> pairs = Theta0Pairs(theta[:-1], theta[1:], path=theta)
+    >>> found = measured_cycle_map(pairs, harmonics=1, wear=False, runs=20)
+    >>> found.wears, round(found.late.slowest.theta, 1)
+    (False, 4.7)
     """
 
     pairs: Theta0Pairs
     fitted: FittedMap
-    quietest: tuple[float, float]
-    loudest: tuple[float, float]
+    quietest: ScatterPlace = field(metadata={"name": "least_scatter"})
+    loudest: ScatterPlace = field(metadata={"name": "most_scatter"})
     early: MapState
     late: MapState
     forecast: WornForecast | None
@@ -233,18 +255,25 @@ def measured_cycle_map(
 
     Parameters
     ----------
-    harmonics : int, optional
+    pairs : Theta0Pairs
+        The measured steps.
+    harmonics : int or None, optional
         The order; None chooses it, together with the degree of the wear, by cross-validation
         over blocks of successive cycles; the degree is that of least error where there is wear
         at all.
-    wear : bool, optional
+    wear : bool, default True
         False keeps the map the same in all cycles.
     runs : int, optional
         Paths of each forecast.
+    seed : int, default 0
+        Of the blocks and the paths.
+    progress : callable, optional
+        Called with the fraction done.
 
     Returns
     -------
     MeasuredCycleMap
+        The map, where it is slow, and what its paths do.
 
     Raises
     ------
@@ -252,6 +281,17 @@ def measured_cycle_map(
         For fewer than 20 pairs, and where they do not fix the map.
     ConvergenceError
         Where the scatter could not be fitted.
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for scatter in 0.05 * rng.standard_normal(80):
+    ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
+    >>> theta = np.array(path)
+    >>> pairs = Theta0Pairs(theta[:-1], theta[1:], path=theta)
+    >>> found = measured_cycle_map(pairs, harmonics=1, wear=False, runs=20)
+    >>> round(found.fitted.sigma, 2), found.late.fixed_points
+    (0.05, ())
     """
     if pairs.theta.size < FEWEST:
         raise InvalidInput(
@@ -277,7 +317,8 @@ def measured_cycle_map(
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
     size = np.sqrt(near[told] @ off**2 / crowd[told])
     quietest, loudest = (
-        (float(_AROUND[told[k]]), float(size[k])) for k in (np.argmin(size), np.argmax(size))
+        ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
+        for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)

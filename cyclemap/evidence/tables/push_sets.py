@@ -52,12 +52,23 @@ class PushSet:
         ``CONTACT`` that are known.
     contacts : int
         How many places and directions of pushing it pools; 1 for repeated pushes.
-    theta : ndarray
-        (n,) rad, orientation before each push. dtheta (rad), dx, dy (m) : (n,), turn and
-        displacement of the push in the object's initial frame; NaN where unknown.
+    theta : ndarray, shape (n,)
+        Orientation before each push, rad.
+    dtheta : ndarray, shape (n,)
+        Turn of the push, rad; NaN where unknown.
+    dx, dy : ndarray, shape (n,)
+        Displacement in the object's initial frame, m; NaN where unknown.
     pairs : Theta0Pairs or None
         The steps of the cycle map, where orientations before successive pushes are known, else
         None.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
+    >>> slate = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> slate.count, slate.has_motion
+    (30, True)
     """
 
     name: str
@@ -89,13 +100,16 @@ def push_sets(
 
     Parameters
     ----------
-    select : mapping, optional
+    pushes : PushTable
+        A table of pushes.
+    select : mapping of str to str or float or None, optional
         Columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and
-        radians.
+        radians; None: all are kept.
 
     Returns
     -------
     tuple of PushSet
+        In the order in which they were recorded.
 
     Raises
     ------
@@ -106,6 +120,17 @@ def push_sets(
     -----
     Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets
     are then pooled over the contacts, and say so in ``contacts``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.evidence import load_pushes
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{8 * push}\\n" for push in range(25))
+    ...     count = Path(place, "slate.csv").write_text(text)
+    ...     (pushes,) = push_sets(load_pushes(f"{place}/slate.csv"))
+    >>> pushes.name, pushes.count, pushes.has_motion
+    ('slate', 24, False)
     """
     table = selected_pushes(pushes.table, select or {})
     gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
@@ -231,8 +256,28 @@ class MotionStatistics:
 
 @dataclass(frozen=True)
 class PushStatistics:
-    """A row of the table: a set's name, its count, its statistics, and what is wrong with it, else
-    None.
+    """A row of the table of what pushes did.
+
+    Attributes
+    ----------
+    name : str
+        That of the set.
+    count : int
+        How many pushes it has.
+    dtheta : MotionStatistics or None
+        Mean and standard deviation of Δθ, rad.
+    dx, dy : MotionStatistics or None
+        Mean and standard deviation of Δx and Δy, m.
+    problem : str or None
+        What is wrong with it; None where nothing is.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
+    >>> row = push_statistics(PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, None))
+    >>> round(row.dtheta.mean, 3), round(row.dtheta.percent, 1), row.problem
+    (1.199, 6.0, None)
     """
 
     name: str
@@ -244,12 +289,25 @@ class PushStatistics:
 
 
 def push_statistics(pushes: PushSet) -> PushStatistics:
-    """The set's row of the table; with fewer than five pushes of known motion it has a problem and
-    no numbers.
+    """Return the mean and the standard deviation of what the pushes of a set did.
+
+    Parameters
+    ----------
+    pushes : PushSet
+        The set.
 
     Returns
     -------
     PushStatistics
+        The set's row of the table; with fewer than five pushes of known motion it has a problem
+        and no numbers.
+
+    Examples
+    --------
+    >>> few = np.zeros(3)
+    >>> row = push_statistics(PushSet("few", Path("few.csv"), {}, 1, few, few, few, few, None))
+    >>> row.dtheta is None, row.count
+    (True, 3)
     """
     known = np.isfinite(pushes.dtheta)
     count = int(np.sum(known))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -74,7 +73,28 @@ class MotionLaw:
 
 @dataclass(frozen=True, eq=False)
 class SetLaws:
-    """A row of the table: a set's name, its count, and the laws of Δθ, Δx and Δy."""
+    """A row of the table of fitted laws.
+
+    Attributes
+    ----------
+    name : str
+        That of the set.
+    count : int
+        How many pushes it has.
+    dtheta : MotionLaw
+        The law of Δθ, rad, over θ0.
+    dx, dy : MotionLaw
+        The laws of Δx and Δy, m, over θ0.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> [law.quantity for law in set_laws(pushes, harmonics=1).laws]
+    ['dtheta', 'dx', 'dy']
+    """
 
     name: str
     count: int
@@ -100,18 +120,32 @@ def set_laws(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> SetLaws:
-    """Fit the three laws of a set; a law that cannot be fitted has its ``problem`` instead.
+    """Fit the laws of turn and displacement over θ0 to a set of pushes.
 
     Parameters
     ----------
-    harmonics : int, optional
+    pushes : PushSet
+        The set.
+    harmonics : int or None, optional
         The order of all three; None chooses each by cross-validation.
-    progress : callable, optional
+    seed : int, default 0
+        Deals the blocks that are left out.
+    progress : callable or None, optional
         Called with the share done.
 
     Returns
     -------
     SetLaws
+        The three laws; one that cannot be fitted has its ``problem`` instead.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> set_laws(pushes, harmonics=1).dtheta.law.coefficients.round(6).tolist()[:2]
+    [1.2, 0.1]
     """
     found = []
     for done, quantity in enumerate(QUANTITIES, 1):
@@ -170,15 +204,15 @@ class TurnHistogram:
 
     Attributes
     ----------
-    edges : ndarray
-        (k + 1,).
-    measured : ndarray
-        (k,) counts.
-    predicted : ndarray
-        (k,) expected counts where θ0 is one of the measured ones and projected by the law with
-        its scatter; what falls outside the edges counts in the outer bins.
-    law_alone : ndarray
-        (k,) the same without scatter, as Ma & Rodriguez (2018) drew it.
+    edges : ndarray, shape (k + 1,)
+        Ends of the bins, in the unit of the values.
+    measured : ndarray of int, shape (k,)
+        Counts.
+    predicted : ndarray, shape (k,)
+        Expected counts where θ0 is one of the measured ones and projected by the law with its
+        scatter; what falls outside the edges counts in the outer bins.
+    law_alone : ndarray, shape (k,)
+        The same without scatter, as Ma & Rodriguez (2018) drew it.
     total_variation, law_alone_total_variation : float
         ½ Σ |measured - predicted|/n in [0, 1].
     distance, law_alone_distance : float
@@ -187,6 +221,22 @@ class TurnHistogram:
         Of the total variation of as many pushes simulated from the law and refitted. Residuals
         are taken independent and normal: where they are correlated in time, as wear makes them,
         p is too small.
+
+    References
+    ----------
+    Ma, D. & Rodriguez, A. (2018), Friction variability in planar pushing data, IEEE Robotics and
+    Automation Letters 3(4).
+
+    Examples
+    --------
+    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> rng = np.random.default_rng(0)
+    >>> theta = rng.uniform(0.0, 6.28, 100)
+    >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(100)
+    >>> law = fit_periodic_law(theta, value, harmonics=1)
+    >>> found = turn_histogram(theta, value, law, bins=10, runs=20)
+    >>> found.edges.shape, int(found.measured.sum()), 0.0 <= found.total_variation <= 1.0
+    ((11,), 100, True)
     """
 
     edges: Array
@@ -220,12 +270,27 @@ def turn_histogram(
     runs: int = 200,
     seed: int = 0,
 ) -> TurnHistogram:
-    """Compare the values measured at ``theta`` (n,), rad, with what ``law`` makes of these
-    orientations.
+    """Compare measured values with what a law makes of their orientations, as histograms.
+
+    Parameters
+    ----------
+    theta : array_like, shape (n,)
+        Orientations, rad.
+    value : array_like, shape (n,)
+        What was measured there, in the law's unit.
+    law : PeriodicLaw
+        That of the values over theta.
+    bins : int, default 40
+        How many equal bins.
+    runs : int, default 200
+        How many sets of pushes are simulated and refitted.
+    seed : int, default 0
+        Of these.
 
     Returns
     -------
     TurnHistogram
+        Measured and predicted counts, and how far they are apart.
 
     Raises
     ------
@@ -251,56 +316,49 @@ def turn_histogram(
     angles, values = paired_arrays("value", theta, value)
     centre, noise = law(angles), law.noise(angles)
     reach = _MARGIN * noise
-    low, high = (
-        min(np.min(values), np.min(centre - reach)),
-        max(np.max(values), np.max(centre + reach)),
-    )
+    low = min(np.min(values), np.min(centre - reach))
+    high = max(np.max(values), np.max(centre + reach))
     if not high - low > 1e-12 * max(abs(low), abs(high)):
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
-    measured = np.histogram(values, edges)[0]
-    grid = np.linspace(edges[0], edges[-1], _FINER * bins + 1)
-    spread, alone, seen = (
-        _mixture(grid, centre, noise),
-        _empirical(grid, centre),
-        _empirical(grid, values),
-    )
-    in_bins = [cumulative[::_FINER] for cumulative in (seen, spread, alone)]
-    observed, bare = _bin_distance(*in_bins[:2]), _bin_distance(*in_bins[::2])
-    # Total variations of sets simulated from the law, each against its own refitted law of the same
-    # order.
-    null, bounds = np.empty(whole_number("runs", runs, least=1)), grid[::_FINER]
+    grid = np.linspace(low, high, _FINER * bins + 1)
+    seen, alone = _empirical(grid, values), _empirical(grid, centre)
+    spread = _mixture(grid, centre, noise)
+    total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
+    null = np.empty(whole_number("runs", runs, least=1))
     rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    columns, free = fourier_columns(angles, law.harmonics), angles.size - law.coefficients.size
-    solve = (
-        weighted_least_squares(columns, centre, noise**-2)[1]
-        @ (columns / noise[:, np.newaxis] ** 2).T
-    )
+    refit = _refit(angles, law)
     for run in range(null.size):
         made = centre + noise * rng.standard_normal(angles.size)
-        refitted = columns @ (solve @ made)
-        size = np.sqrt(np.sum(((made - refitted) / noise) ** 2) / free)
-        null[run] = _bin_distance(
-            _empirical(bounds, made), _mixture(bounds, refitted, size * noise)
-        )
-    predicted, bare_counts = (
-        read_only(values.size * np.diff(cumulative)) for cumulative in in_bins[1:]
-    )
-    apart, bare_apart = (
-        float(np.trapezoid(np.abs(seen - other), grid)) for other in (spread, alone)
-    )
-    chance = monte_carlo_p_value(observed, null)
+        refitted, size = refit(made)
+        null[run] = _bin_distance(_empirical(edges, made), _mixture(edges, refitted, size * noise))
     return TurnHistogram(
-        read_only(edges),
-        measured,
-        predicted,
-        bare_counts,
-        observed,
-        bare,
-        apart,
-        bare_apart,
-        chance,
+        edges=read_only(edges),
+        measured=np.histogram(values, edges)[0],
+        predicted=read_only(values.size * np.diff(spread[::_FINER])),
+        law_alone=read_only(values.size * np.diff(alone[::_FINER])),
+        total_variation=total_variation,
+        law_alone_total_variation=_bin_distance(seen[::_FINER], alone[::_FINER]),
+        distance=float(np.trapezoid(np.abs(seen - spread), grid)),
+        law_alone_distance=float(np.trapezoid(np.abs(seen - alone), grid)),
+        chance=monte_carlo_p_value(total_variation, null),
     )
+
+
+def _refit(theta: Array, law: PeriodicLaw) -> Callable[[Array], tuple[Array, float]]:
+    """What a law of the same order, fitted to values at the same orientations, makes of these (n,),
+    and the size of its scatter over that of the given law.
+    """
+    noise = law.noise(theta)
+    columns, free = fourier_columns(theta, law.harmonics), theta.size - law.coefficients.size
+    inverse = weighted_least_squares(columns, law(theta), noise**-2)[1]
+    solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
+
+    def refitted(values: Array) -> tuple[Array, float]:
+        fitted = columns @ (solve @ values)
+        return fitted, float(np.sqrt(np.sum(((values - fitted) / noise) ** 2) / free))
+
+    return refitted
 
 
 def _empirical(grid: Array, values: Array) -> Array:
@@ -331,10 +389,30 @@ class SetFit:
 
     Attributes
     ----------
+    pushes : PushSet
+        The set.
+    statistics : PushStatistics
+        Mean and deviation of what its pushes did.
+    laws : SetLaws
+        The laws of turn and displacement.
     histogram : TurnHistogram or None
         Of Δθ, measured and predicted; None without a law of Δθ, or where all Δθ are alike.
+    cycle_map : MeasuredCycleMap or None
+        The cycle map; None where it could not be fitted.
+    map_problem : str or None
+        Why there is no cycle map; None where there is.
     rest : RestMultiplier or None
         The multiplier of its last cycles, of one path without gaps that rests; else None.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> fit = fit_set(pushes, harmonics=1)
+    >>> fit.is_empty, fit.map_problem
+    (False, 'no push has a known next θ0')
     """
 
     pushes: PushSet
@@ -363,16 +441,30 @@ def fit_set(
 
     Parameters
     ----------
-    harmonics : int, optional
+    pushes : PushSet
+        The set.
+    harmonics : int or None, optional
         The order of all laws; None chooses each by cross-validation.
-    wear : bool, optional
+    wear : bool, default True
         Whether the cycle map may change with the cycle.
-    progress : callable, optional
+    seed : int, default 0
+        Of blocks left out and of simulated sets.
+    progress : callable or None, optional
         Called with the share done.
 
     Returns
     -------
     SetFit
+        What could be fitted, and why the rest could not.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> fit_set(pushes, harmonics=1).laws.count
+    30
     """
     report = progress or (lambda fraction: None)
     laws = set_laws(
@@ -382,18 +474,22 @@ def fit_set(
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
     report(0.4)
-    cycle_map, problem = None, "no push has a known next θ0" if pushes.pairs is None else None
-    if pushes.pairs is not None:
-        options: dict[str, Any] = {"harmonics": harmonics, "wear": wear, "seed": seed}
+    cycle_map = rest = None
+    problem: str | None = "no push has a known next θ0"
+    pairs = pushes.pairs
+    if pairs is not None:
         try:
             cycle_map = measured_cycle_map(
-                pushes.pairs, **options, progress=lambda share: report(0.4 + 0.6 * share)
+                pairs,
+                harmonics=harmonics,
+                wear=wear,
+                seed=seed,
+                progress=lambda share: report(0.4 + 0.6 * share),
             )
+            problem = None
         except (InvalidInput, ConvergenceError) as error:
             problem = str(error)
+        if pairs.path is not None and not pairs.moved:
+            rest = rest_multiplier(pairs.path)
     report(1.0)
-    pairs = pushes.pairs
-    rest = (
-        None if pairs is None or pairs.path is None or pairs.moved else rest_multiplier(pairs.path)
-    )
     return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem, rest)

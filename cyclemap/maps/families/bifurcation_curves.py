@@ -36,14 +36,14 @@ class BifurcationCurve:
     ----------
     kind : str
         As of ``Bifurcation``.
-    first, second : ndarray
-        Shape (m,).
-    points : ndarray
-        Shape (m, period), radians, continuous along it.
-    coefficient : ndarray
-        Shape (m,), of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient
-        (F^n)''²/4 + (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at
-        border collisions.
+    first, second : ndarray, shape (m,)
+        The two parameters along the curve.
+    points : ndarray, shape (m, period)
+        Of the orbits, radians, continuous along the curve.
+    coefficient : ndarray, shape (m,)
+        Of saddle-nodes (F^n)'', of period doublings the first Lyapunov coefficient (F^n)''²/4 +
+        (F^n)'''/6, above 0 where the orbit of twice the period is stable; nan at border
+        collisions.
     special : tuple of CodimensionTwo
         Its points of codimension two, in order.
     period, winding : int
@@ -54,6 +54,15 @@ class BifurcationCurve:
         the orbit meets a break), "lost" or "steps".
     residual : float
         The largest of the equations' residuals.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.families.continuation import saddle_nodes
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
+    >>> edge.kind, edge.ends, [point.kind for point in edge.special]
+    ('saddle-node', ('end of the plane', 'end of the plane'), [])
     """
 
     kind: str
@@ -85,7 +94,7 @@ class _CurveWalk:
     ending: tuple[Array, Array] | None = (
         None  # where the curve is about to end, scaled, and what that may be off
     )
-    extrapolated: Array | None = None  # where it was about to end by the last three solutions
+    extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
 
     def walked(self) -> _CurveWalk:
         """The walk, once it has ended."""
@@ -109,8 +118,8 @@ class _CurveWalk:
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, 2.0 * _SMALLEST))
-            self.special.append(self.equations.placed(names[self.reason], spot, at, 2.0 * error))
+            at, error = self.ending or (spot.at[-2:], np.full(2, _SMALLEST))
+            self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
 
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
@@ -242,15 +251,13 @@ class _CurveWalk:
         at = np.sum(
             [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
         )
-        change = np.abs(
-            at - (recent[-1].at[-2:] if self.extrapolated is None else self.extrapolated)
-        )
         self.blocked, self.step = reason, min(self.step, 0.5 * distance)
-        if self.ending is None or np.max(change) < np.max(
-            self.ending[1]
-        ):  # the one that changed least
-            self.ending = at, change + 1e-12
-        self.extrapolated = at
+        # Two neighbouring extrapolations may agree by chance: three are compared.
+        known = [*(self.extrapolated or [recent[-1].at[-2:]]), at]
+        change = np.sum(np.abs(np.diff(known, axis=0)), axis=0) + 1e-12
+        if self.ending is None or np.max(change) < np.max(self.ending[1]):
+            self.ending = at, change
+        self.extrapolated = known[-2:]
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
             self._stop()
 
@@ -258,24 +265,32 @@ class _CurveWalk:
 def follow_bifurcation(
     family: Family, start: Bifurcation, at: float, first: Range, second: Range
 ) -> BifurcationCurve:
-    """The curve of bifurcations through ``start``, followed both ways in the plane first × second.
+    """The curve of bifurcations through one of them, followed both ways in a plane of two
+    parameters.
 
     Parameters
     ----------
-    family : (p, q) → CircleMap, called only inside the plane.
-    start : a saddle-node, period doubling or border collision of p → family(p, at), as
+    family : callable
+        (p, q) → CircleMap, called only inside the plane.
+    start : Bifurcation
+        A saddle-node, period doubling or border collision of p → family(p, at), as
         ``bifurcations`` gives them.
-    at : the second parameter there.
-    first, second : (low, high) of the two parameters.
+    at : float
+        The second parameter there.
+    first, second : tuple[float, float]
+        (low, high) of the two parameters.
 
     Returns
     -------
-    The curve with its m points in order along it, and its points of codimension two.
+    BifurcationCurve
+        The m points in order along it, and its points of codimension two.
 
     Raises
     ------
-    InvalidInput for another kind of bifurcation, or where there is none; ConvergenceError where a
-    point of codimension two cannot be located.
+    InvalidInput
+        For another kind of bifurcation, or where there is none.
+    ConvergenceError
+        Where a point of codimension two cannot be located.
 
     Notes
     -----
@@ -287,6 +302,11 @@ def follow_bifurcation(
     more than its error: on maps that are sampled coarser than that none may be told. What happens
     twice within one step, at most 0.06 of the plane, is missed. The bounds of tips, and of points
     at which a curve ends, are measured; the others are of first order.
+
+    References
+    ----------
+    - Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
+    - Kuznetsov, Y. A. (2004), Elements of applied bifurcation theory, chapter 10.
 
     Examples
     --------
@@ -322,7 +342,9 @@ def _followed(
         if side:
             images[0] = (member.right if side > 0 else member.left)(points[:1])[0]
         hops = np.round((images - np.roll(points, -1)) / TWO_PI)
-        equations = CurveEquations(family, hops, start.winding, start.kind, ranges, side)
+        equations = CurveEquations(
+            family, hops, start.winding, start.kind, ranges, side, start.jump
+        )
         guess = np.append(points, at) / equations.scales
         along = equations.direction(equations.spot(guess))
         begin = equations.solved(guess, along)
@@ -372,9 +394,23 @@ def bifurcation_curves(
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
     plane.
 
+    Parameters
+    ----------
+    family : callable
+        (p, q) → CircleMap, called only inside the plane.
+    first, second : tuple[float, float]
+        (low, high) of the two parameters.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    lines : int, optional
+        How many evenly spaced lines each way the plane is searched on.
+
     Returns
     -------
-    list[BifurcationCurve]
+    list of BifurcationCurve
+        Each once, in the order in which they are met.
 
     Notes
     -----
@@ -385,10 +421,9 @@ def bifurcation_curves(
     Examples
     --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> wavy = lambda p, K: CircleMap(lambda x: x + p - K * np.sin(x) - 0.1 * np.sin(2 * x))
-    >>> curves = bifurcation_curves(wavy, (-0.5, 0.5), (-0.4, 0.4))
-    >>> sorted((p.kind, round(p.first, 3) + 0.0, round(p.second, 3)) for curve in curves for p in curve.special)
-    [('cusp', 0.0, -0.2), ('cusp', 0.0, 0.2)]
+    >>> (edge,) = bifurcation_curves(CircleMap.arnold, (0.02, 0.3), (0.5, 0.9), lines=2)
+    >>> edge.kind, bool(np.allclose(edge.first, edge.second / (2.0 * np.pi)))  # the tongue 0/1
+    ('saddle-node', True)
     """
     ranges = parameter_range("first", first), parameter_range("second", second)
     count = whole_number("lines", lines, least=1)

@@ -10,7 +10,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
+from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import (
     Family,
     Range,
@@ -215,14 +216,14 @@ class OrbitBranch:
 
     Attributes
     ----------
-    parameter : ndarray
-        Shape (m,).
-    points : ndarray
-        Shape (m, period), radians, continuous along the branch (any turn), in order of visit.
-    multiplier : ndarray
-        Shape (m,).
-    stable : Mask
-        Shape (m,), whether |multiplier| < 1.
+    parameter : ndarray, shape (m,)
+        Along the branch.
+    points : ndarray, shape (m, period)
+        Radians, continuous along the branch (any turn), in order of visit.
+    multiplier : ndarray, shape (m,)
+        Of the orbits.
+    stable : ndarray of bool, shape (m,)
+        Whether |multiplier| < 1.
     special : tuple of Bifurcation
         The bifurcations met, in order.
     period, winding : int
@@ -233,6 +234,13 @@ class OrbitBranch:
         is a loop), "lost" (no step converged) or "steps" (4,000 were made).
     residual : float
         The largest |F(θ_i) - θ_{i+1} - 2πh_i| of all, radians.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
+    >>> fold.period, fold.points.shape[1], bool(fold.stable.any() and not fold.stable.all())
+    (1, 1, True)
     """
 
     parameter: Array
@@ -255,18 +263,28 @@ def follow_orbit(
     period: int = 1,
     winding: int = 0,
 ) -> OrbitBranch:
-    """The branch of periodic orbits through ``start``, followed both ways within the parameters
-    (low, high).
+    """The branch of periodic orbits through one of them, followed both ways.
 
     Parameters
     ----------
+    family : callable
+        Parameter → CircleMap.
     start : Orbit or float
-        An orbit of the family's map at the parameter ``at`` (default: low), or an angle near a
-        point of one, then with its ``period`` and ``winding``.
+        An orbit of the family's map at the parameter ``at``, or an angle near a point of one
+        (radians), then with its ``period`` and ``winding``.
+    parameters : tuple[float, float]
+        (low, high), the range that the branch is followed in.
+    at : float or None, optional
+        The parameter of ``start``; None: low.
+    period : int, default 1
+        Of the orbit, cycles.
+    winding : int, default 0
+        Whole turns of the orbit in a period.
 
     Returns
     -------
     OrbitBranch
+        The orbits in order along it, and the bifurcations met.
 
     Raises
     ------
@@ -284,6 +302,10 @@ def follow_orbit(
     period doublings and branch points are where the multiplier passes ±1; border collisions
     where a point passes a break: beyond a kink the branch goes on, at a jump it ends. What
     happens twice within one step is missed.
+
+    References
+    ----------
+    Keller, H. B. (1977), Numerical solution of bifurcation and nonlinear eigenvalue problems.
 
     Examples
     --------
@@ -377,16 +399,33 @@ def orbit_branches(
     *,
     resolution: int = RESOLUTION,
 ) -> list[OrbitBranch]:
-    """All branches of periodic orbits of this period and winding within the parameters (low, high).
+    """All branches of periodic orbits of one period and winding.
+
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that they are followed in.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        Orbits are listed at so many evenly spaced parameters, and one more.
 
     Returns
     -------
-    list[OrbitBranch]
+    list of OrbitBranch
+        Each once.
 
     Raises
     ------
     InvalidInput
-        As these two do, for instance where the map's iterate is the identity.
+        As ``periodic_orbits`` and ``follow_orbit`` do, for instance where the map's iterate is
+        the identity.
+    ConvergenceError
+        As these two do.
 
     Notes
     -----
@@ -444,12 +483,25 @@ def bifurcations(
     *,
     resolution: int = RESOLUTION,
 ) -> list[Bifurcation]:
-    """All bifurcations of the orbits of this period and winding within (low, high), sorted by
-    parameter.
+    """All bifurcations of the orbits of one period and winding.
+
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
 
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Notes
     -----
@@ -481,6 +533,9 @@ def bifurcations(
     return sorted(kept, key=lambda found: float(found.parameter))
 
 
+_WIDEST = 1e-6  # of the range: the bound of a saddle-node that is worth a proof
+
+
 def saddle_nodes(
     family: Family,
     parameters: Range,
@@ -488,12 +543,38 @@ def saddle_nodes(
     winding: int = 0,
     *,
     resolution: int = RESOLUTION,
+    proved: bool = False,
 ) -> list[Bifurcation]:
     """The saddle-nodes among ``bifurcations``: two orbits merge, multiplier 1.
 
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
+    proved : bool, optional
+        Widen each bound until the maps at its two ends are proved to have different numbers of
+        these orbits (``periodic_orbits`` with ``proved``): whatever smooth family joins the two, an
+        orbit with multiplier 1 lies between. For maps given by formulas; that no saddle-node is
+        missing is not proved.
+
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
+
+    Raises
+    ------
+    ConvergenceError
+        With ``proved`` where the numbers do not differ, as where one pair of orbits is born while
+        another vanishes.
 
     Examples
     --------
@@ -502,8 +583,35 @@ def saddle_nodes(
     >>> birth.parameter.holds(0.2 * np.pi)
     True
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "saddle-node"]
+    within = parameter_range("parameters", parameters)
+    found = bifurcations(family, within, period, winding, resolution=resolution)
+    folds = [each for each in found if each.kind == "saddle-node"]
+    return [_proved_fold(family, fold, within) for fold in folds] if proved else folds
+
+
+def _proved_fold(family: Family, fold: Bifurcation, within: Range) -> Bifurcation:
+    centre = float(fold.parameter)
+    half = max(fold.parameter.error_bound, EPS * (within[1] - within[0]))
+    while half <= _WIDEST * (within[1] - within[0]):
+        ends = [float(np.clip(centre + side * half, *within)) for side in (-1.0, 1.0)]
+        try:
+            counts = [_proved_count(family_member(family, end), fold) for end in ends]
+        except ConvergenceError:  # still a tangency to what intervals can tell
+            counts = [0, 0]
+        if counts[0] != counts[1]:
+            off = np.nextafter(max(centre - ends[0], ends[1] - centre), np.inf)
+            return replace(fold, parameter=Estimate(centre, off))
+        half *= 4.0
+    raise ConvergenceError(
+        f"no proof: on both sides of the saddle-node at {centre:.12g} there are as many orbits of "
+        f"period {fold.period}, or they cannot be told apart"
+    )
+
+
+def _proved_count(member: CircleMap, fold: Bifurcation) -> int:
+    # Of other degrees the winding depends on which point comes first.
+    winding = fold.winding if member.degree == 1 else None
+    return len(periodic_orbits(member, fold.period, winding, proved=True))
 
 
 def period_doublings(
@@ -516,9 +624,23 @@ def period_doublings(
 ) -> list[Bifurcation]:
     """The period doublings among ``bifurcations``: multiplier -1.
 
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
+
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Examples
     --------
@@ -542,17 +664,34 @@ def border_collisions(
     """The border collisions among ``bifurcations``: a point of the orbit meets a kink or a jump of
     the map.
 
+    Parameters
+    ----------
+    family : callable
+        Parameter → CircleMap.
+    parameters : tuple[float, float]
+        (low, high), the range that is searched.
+    period : int, default 1
+        Of the orbits, cycles.
+    winding : int, default 0
+        Whole turns of the orbits in a period.
+    resolution : int, optional
+        As of ``orbit_branches``.
+
     Returns
     -------
-    list[Bifurcation]
+    list of Bifurcation
+        Sorted by parameter.
 
     Examples
     --------
     >>> import numpy as np
     >>> def tent(p):
-    ...     return CircleMap(lambda x: x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi), None, [0.0, np.pi])
-    >>> [(one.folds, bool(one.parameter.holds(0.0))) for one in border_collisions(tent, (-1.0, 1.0))]
-    [(True, True)]
+    ...     def lift(x):
+    ...         return x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi)
+    ...     return CircleMap(lift, None, [0.0, np.pi])
+    >>> (collision,) = border_collisions(tent, (-1.0, 1.0))
+    >>> collision.folds, collision.parameter.holds(0.0)
+    (True, True)
     """
     found = bifurcations(family, parameters, period, winding, resolution=resolution)
     return [one for one in found if one.kind == "border-collision"]

@@ -20,11 +20,11 @@ from cyclemap.maps.families.orbit_equations import (
     least_step,
     one_sided,
 )
+from cyclemap.maps.lifts.lift_checks import distance_to_break
 
 KINDS = {"saddle-node": 1.0, "period-doubling": -1.0, "border-collision": 0.0}
 _STEP = 1e-5  # of a range: for second-order differences in a parameter
-_BEND = 1e-4  # radians: for differences of F'
-_WIDE = 4e-3  # radians: spacing of the five-point differences of (F^n)'
+_WIDE, _NARROW = 4e-3, 1e-8  # radians: spacing of the five-point differences of (F^n)'
 _ITERATIONS, _CLOSE = 12, 1e-13
 _ANGLES = np.linspace(0.0, TWO_PI, 64, endpoint=False)
 _STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / 12.0
@@ -44,10 +44,19 @@ class CodimensionTwo:
         orbit is on a break of the map).
     first, second : Estimate
         The parameters.
-    points : ndarray
+    points : ndarray, shape (period,)
         Of the orbit, radians in [0, 2π).
     period, winding : int
         Of the orbit.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
+    >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
+    >>> [tip] = edge.special
+    >>> tip.kind, tip.first.holds(0.0), tip.second.holds(0.0)
+    ('tip', True, True)
     """
 
     kind: str
@@ -68,23 +77,26 @@ class CurveSpot:
     state: OrbitState
     residual: Array
     matrix: Array
-    multipliers: tuple[float, float]
+    multipliers: list[float]
     hops: Array
 
     @cached_property
     def bend(self) -> tuple[Array, Array]:
         """(F^n)'' and (F^n)''' at the orbit's first point, and bounds: four times what half as wide
-        stencils change.
+        stencils change. Narrower where a break is near: at half the distance at most.
         """
+        growth = np.maximum(1.0, np.abs(np.cumprod(np.append(1.0, self.state.slopes[:-1]))))
+        free = float(np.min(distance_to_break(self.state.member.breaks, self.state.theta) / growth))
+        narrow = min(_WIDE, max(free / 8.0, _NARROW))
         found = []
-        for width in (_WIDE, 2.0 * _WIDE):
+        for width in (narrow, 2.0 * narrow):
             theta = self.state.theta[0] + width * np.arange(-2.0, 3.0)
             slopes = np.ones(5)
             for hop in self.hops:
                 slopes *= self.state.member.derivative(theta)
                 theta = self.state.member(theta) - TWO_PI * hop
             found.append(_STENCILS @ slopes / np.array([width, width**2]))
-        rounding = STENCIL * self.hops.size / np.array([_WIDE, _WIDE**2])
+        rounding = STENCIL * self.hops.size / np.array([narrow, narrow**2])
         return found[0], np.abs(found[1] - found[0]) / 4.0 + rounding
 
     @property
@@ -115,7 +127,8 @@ class CurveSpot:
 class CurveEquations:
     """The orbit's n equations and the condition of the bifurcation, for θ and both parameters.
 
-    side : of a border collision, from where the point comes to its break.
+    side : of a border collision, from where the point comes to its break. jump : whether the map
+        jumps there: then there is no orbit on the far side.
     """
 
     family: Family
@@ -124,6 +137,7 @@ class CurveEquations:
     kind: str
     ranges: tuple[Range, Range]
     side: int = 0
+    jump: bool = False
 
     @cached_property
     def scales(self) -> Array:
@@ -150,33 +164,19 @@ class CurveEquations:
         if self.side:
             state, residual, first, along = one_sided(equations, tangents[0], theta, 0, self.side)
             _, _, second, across = one_sided(equations, tangents[1], theta, 0, self.side)
-            other = one_sided(equations, tangents[0], theta, 0, -self.side)[0].multiplier
+            beyond, *_ = one_sided(equations, tangents[0], theta, 0, -self.side)
             gap = shorter_way(theta[0] - member.breaks)
             missed, condition = float(gap[np.argmin(np.abs(gap))]), np.append(along, across[-1])
-            multipliers = (state.multiplier, other) if self.side > 0 else (other, state.multiplier)
+            multipliers = [state.multiplier] if self.jump else [state.multiplier, beyond.multiplier]
         else:
             state, pushes = (
                 equations.state(p, theta, member),
                 [tangent(theta) for tangent in tangents],
             )
             residual, (first, second) = equations.residual(member(theta), theta), pushes
-            others = np.array([np.prod(np.delete(state.slopes, i)) for i in range(theta.size)])
-            gaps = shorter_way(theta[:, None] - np.append(member.breaks, theta[0] + np.pi))
-            gap = gaps[np.arange(theta.size), np.argmin(np.abs(gaps), axis=1)]
-            below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)  # not across a break
-            above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
-            bend = (member.derivative(theta + above) - member.derivative(theta - below)) / (
-                below + above
-            )
-            changes = []
-            for tangent in tangents:
-                values = [float(np.prod(near.derivative(theta))) for near in tangent.members]
-                changes.append(float(np.dot(tangent.weights, values)) / tangent.step)
-            missed, condition = (
-                state.multiplier - KINDS[self.kind],
-                np.append(bend * others, changes),
-            )
-            multipliers = (state.multiplier, state.multiplier)
+            missed = state.multiplier - KINDS[self.kind]
+            condition = state.multiplier_gradient(tangents)
+            multipliers = [state.multiplier]
         matrix = np.vstack(
             [np.column_stack([equations.jacobian(state.slopes), first, second]), condition]
         )
@@ -248,6 +248,9 @@ class CurveEquations:
             2.0 * LIFT * (2.0 * TWO_PI + np.abs(spot.state.theta)), 1e-15 * self.hops.size
         )
         rounding += spot.state.member.max_error
+        if not self.side:
+            slope_errors = spot.state.member.derivative_and_error(spot.state.theta)[1]
+            rounding[-1] += np.abs(spot.state.other_slopes) @ slope_errors
         rows = np.abs(np.linalg.pinv(np.vstack([spot.matrix, tangent]))[-2:, :-1])
         error = (
             rows @ (np.abs(spot.residual) + rounding)

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, family_member, parametric_form
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
@@ -25,8 +25,20 @@ _DEVIATIONS = 4.0  # standard errors of the batches' mean
 
 @dataclass(frozen=True, eq=False)
 class OrbitDiagram:
-    """Made by ``orbit_diagram``. parameter : shape (m,). theta : shape (m, cycles), radians in [0,
-    2π).
+    """Where the orbits of a family are after a transient; made by ``orbit_diagram``.
+
+    Attributes
+    ----------
+    parameter : ndarray, shape (m,)
+        In the order in which they were gone through.
+    theta : ndarray, shape (m, cycles)
+        Radians in [0, 2π).
+
+    Examples
+    --------
+    >>> diagram = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [0.5, 0.9], cycles=10)
+    >>> diagram.theta.shape
+    (2, 10)
     """
 
     parameter: Array
@@ -39,11 +51,18 @@ class LyapunovExponents:
 
     Attributes
     ----------
+    parameters : tuple of ndarray
+        As they were given, broadcast.
     value : ndarray
         Mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0.
     error : ndarray
         Four standard errors of the means over 20 parts of the orbit: statistical where it is
         chaotic, and no bound.
+
+    Examples
+    --------
+    >>> lyapunov_exponents(CircleMap.arnold, 0.1, [0.7, 0.9]).value.shape
+    (2,)
     """
 
     parameters: tuple[Array, ...]
@@ -52,24 +71,34 @@ class LyapunovExponents:
 
 
 def orbit_diagram(
-    family: Family, values: Any, *, cycles: int = 200, transient: int = 500, start: float = _START
+    family: Family,
+    values: ArrayLike,
+    *,
+    cycles: int = 200,
+    transient: int = 500,
+    start: float = _START,
 ) -> OrbitDiagram:
-    """Where the orbit of each member of a family is in ``cycles`` cycles, after ``transient``
-    cycles that are left out.
+    """Where the orbit of each member of a family is, after cycles that are left out.
 
     Parameters
     ----------
-    family : Family
+    family : callable
         Parameter → CircleMap.
-    values : Any
-        Shape (m,), in the order in which they are gone through: each orbit starts where the one
-        before has ended (the first at ``start``, radians), so that an attractor is followed for
-        as long as it lasts; through the values in reverse order the other branch of a
-        hysteresis loop shows.
+    values : array_like, shape (m,)
+        In the order in which they are gone through: each orbit starts where the one before has
+        ended, so that an attractor is followed for as long as it lasts; through the values in
+        reverse order the other branch of a hysteresis loop shows.
+    cycles : int, default 200
+        How many cycles are kept.
+    transient : int, default 500
+        How many are left out before.
+    start : float, optional
+        Where the first orbit starts, radians.
 
     Returns
     -------
     OrbitDiagram
+        The angles of every orbit.
 
     Raises
     ------
@@ -95,30 +124,42 @@ def orbit_diagram(
 
 def lyapunov_exponents(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,
 ) -> LyapunovExponents:
-    """The Lyapunov exponents of the orbits of ``start`` (radians) over arrays of parameters that
-    broadcast together.
+    """The Lyapunov exponents of orbits from one angle, over arrays of parameters.
 
     Parameters
     ----------
-    family : Callable[..., CircleMap]
+    family : callable
         Parameters → CircleMap. A ``ParametricLift`` that has a derivative, ``CircleMap.arnold``
         and ``CircleMap.moebius`` are followed all together, others one by one, a hundred times
-        slower. The mean of ln|F'| over ``cycles`` cycles after ``transient`` ones: good to
-        about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one map's far better.
+        slower.
+    *parameters : array_like
+        Numbers or arrays that broadcast together.
+    cycles : int, default 2000
+        How many cycles the mean is taken over.
+    transient : int, default 500
+        How many are left out before.
+    start : float, optional
+        Where the orbits start, radians.
 
     Returns
     -------
     LyapunovExponents
+        Arrays of the parameters' broadcast shape.
 
     Raises
     ------
     InvalidInput
         For parameters that are not finite, none at all, or a family that gives no CircleMap.
+
+    Notes
+    -----
+    The mean of ln|F'|, good to about 1/cycles on periodic orbits; ``lyapunov_exponent`` solves one
+    map's far better.
 
     Examples
     --------
@@ -194,9 +235,23 @@ def lyapunov_exponent(
 ) -> Estimate:
     """The Lyapunov exponent E ln|F'(θ)|, per cycle (natural logarithm), with a bound on its error.
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+    noise : Noise or None, optional
+        What is added to every cycle; None: none.
+    start : float or None, optional
+        Without noise, where the orbit starts, radians; None: the orbits from five angles that
+        no symmetry favours, so that none lies on a repelling orbit; a small basin may be
+        missed.
+    transient : int, optional
+        Cycles that are left out before.
+
     Returns
     -------
     Estimate
+        Per cycle; -inf where F' = 0 on a set that the law or the orbit visits.
 
     Raises
     ------
@@ -207,20 +262,18 @@ def lyapunov_exponent(
 
     Notes
     -----
-    With noise: the integral over the stationary law, on panels graded towards the folds; the
-    bound is that of ``TransferOperator.expectation`` (``max_error`` counts through the law
-    only) and the error of F'. Without noise, for the orbit of ``start`` (radians) after
-    ``transient`` cycles:
+    With noise: the integral over the stationary law, on panels graded towards the folds; the bound
+    is that of ``TransferOperator.expectation`` (``max_error`` counts through the law only) and the
+    error of F'. Without noise, for the orbit of ``start`` after ``transient`` cycles:
 
     - where that settles on a periodic orbit of period n ≤ 512, ln|multiplier|/n of the orbit
       itself, solved by Newton's method; the bound is a measured one of rounding;
     - where it is quasi-periodic, the weighted Birkhoff average, with the estimated error of
       ``birkhoff_average``;
-    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the
-      means of 40 batches: a statistical bound, and it is about 1e-2. To each the error of F'
-      adds (``derivative_and_error``); inf where F' is lost in it. -inf where F' = 0 on a set
-      that the law or the orbit visits. Without a start: the orbits from five angles that no
-      symmetry favours, so that none lies on a repelling orbit; a small basin may be missed.
+    - where it is chaotic, the plain mean over 40,000 cycles and four standard errors from the means
+      of 40 batches: a statistical bound, and it is about 1e-2.
+
+    To each the error of F' adds (``derivative_and_error``); inf where F' is lost in it.
 
     Examples
     --------
@@ -228,8 +281,7 @@ def lyapunov_exponent(
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     skipped = whole_number("transient", transient, least=0)
     # Refused before thousands of iterates are made: a lift that is nowhere smooth.
     slope, error = circle_map.derivative_and_error(_EVERYWHERE)

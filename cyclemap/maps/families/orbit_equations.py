@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -28,6 +28,7 @@ _ITERATIONS = 12
 _STEP = 1e-5  # of the range: for second-order differences in p
 _LONGEST = 1.0  # scaled length of a Newton step that counts as lost
 _CLOSE = 1e-13
+_BEND = 1e-4  # radians: step of the differences of F'
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +50,29 @@ class OrbitState:
     def multiplier(self) -> float:
         """(Fⁿ)' along the orbit."""
         return float(np.prod(self.slopes))
+
+    @property
+    def other_slopes(self) -> Array:
+        """The product of all slopes but each: how the multiplier moves with that one."""
+        return np.array([np.prod(np.delete(self.slopes, i)) for i in range(self.slopes.size)])
+
+    def multiplier_gradient(self, tangents: Sequence[ParameterTangent]) -> Array:
+        """The multiplier's derivatives by θ_i, from differences of F' that reach across no break,
+        and by the tangents' parameters.
+        """
+        others = self.other_slopes
+        gaps = shorter_way(
+            self.theta[:, None] - np.append(self.member.breaks, self.theta[0] + np.pi)
+        )
+        gap = gaps[np.arange(self.theta.size), np.argmin(np.abs(gaps), axis=1)]
+        below = np.where((gap > 0.0) & (gap <= _BEND), 0.0, _BEND)
+        above = np.where((gap < 0.0) & (gap >= -_BEND), 0.0, _BEND)
+        rise = self.member.derivative(self.theta + above) - self.member.derivative(
+            self.theta - below
+        )
+        bend = rise / (below + above)
+        changes = [others @ tangent.of_slopes(self.theta, bend) for tangent in tangents]
+        return np.append(others * bend, changes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,7 +224,6 @@ def crossed_break(before: OrbitState, theta: Array, motion: Array) -> tuple[int,
     return int(point), int(which), float(share[point, which])
 
 
-_BEND = 1e-4  # radians: step of the differences of F'
 _TRANSVERSE = (
     1e-6  # a saddle-node's orbit moves with the parameter by more than this share of ∂F/∂p
 )
@@ -217,12 +240,12 @@ class Bifurcation:
         "border-collision" (a point of the orbit meets a break of the map) or "branch point"
         (multiplier 1 where branches cross).
     parameter : Estimate
-        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and what
-        ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope, not the
-        truth's, and period doublings and branch points move with the difference.
-    points : ndarray
-        Shape (period,), radians in [0, 2π), in order of visit, the smallest first; of a border
-        collision the one on the break first.
+        Where, with a bound on its error, to first order; it holds the map's ``max_error`` and
+        what ``derivative_and_error`` tells of F'; of a sampled map that is the table's slope,
+        not the truth's, and period doublings and branch points move with the difference.
+    points : ndarray, shape (period,)
+        Radians in [0, 2π), in order of visit, the smallest first; of a border collision the one
+        on the break first.
     period, winding : int
         Of the orbit.
     multiplier, left_multiplier : float
@@ -230,8 +253,13 @@ class Bifurcation:
         the break.
     jump : bool
         Whether the break met is a jump of the map, where the branch ends, and not a kink.
-    residual : float
-        The largest residual of the equations of the orbit and of the condition.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, saddle_nodes
+    >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
+    >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
+    ('saddle-node', True, True, 1.570796)
     """
 
     kind: str
@@ -242,7 +270,6 @@ class Bifurcation:
     multiplier: float
     left_multiplier: float
     jump: bool
-    residual: float
 
     @property
     def theta(self) -> float:
@@ -313,28 +340,17 @@ def smooth_bifurcation(
         f"the orbit of period {equations.hops.size} near parameter {before.parameter:.9g} was lost "
         f"while its multiplier was brought to {target:g}",
     )
-    push = equations.push(at.parameter)(at.theta)
+    tangent = equations.push(at.parameter)
+    push = tangent(at.theta)
     kind = "period-doubling"
     if target > 0.0:
         left, _, _ = np.linalg.svd(equations.jacobian(at.slopes))
         transverse = abs(float(left[:, -1] @ push)) > _TRANSVERSE * float(np.max(np.abs(push)))
         kind = "saddle-node" if transverse else "branch point"
-    # The multiplier's derivatives by θ_i and p: centred differences of F'.
-    others = np.array([np.prod(np.delete(at.slopes, i)) for i in range(at.theta.size)])
-    gradient = (
-        (at.member.derivative(at.theta + _BEND) - at.member.derivative(at.theta - _BEND))
-        / (2.0 * _BEND)
-        * others
-    )
-    step = _STEP * (equations.within[1] - equations.within[0])
-    low, high = (float(np.clip(at.parameter + k * step, *equations.within)) for k in (-1, 1))
-    change = [
-        float(np.prod(family_member(equations.family, p).derivative(at.theta))) for p in (low, high)
-    ]
-    condition = np.append(gradient, (change[1] - change[0]) / (high - low))
+    condition = at.multiplier_gradient([tangent])
     residual = np.append(equations.residual(at.member(at.theta), at.theta), at.multiplier - target)
     slope_errors = at.member.derivative_and_error(at.theta)[1]
-    unknown = float(np.abs(others) @ slope_errors)
+    unknown = float(np.abs(at.other_slopes) @ slope_errors)
     return at, recorded(kind, equations, at, push, condition, residual, unknown=unknown)
 
 
@@ -381,7 +397,6 @@ def recorded(
         equations.winding,
         *(multipliers or (at.multiplier, at.multiplier)),
         jump,
-        float(np.max(np.abs(residual))),
     )
 
 

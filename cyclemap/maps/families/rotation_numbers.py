@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
@@ -47,10 +48,17 @@ class RotationNumbers:
         The middle of [lower, upper].
     lower, upper : ndarray
         The truth lies between them (rounded outward).
-    period, winding : Whole
+    period, winding : ndarray of int
         q and p where ρ = p/q is proved, else 0 and 0.
     tolerance : float
         What was asked for: half the width of the enclosures that meet it.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.6], 0.5)
+    >>> bool(np.all(found.upper - found.lower <= 2.0 * found.tolerance)), found.period.tolist()
+    (True, [0, 0])
     """
 
     value: Array
@@ -63,26 +71,28 @@ class RotationNumbers:
 
 def rotation_numbers(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     tolerance: float = 1e-3,
     threads: int | None = None,
 ) -> RotationNumbers:
-    """The rotation numbers of ``family`` at broadcast arrays of parameters, each to within
-    ``tolerance``.
+    """The rotation numbers of a family's lifts over arrays of parameters, each within a tolerance.
 
     Parameters
     ----------
-    family : Callable[..., CircleMap]
-        a ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or
+    family : callable
+        A ``ParametricLift`` whose lifts are nondecreasing at all these parameters, or
         ``CircleMap.arnold`` or ``CircleMap.moebius``, whose formulas are known.
-    tolerance : float, optional
-        turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
-    threads : int, optional
+    *parameters : array_like
+        Numbers or arrays that broadcast together.
+    tolerance : float, default 0.001
+        Turns a cycle, in (0, 0.1]: the wanted half-width of each enclosure.
+    threads : int or None, optional
         None takes one a processor; the numbers do not depend on it.
 
     Returns
     -------
     RotationNumbers
+        Arrays of the parameters' broadcast shape.
 
     Raises
     ------
@@ -306,19 +316,27 @@ class RotationPlane:
 
     Attributes
     ----------
-    first_values, second_values : ndarray
-        Shape (m,) and (n,), the parameters of rows and of columns.
+    first_values : ndarray, shape (m,)
+        The parameters of rows.
+    second_values : ndarray, shape (n,)
+        The parameters of columns.
     value : ndarray
         The middle of [lower, upper], or what ``rotation_number`` gives for a map done by
         itself; where the lift folds, the weighted Birkhoff average of the one orbit from θ = 0.
     lower, upper : ndarray
         The truth lies between them; where the lift folds, all of its rotation interval does.
-    period, winding : Whole
+    period, winding : ndarray of int
         q and p where ρ = p/q is proved for every orbit, else 0 and 0.
-    folded : Mask
+    folded : ndarray of bool
         Where the lift falls.
     tolerance : float
         The half-width that was asked for where the lift does not fold.
+
+    Examples
+    --------
+    >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
+    >>> plane.value.round(3).tolist(), bool(plane.folded.any())
+    ([[0.0, 0.0], [0.5, 0.5]], False)
     """
 
     first_values: Array
@@ -421,8 +439,8 @@ def _folded_numbers(
 
 def rotation_plane(
     family: Callable[..., CircleMap],
-    first_values: Any,
-    second_values: Any,
+    first_values: ArrayLike,
+    second_values: ArrayLike,
     tolerance: float = 1e-3,
     progress: Callable[[float], None] | None = None,
     executor: Executor | None = None,
@@ -431,25 +449,28 @@ def rotation_plane(
 
     Parameters
     ----------
-    family : Callable[..., CircleMap]
+    family : callable
         Any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
         ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
         takes some milliseconds, in which its folds are found, others far less
         (``rotation_numbers``). All else goes map by map (``rotation_number``).
-    first_values, second_values : Any
-        Shape (m,) and (n,), strictly increasing or decreasing.
-    tolerance : float, optional
-        turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does
+    first_values : array_like, shape (m,)
+        Strictly increasing or decreasing.
+    second_values : array_like, shape (n,)
+        Strictly increasing or decreasing.
+    tolerance : float, default 0.001
+        Turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does
         not fold; one that is wider shows it by its ``lower`` and ``upper``.
-    progress : callable, optional
-        Is called with the fraction done.
-    executor : Executor, optional
+    progress : callable or None, optional
+        Called with the fraction done.
+    executor : Executor or None, optional
         Of threads, processes, or a cluster (``distributed.Client.get_executor()``), on which
         what goes map by map is run; the family must then be one that can be pickled.
 
     Returns
     -------
     RotationPlane
+        Arrays of shape (m, n).
 
     Raises
     ------
@@ -548,7 +569,7 @@ def _cell(
     return _Cell(folds, known.value, known.lower, known.upper, *locked)
 
 
-def _axis(name: str, values: Any) -> Array:
+def _axis(name: str, values: ArrayLike) -> Array:
     axis = finite_array(name, values, ndim=1)
     if axis.size == 0:
         raise InvalidInput(f"{name} is empty: give at least one value")

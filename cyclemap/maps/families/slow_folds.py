@@ -36,6 +36,13 @@ class SlowFold:
         How many cycles after the parameter has passed it the path has left.
     parameter : float
         The parameter by then.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
+    >>> lost.fold.kind, round(lost.parameter - lost.fold.parameter, 7)
+    ('saddle-node', 3.56e-05)
     """
 
     fold: Bifurcation
@@ -46,25 +53,31 @@ class SlowFold:
 def slow_folds(
     family: Family, parameters: Range, rate: float = 1.0, winding: int = 0
 ) -> list[SlowFold]:
-    """Where a family whose parameter moves by ``rate`` a cycle loses fixed points, in the order in
-    which it does.
+    """Where a family whose parameter moves slowly loses fixed points, in the order in which it
+    does.
 
     Parameters
     ----------
-    family : p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter
+    family : callable
+        p → CircleMap; ``drifting.at`` of a ``DriftingMap`` is one, with the cycle as parameter
         and a rate of 1, whose quasi-static fixed points ``orbit_branches`` follows.
-    parameters : (low, high), in which folds are sought.
-    rate : change of the parameter a cycle, not 0.
-    winding : whole turns a cycle of the fixed points.
+    parameters : tuple[float, float]
+        (low, high), in which folds are sought.
+    rate : float, default 1.0
+        Change of the parameter a cycle, not 0.
+    winding : int, default 0
+        Whole turns a cycle of the fixed points.
 
     Returns
     -------
-    Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at which
-    two are born.
+    list of SlowFold
+        Those saddle-nodes at which two fixed points vanish as the parameter moves, not those at
+        which two are born.
 
     Raises
     ------
-    InvalidInput for a rate of 0, and as ``saddle_nodes`` does.
+    InvalidInput
+        For a rate of 0, and as ``saddle_nodes`` does.
 
     Notes
     -----
@@ -73,6 +86,12 @@ def slow_folds(
     by Ω₀ rate^(2/3) (b² a)^(-1/3) (the 2/3 law of slow passage: Haberman 1979; Kuehn 2015, ch. 5).
     That holds for slow rates and without noise, which makes a path leave earlier; ``delay_cycles``
     is the leading order, next to which a few cycles over a are left out.
+
+    References
+    ----------
+    - Haberman, R. (1979), Slowly varying jump and transition phenomena associated with algebraic
+      bifurcation problems, SIAM Journal on Applied Mathematics 37.
+    - Kuehn, C. (2015), Multiple time scale dynamics, chapter 5.
 
     Examples
     --------

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -277,8 +277,8 @@ class Tongue:
         p/q, turns a cycle.
     left, right : Estimate
         Its edges, in the parameter's unit.
-    left_orbit, right_orbit : ndarray
-        Shape (q,), radians in [0, 2π), the orbit that is born at each edge, in order of visit.
+    left_orbit, right_orbit : ndarray, shape (q,)
+        Radians in [0, 2π), the orbit that is born at each edge, in order of visit.
     left_kind, right_kind : str
         Why the tongue ends there: "saddle-node" (two orbits meet, multiplier 1) or
         "border-collision" (the orbit meets a kink or a jump of the map). Where the map folds it
@@ -288,6 +288,13 @@ class Tongue:
         Whether the map folds at an edge. If not, the rotation number is p/q all through the
         tongue and nowhere else (locking); if it does, p/q is one of an interval of rotation
         numbers, and tongues overlap.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
+    >>> locked.ratio, locked.left_kind, locked.width.holds(0.9 / np.pi)
+    (Fraction(0, 1), 'saddle-node', True)
     """
 
     ratio: Fraction
@@ -315,14 +322,21 @@ class TongueBoundaries:
     ----------
     ratios : tuple of Fraction
         The p/q, k of them.
-    second : ndarray
-        Shape (m,), the second parameter's values.
-    left, right : ndarray
-        Shape (k, m), the edges in the first parameter.
-    left_error, right_error : ndarray
+    second : ndarray, shape (m,)
+        The second parameter's values.
+    left, right : ndarray, shape (k, m)
+        The edges in the first parameter.
+    left_error, right_error : ndarray, shape (k, m)
         Bounds on their errors.
-    folded : Mask
-        Shape (k, m), whether the map folds at an edge there (see ``Tongue``).
+    folded : ndarray of bool, shape (k, m)
+        Whether the map folds at an edge there (see ``Tongue``).
+
+    Examples
+    --------
+    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> edges = tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5))
+    >>> edges.right.round(6).tolist(), bool(edges.folded.any())
+    ([[0.063662, 0.127324]], False)
     """
 
     ratios: tuple[Fraction, ...]
@@ -334,21 +348,25 @@ class TongueBoundaries:
     folded: Mask
 
 
-def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
+Ratio = Fraction | int | Sequence[int]
+
+
+def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
     Parameters
     ----------
-    family : Family
+    family : callable
         Parameter → CircleMap of degree 1.
-    ratio : Any
-        a Fraction, a whole number, or (p, q) in lowest terms.
-    parameters : Range
+    ratio : Fraction, int or tuple[int, int]
+        p/q, turns a cycle; as a pair in lowest terms.
+    parameters : tuple[float, float]
         (low, high), with the whole tongue inside; the family is called only there.
 
     Returns
     -------
     Tongue
+        Its edges, with bounds, and the orbits born there.
 
     Raises
     ------
@@ -372,6 +390,14 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     neighbours to rounding: humps narrower, at half their height, than a tenth of a milliradian,
     and no higher, may hide there. ``max_error`` is not added.
 
+    References
+    ----------
+    - Arnold, V. I. (1965), Small denominators I, AMS Translations 46.
+    - Herman, M. R. (1977), Mesure de Lebesgue et nombre de rotation, Lecture Notes in Mathematics
+      597.
+    - Boyland, P. L. (1986), Bifurcations of circle maps: Arnol'd tongues, bistability and rotation
+      intervals, Communications in Mathematical Physics 106.
+
     Examples
     --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
@@ -390,7 +416,7 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
 
-def rotation_ratio(ratio: Any) -> Fraction:
+def rotation_ratio(ratio: Ratio) -> Fraction:
     """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
     q ≥ 1."""
     if isinstance(ratio, Fraction):
@@ -406,31 +432,42 @@ def rotation_ratio(ratio: Any) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Any], second: Any, parameters: Range
+    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
 ) -> TongueBoundaries:
-    """The edges of the tongues ``ratios`` of a family (p, q) → CircleMap, for each value q of
-    ``second``.
+    """The edges of several tongues of a family over a second parameter.
 
     Parameters
     ----------
-    family : Family
-        Nowhere falling in its first parameter.
-    second : Any
-        Shape (m,), in the order in which it is followed: each edge is sought near the line
-        through the last two.
-    parameters : Range
-        (low, high) of the first parameter, with every edge inside. Accuracy, bounds and errors
-        raised as in ``tongue``.
+    family : callable
+        (p, q) → CircleMap of degree 1, nowhere falling in its first parameter.
+    ratios : sequence of Fraction, int or tuple[int, int]
+        Turns a cycle, as of ``tongue``.
+    second : array_like, shape (m,)
+        Values of the second parameter, in the order in which it is followed: each edge is
+        sought near the line through the last two.
+    parameters : tuple[float, float]
+        (low, high) of the first parameter, with every edge inside.
 
     Returns
     -------
     TongueBoundaries
+        The edges, with bounds.
+
+    Raises
+    ------
+    InvalidInput
+        As ``tongue``.
+
+    Notes
+    -----
+    Accuracy and bounds are as in ``tongue``.
 
     Examples
     --------
     >>> from cyclemap.maps.lifts.circle_map import CircleMap
     >>> edges = tongues(CircleMap.arnold, [0, (1, 2)], [0.4, 0.8], (-0.5, 1.0))
-    >>> bool(np.all(np.abs(edges.right[0] - np.array([0.4, 0.8]) / (2 * np.pi)) <= edges.right_error[0]))
+    >>> exact = np.array([0.4, 0.8]) / (2 * np.pi)
+    >>> bool(np.all(np.abs(edges.right[0] - exact) <= edges.right_error[0]))
     True
     """
     wanted = tuple(rotation_ratio(ratio) for ratio in ratios)

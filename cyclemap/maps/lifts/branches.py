@@ -5,10 +5,10 @@ on all of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
@@ -75,13 +75,19 @@ class Branch:
     Attributes
     ----------
     start, end : float
-        radians, 0 ≤ start < 2π, start < end ≤ start + 2π.
+        Radians, 0 ≤ start < 2π, start < end ≤ start + 2π.
     start_value, end_value : float
-        radians, lifted: the limits of F at both ends from inside.
+        Radians, lifted: the limits of F at both ends from inside.
     direction : int
         1 rising, -1 falling, 0 constant (a plateau).
     table : MonotoneTable
         Nodes of F from start to end, for the inverse.
+
+    Examples
+    --------
+    >>> rising, falling = branches(CircleMap.arnold(0.0, 2.0))
+    >>> rising.direction, falling.direction, round(rising.end - rising.start, 6)
+    (1, -1, 4.18879)
     """
 
     start: float
@@ -91,7 +97,7 @@ class Branch:
     direction: int
     table: MonotoneTable
 
-    def inverse(self, values: Any) -> Array:
+    def inverse(self, values: ArrayLike) -> Array:
         """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any
         shape).
 
@@ -122,9 +128,15 @@ class Branch:
 def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """The maximal monotone pieces of F over one turn, in order, the first starting in [0, 2π).
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+
     Returns
     -------
     tuple of Branch
+        In order, together one turn.
 
     Raises
     ------
@@ -139,7 +151,8 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
 
     Examples
     --------
-    >>> [(round(b.start, 6), round(b.end, 6), b.direction) for b in branches(CircleMap.arnold(0.2, 2.0))]
+    >>> cut = branches(CircleMap.arnold(0.2, 2.0))
+    >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
     cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
@@ -189,11 +202,19 @@ def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:
 
 
 def preimages(circle_map: CircleMap, angle: float) -> Array:
-    """All θ in [0, 2π) with F(θ) = angle mod 2π, sorted, each once: shape (n,), radians.
+    """All θ in [0, 2π) that a map carries to one angle.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+    angle : float
+        Radians, any turn.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (n,)
+        All θ with F(θ) = angle mod 2π, radians, sorted, each once.
 
     Raises
     ------

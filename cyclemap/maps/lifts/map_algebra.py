@@ -193,11 +193,19 @@ _GRID = TWO_PI * np.arange(2048.0) / 2048.0
 
 
 def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
-    """θ → outer(inner(θ)); its degree is the product of the two degrees.
+    """The composition of two maps, θ → outer(inner(θ)).
+
+    Parameters
+    ----------
+    outer : CircleMap
+        The map that comes second.
+    inner : CircleMap
+        The map that comes first; its degree times that of ``outer`` is the composite's.
 
     Returns
     -------
     CircleMap
+        θ → outer(inner(θ)).
 
     Raises
     ------
@@ -223,12 +231,19 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
 
 
 def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
-    """Fⁿ, n ≥ 0; F⁰ is the identity. Breaks, derivative and ``max_error`` as in ``compose``, one
-    after the other.
+    """The n-th iterate Fⁿ of a map; F⁰ is the identity.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    n : int
+        How often it is applied, 0 or more.
 
     Returns
     -------
     CircleMap
+        Breaks, derivative and ``max_error`` as in ``compose``, one after the other.
 
     Examples
     --------
@@ -248,12 +263,19 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
 
 
 def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
-    """R∘F∘R⁻¹ with R the rotation by ``angle`` (radians): θ → F(θ - angle) + angle, the same map
-    seen turned.
+    """The same map seen turned, R∘F∘R⁻¹ with R a rotation: θ → F(θ - angle) + angle.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    angle : float
+        What R turns by, radians.
 
     Returns
     -------
     CircleMap
+        The conjugate map.
 
     Notes
     -----
@@ -277,11 +299,19 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
 
 
 def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
-    """F + 2π·turns, another lift of the same circle map; a sampled map stays sampled.
+    """Another lift of the same circle map, F + 2π·turns.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    turns : int
+        Whole turns that are added.
 
     Returns
     -------
     CircleMap
+        The other lift; a sampled map stays sampled.
 
     Examples
     --------
@@ -309,11 +339,17 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 
 
 def inverse(circle_map: CircleMap) -> CircleMap:
-    """F⁻¹ of a monotone map of degree 1 or -1, continuous from the right; its derivative 1/F'(F⁻¹).
+    """The inverse F⁻¹ of a monotone map of degree 1 or -1.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A monotone map of degree 1 or -1.
 
     Returns
     -------
     CircleMap
+        F⁻¹, continuous from the right; its derivative 1/F'(F⁻¹).
 
     Raises
     ------

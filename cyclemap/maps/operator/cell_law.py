@@ -7,17 +7,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import INTEGRAL, Estimate
+from cyclemap.maps.estimate import INTEGRAL, LIFT, Estimate
+from cyclemap.maps.lifts.branches import branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.noise.cells import Cells, cells_between
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
 
 NOISELESS_CELLS = 1_024
@@ -70,8 +71,27 @@ class CellDiscretisation:
     @cached_property
     def matrix(self) -> Array:
         """(n, n): the masses after one cycle from those before."""
-        chances = self.cells.between(self.cells.edges[:-1], self.cells.edges[1:])
+        edges = self.cells.edges
+        chances = (
+            self._shares() if self.noise is None else self.cells.between(edges[:-1], edges[1:])
+        )
         return np.ascontiguousarray((chances / chances.sum(axis=1)[:, None]).T)
+
+    def _shares(self) -> Array:
+        """(n, n): the length of each cell that the map alone sends to each, cut where F meets an
+        edge.
+        """
+        edges = self.cells.edges
+        levels, _ = preimages_on(branches(self.map), edges[:-1], self.map.degree)
+        points = np.unique(np.concatenate([edges, levels, self.map.breaks]))
+        middle = 0.5 * (points[1:] + points[:-1])
+        image = np.mod(self.map(middle), TWO_PI)
+        start, end = (
+            np.searchsorted(edges[1:-1], angle, side="right") for angle in (middle, image)
+        )
+        shares = np.zeros((self.size, self.size))
+        np.add.at(shares, (start, end), np.diff(points))
+        return shares
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
@@ -82,12 +102,15 @@ class CellDiscretisation:
             half * weights
         ).ravel()
 
-    def moments(self, order: int) -> Any:
+    def moments(self, order: int) -> Complex:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
         width, edges = self.cells.width, self.cells.edges
-        return np.exp(0.5j * order * (edges[1:] + edges[:-1])) * np.sinc(
-            0.5 * order * width / np.pi
-        )
+        turned = np.exp(0.5j * order * (edges[1:] + edges[:-1]))
+        return np.asarray(turned * np.sinc(0.5 * order * width / np.pi))
+
+    def cycle(self, law: Array) -> Array:
+        """(n,): the masses after one cycle; or columns of several."""
+        return self.matrix @ law
 
     def refined(self) -> CellDiscretisation:
         """The same with twice as many cells."""
@@ -117,12 +140,21 @@ class CellLaw(StationaryLaw):
     Let p be the law, Πp its means on the cells (of width w), p̃ the computed one, G the norm of
     (I - L̃)⁻¹ on masses. Then ‖Πp - p̃‖₁ <= G (‖ΠL(p - Πp)‖₁ + ‖Π(L - L̃)p‖₁), ``mass_error``. Under
     noise uniform on [-h, h] these are at most max(w·|image of a cell|) V/4h and ``bend``/h, V =
-    1/h; without noise (w/2) V and 2 sup p ``bend`` times the preimages of edges over inf |F'|, V
-    the variation that an inequality of Lasota & Yorke gives. All that is proved; measured are G,
-    ``bend`` and, without noise, sup|(1/F')'| and inf|F'|.
+    1/h; without noise (w/2) V and, for the preimages of edges, on which the cells are cut, 2 sup p
+    times what F may be off over inf |F'|, V the variation that an inequality of Lasota & Yorke
+    gives. All that is proved; measured are G, ``bend`` and, without noise, sup|(1/F')'| and
+    inf|F'|.
     """
 
     basis: CellDiscretisation
+
+    @property
+    def smooth_basis(self) -> FourierDiscretisation:
+        """Refused: InvalidInput."""
+        raise InvalidInput(
+            f"the noise is {self.basis.noise!r}: this needs one with a smooth density, as "
+            "WrappedNormal has"
+        )
 
     @cached_property
     def variation(self) -> float:
@@ -143,8 +175,9 @@ class CellLaw(StationaryLaw):
         else:
             slowest = float(np.min(image / cells.width))
             crossed = float(np.sum(image / np.min(cells.width) + 1.0))
+            off = self.basis.map.max_error + LIFT * (TWO_PI + float(np.max(np.abs(cells.ends))))
             left = 0.5 * float(np.max(cells.width)) * self.variation
-            left += 2.0 * (1.0 / TWO_PI + self.variation) * cells.bend * crossed / slowest
+            left += 2.0 * (1.0 / TWO_PI + self.variation) * off * crossed / slowest
         return min(2.0, self._growth * (left + cells.rounding))
 
     @property
@@ -208,7 +241,7 @@ class CellLaw(StationaryLaw):
         varies = min(2.0, abs(order) * float(np.max(self.basis.cells.width)))
         return self.mass_error + 0.5 * varies * self._within + INTEGRAL
 
-    def map_error(self, moments: Array, direct: Any = 0.0) -> float:
+    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """What is left of ``max_error`` where h depends on F itself."""
         return self.basis.map.max_error * float(np.max(np.abs(direct)))
 

@@ -4,7 +4,7 @@ eigenvectors.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from cyclemap.maps.estimate import EPS, MATRIX, Estimate
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.operator.fourier_basis import FourierDiscretisation
 from cyclemap.maps.operator.spectrum import Spectrum
+from cyclemap.written import DIRECTION
 
 _REAL = 1e-9  # an eigenvalue with a smaller imaginary part is real
 _SLOW = 10.0  # cycles that a slow departure from the stationary law takes at least to fall by e
@@ -30,16 +31,28 @@ _ZOOMS = 4  # times that a vertex is sought on points 16 times as near
 class MetastableSet:
     """A set of angles that a noisy path rarely leaves.
 
-    Parameters
+    Attributes
     ----------
-    arcs : (n, 2), radians, start < end, starts in [0, 2π), sorted.
-    peak : the angle in it where the stationary density is largest, radians in [0, 2π).
-    share : the stationary probability of the set.
-    leaving : chance a cycle of going over to another set; stays last 1/leaving cycles on average.
+    arcs : ndarray, shape (n, 2)
+        Radians, start < end, starts in [0, 2π), sorted.
+    peak : float
+        The angle in it where the stationary density is largest, radians in [0, 2π).
+    share : Estimate
+        The stationary probability of the set.
+    leaving : Estimate
+        Chance a cycle of going over to another set; stays last 1/leaving cycles on average.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta))
+    >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
+    >>> [round(well.share, 3) for well in held]
+    [0.5, 0.5]
     """
 
     arcs: Array
-    peak: float
+    peak: float = field(metadata=DIRECTION)
     share: Estimate
     leaving: Estimate
 

@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.cell_law import CellLaw, cell_law
@@ -71,20 +71,27 @@ def transfer_operator(
 
     Parameters
     ----------
-    noise : ξ, or None for none.
-    modes : keep this many Fourier modes, at most 2000, instead of as many as the noise lets
+    circle_map : CircleMap
+        The map F.
+    noise : Noise or None
+        ξ, or None for none.
+    modes : int or None, optional
+        Keep this many Fourier modes, at most 2000, instead of as many as the noise lets
         through: fewer show what the bounds are worth.
 
     Returns
     -------
-    The operator on its basis; its law and all else are computed when asked for.
+    TransferOperator
+        The operator on its basis; its law and all else are computed when asked for.
 
     Raises
     ------
-    InvalidInput when there is no noise and no power of the map expands, or the noise is so narrow
-    that more than 2000 modes would be needed (for ``WrappedNormal`` below 0.0046 rad).
-    ConvergenceError, from what is computed later, when the map is too steep or too fine for the
-    noise, so that more than 400,000 nodes or 2e12 multiplications would be needed.
+    InvalidInput
+        When there is no noise and no power of the map expands, or the noise is so narrow that
+        more than 2000 modes would be needed (for ``WrappedNormal`` below 0.0046 rad).
+    ConvergenceError
+        From what is computed later, when the map is too steep or too fine for the noise, so
+        that more than 400,000 nodes or 2e12 multiplications would be needed.
 
     Notes
     -----
@@ -94,6 +101,11 @@ def transfer_operator(
     jumps, and None, no noise, take the masses of 512 or 1,024 cells, with bounds that fall with
     their length (see ``CellLaw``); without noise the map must expand.
 
+    References
+    ----------
+    Galatolo, S., Monge, M. & Nisoli, I. (2020), Existence of noise induced order, a computer aided
+    proof, Nonlinearity 33.
+
     Examples
     --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
@@ -101,8 +113,7 @@ def transfer_operator(
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if noise is not None and not isinstance(noise, Noise):
         raise InvalidInput(
             f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"
@@ -127,8 +138,10 @@ class TransferOperator:
 
     Attributes
     ----------
-    map, noise : CircleMap
-        What it is the operator of.
+    map : CircleMap
+        The map that it is the operator of.
+    noise : Noise or None
+        The noise that is added after the map.
     law : FourierLaw or CellLaw
         Its stationary law on a basis.
 
@@ -138,6 +151,13 @@ class TransferOperator:
     p = p (see ``StationaryLaw.error`` for what in them is proved and what measured); to first
     order they include the map's own ``max_error``, except in the spectrum and the diffusion
     constant.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> law = transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3))
+    >>> round(law.tv_from_uniform, 3), law.peaks().round(2).tolist(), law.is_certain
+    (0.735, [0.81], True)
     """
 
     map: CircleMap
@@ -155,7 +175,7 @@ class TransferOperator:
         return self.discretisation.size // 2
 
     @one_thread
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape);
         see ``error_bound``."""
         angles = finite_array("theta", theta)
@@ -317,14 +337,9 @@ class TransferOperator:
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
-        if not isinstance(self.law, FourierLaw):
-            raise InvalidInput(
-                f"the noise is {self.noise!r}: metastable sets need a smooth density, as "
-                "WrappedNormal has"
-            )
-        spectrum = self._leading
+        basis, spectrum = self.law.smooth_basis, self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
-        chain = slow_chain(self.law.basis, spectrum, grid)
+        chain = slow_chain(basis, spectrum, grid)
         if chain is None:
             return ()
         errors = leaving_errors(chain, spectrum, grid)

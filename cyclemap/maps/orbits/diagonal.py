@@ -31,11 +31,18 @@ class JumpCrossing:
     Attributes
     ----------
     theta : float
-        The break, radians;
+        The break, radians.
     winding : int
         The w of the crossed line θ + 2πw.
     attracting : bool
         True when both sides move towards the break (a downward jump): it acts as an attractor.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, crossings_by_jump
+    >>> saw = CircleMap(lambda x: x - 0.5 + np.mod(x, 2 * np.pi) / np.pi, None, [0.0])
+    >>> [(crossing.theta, crossing.attracting) for crossing in crossings_by_jump(saw)]
+    [(0.0, True)]
     """
 
     theta: float

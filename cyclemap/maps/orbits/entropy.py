@@ -14,7 +14,7 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.branches import Branch, branches
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import JUMP
 
 ITERATES = 60
@@ -103,21 +103,26 @@ class Itinerary:
 
 
 def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> Estimate:
-    """The topological entropy of a continuous lift's circle map, natural logarithm a cycle, between
-    two bounds.
+    """The topological entropy of a continuous lift's circle map, between two bounds.
 
     Parameters
     ----------
-    iterates : how many images of every fold are followed at most.
+    circle_map : CircleMap
+        The map.
+    iterates : int, optional
+        How many images of every fold are followed at most.
 
     Returns
     -------
-    The middle of the two bounds, with half their distance as ``error_bound``.
+    Estimate
+        Natural logarithm a cycle: the middle of the two bounds, with half their distance as
+        ``error_bound``.
 
     Raises
     ------
-    InvalidInput for lifts with jumps or plateaus, and where the orbits of the folds have more than
-    3,000 points.
+    InvalidInput
+        For lifts with jumps or plateaus, and where the orbits of the folds have more than 3,000
+        points.
 
     Notes
     -----
@@ -132,6 +137,13 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     image meets a fold to rounding, but not to the last digit. Without folds the entropy is ln
     max(1, |degree|), and never below. A kink that is a repelling fixed point opens to a horseshoe
     however little it is moved: there bounds with ``max_error`` are wide.
+
+    References
+    ----------
+    - Misiurewicz, M. (1979), Horseshoes for mappings of the interval, Bulletin de l'Academie
+      Polonaise des Sciences 27.
+    - Misiurewicz, M. & Szlenk, W. (1980), Entropy of piecewise monotone mappings, Studia
+      Mathematica 67.
 
     Examples
     --------
@@ -178,21 +190,31 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
     Parameters
     ----------
-    length : how many images of every fold are followed at most.
+    circle_map : CircleMap
+        The map.
+    length : int, default 30
+        How many images of every fold are followed at most.
 
     Returns
     -------
-    One sequence a fold; fold j is the start of branch j. Branches are counted as ``branches`` lists
-    them, from 0. Empty for lifts without folds.
+    tuple of tuple of int
+        One sequence a fold; fold j is the start of branch j. Branches are counted as
+        ``branches`` lists them, from 0. Empty for lifts without folds.
 
     Raises
     ------
-    InvalidInput for lifts with jumps or plateaus.
+    InvalidInput
+        For lifts with jumps or plateaus.
 
     Notes
     -----
     A sequence ends early where an image meets a fold (with a branch beside it), or where rounding
     cannot tell its side of one (Milnor & Thurston 1988).
+
+    References
+    ----------
+    Milnor, J. & Thurston, W. (1988), On iterated maps of the interval, Lecture Notes in Mathematics
+    1342.
 
     Examples
     --------
@@ -207,8 +229,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
 def _folds(circle_map: CircleMap) -> Folds:
     """The branches, or InvalidInput where they do not join."""
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     parts = branches(circle_map)
     for part, after in zip(parts, (*parts[1:], parts[0]), strict=True):
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0

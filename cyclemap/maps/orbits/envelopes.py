@@ -22,12 +22,18 @@ _GRID = np.linspace(0.0, TWO_PI, ceil(TWO_PI / GRAIN) + 1)
 
 
 def is_nondecreasing(circle_map: CircleMap) -> bool:
-    """Whether F falls by no more than 1e-12 radians from any angle to a later one: rounding of the
-    lift.
+    """Whether a lift falls nowhere, by more than rounding: 1e-12 radians from any angle to a later
+    one.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
 
     Returns
     -------
     bool
+        True where it does not fall.
 
     Examples
     --------
@@ -59,11 +65,17 @@ def largest_descent(circle_map: CircleMap) -> float:
 
 
 def upper_envelope(circle_map: CircleMap) -> CircleMap:
-    """F⁺(x) = sup of F over (-∞, x]: nondecreasing, degree 1, at or above F.
+    """The upper monotone envelope F⁺(x) = sup of F over (-∞, x].
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A map F of degree 1.
 
     Returns
     -------
     CircleMap
+        Nondecreasing, at or above F.
 
     Notes
     -----
@@ -71,6 +83,13 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
     (Chenciner, Gambaudo & Tresser 1984; Alsedà, Llibre & Misiurewicz, Combinatorial Dynamics
     and Entropy in Dimension One, ch. 3.) Levels and ends are found to a few rounding units of
     the angle, so its ``max_error`` is that of F plus 6e-15·max|F'|.
+
+    References
+    ----------
+    - Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
+      endomorphismes de degré 1 du cercle, Comptes Rendus 299.
+    - Alsedà, L., Llibre, J. & Misiurewicz, M., Combinatorial dynamics and entropy in dimension one,
+      chapter 3.
 
     Examples
     --------
@@ -83,11 +102,17 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
 
 
 def lower_envelope(circle_map: CircleMap) -> CircleMap:
-    """F⁻(x) = inf of F over [x, ∞): nondecreasing, degree 1, at or below F; see ``upper_envelope``.
+    """The lower monotone envelope F⁻(x) = inf of F over [x, ∞).
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A map F of degree 1.
 
     Returns
     -------
     CircleMap
+        Nondecreasing, at or below F; see ``upper_envelope``.
 
     Examples
     --------

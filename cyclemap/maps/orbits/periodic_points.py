@@ -15,7 +15,7 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
@@ -30,7 +30,6 @@ from cyclemap.maps.orbits.proofs import proved_points
 NEUTRAL = 1e-7
 _TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neutrality
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
-_POLISH = 3  # Newton steps at most
 _WIDENINGS = 60
 _SLOPES = ("multiplier", "left_multiplier", "multiplier_error")
 _ARRAYS = ("theta", "winding", *_SLOPES, "prime_period", "kind", "error_bound")
@@ -43,33 +42,35 @@ class PeriodicPoints:
 
     Attributes
     ----------
-    theta : ndarray
-        radians, sorted.
-    winding : Whole
+    theta : ndarray, shape (count,)
+        Radians, sorted.
+    winding : ndarray of int
         w of each point.
     multiplier, left_multiplier : ndarray
         (Fⁿ)' from the right and from the left; they differ only where the orbit meets a kink.
     multiplier_error : ndarray
-        a bound on the error of both, from that of F' (by differences where none was given) and
+        A bound on the error of both, from that of F' (by differences where none was given) and
         that of the points.
-    prime_period : Whole
+    prime_period : ndarray of int
         The least d with F^d(θ) = θ on the circle, a divisor of n.
-    kind : npt.ndarray
+    kind : ndarray of str
         "stable", "unstable", "neutral", "saddle-node" or "border-collision", as for ``Orbit``.
     error_bound : ndarray
-        radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has
+        Radians. Beyond θ ± error_bound, Fⁿ - id - 2πw has left the line for certain: it has
         opposite signs at the two ends, by more than rounding (so a crossing lies between them);
         at a saddle-node it is farther from zero than 1e-12 radians on both sides. Takes the
         lift to be good to four units of rounding of 2π + |F|; the error of a sampled map is not
         in it. inf where no such bracket was found (at jumps).
-    image : Whole
+    image : ndarray of int
         Index of the point that F maps each point to; -1 where that point is not in the list.
-    residual : float
-        The largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
-        allows: about 1 or less when every point is as good as double precision lets it be. 0
-        without points.
     period : int
-        n.
+        n, of the iterate, cycles.
+
+    Examples
+    --------
+    >>> found = periodic_points(CircleMap.arnold(0.5, 0.9), 2)
+    >>> found.theta.round(4).tolist(), found.kind.tolist()
+    ([0.0, 1.9831, 3.1416, 4.3001], ['stable', 'unstable', 'stable', 'unstable'])
     """
 
     theta: Array
@@ -82,7 +83,6 @@ class PeriodicPoints:
     error_bound: Array
     image: Whole
     period: int
-    residual: float
 
     @property
     def count(self) -> int:
@@ -98,11 +98,17 @@ def periodic_points(
     proved: bool = False,
     slope_error: float = 0.0,
 ) -> PeriodicPoints:
-    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, n = ``period``: all w, or the one given.
+    """All θ in [0, 2π) with Fⁿ(θ) = θ + 2πw, whatever their prime period.
 
     Parameters
     ----------
-    proved : bool, optional
+    circle_map : CircleMap
+        The map F.
+    period : int
+        n, cycles.
+    winding : int or None, optional
+        w; None: all.
+    proved : bool, default False
         By interval arithmetic (the extra ``proofs``) instead: number, prime periods, images,
         and all bounds are theorems, with nothing left to a resolution, about the formula of the
         lift with the floats in it; of a sampled map about every smooth map within ``max_error``
@@ -111,33 +117,31 @@ def periodic_points(
         and arctan2, and for maps composed of such. Slopes come from the lift itself, not from
         ``derivative``. Takes about 0.1 ms n a cell, and 1 ms n a point; tangencies are refused,
         and with them saddle-nodes.
-    slope_error : float, optional
+    slope_error : float, default 0.0
         For ``proved`` and sampled maps only.
 
     Returns
     -------
     PeriodicPoints
+        Arrays, sorted by angle.
 
     Raises
     ------
     InvalidInput
-        When a whole arc is periodic.
+        When a whole arc is periodic; with ``proved`` for lifts that do not take intervals.
     ConvergenceError
-        When Fⁿ needs more than 2,000,000 cells; with ``proved`` InvalidInput for lifts that do
-        not take intervals.
-    ConvergenceError
-        For what cannot be decided.
+        When Fⁿ needs more than 2,000,000 cells; with ``proved`` for what cannot be decided.
 
     Notes
     -----
     One turn is cut into 512 cells or more (see ``monotone_cells``) until the cubic through each
     cell's ends meets Fⁿ at inner probes, and split at the extrema of Fⁿ - id. Then every sign
-    change is bracketed and solved to rounding (Chandrupatla 1997, and Newton's steps). Complete
-    but for pairs of extrema of a hump or dent of F narrower, at half its height, than a tenth
-    of a milliradian. Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus
-    rounding) count as one: a "saddle-node" where the curve keeps its side, a crossing where it
-    changes it; a curve that ends within 1e-12 of 2πw at a jump gives a "border-collision". All
-    points of an orbit are judged alike.
+    change is bracketed and solved to rounding (Chandrupatla 1997). Complete but for pairs of
+    extrema of a hump or dent of F narrower, at half its height, than a tenth of a milliradian.
+    Roots between which |Fⁿ - id - 2πw| stays within 1e-12 radians (plus rounding) count as one:
+    a "saddle-node" where the curve keeps its side, a crossing where it changes it; a curve that
+    ends within 1e-12 of 2πw at a jump gives a "border-collision". All points of an orbit are
+    judged alike.
 
     Examples
     --------
@@ -146,8 +150,7 @@ def periodic_points(
     >>> found.count, int((found.prime_period == 12).sum())
     (4095, 4020)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     if slope_error and not proved:
@@ -168,9 +171,7 @@ def periodic_points(
 def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     """The points that double precision finds, judged by their slopes on both sides."""
     scan = diagonal_scan(circle_map, n)
-    roots = _polished_roots(circle_map, scan, n)
-    allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
-    residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
+    roots = _all_roots(circle_map, scan, n)
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
     right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
@@ -186,7 +187,7 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
     return PeriodicPoints(
-        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual
+        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n
     )
 
 
@@ -211,7 +212,7 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
         np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
     ).astype("<U16")
     return PeriodicPoints(
-        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n, 0.0
+        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n
     )
 
 
@@ -230,9 +231,8 @@ class _Roots:
     rounding: Array
 
 
-def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
-    """All roots, after Newton's steps with whole turns counted apart, as long as they help;
-    sorted."""
+def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
+    """All roots, sorted."""
     cell = np.flatnonzero(scan.turn_start != scan.turn_end)
     level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
     theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
@@ -244,24 +244,6 @@ def _polished_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _
     beyond = theta >= TWO_PI
     theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
-    for _ in range(_POLISH):
-        active = np.flatnonzero(
-            (role == _CROSSING) & (np.abs(residual) > 0.25 * rounding) & (slope != 1.0)
-        )
-        moved = theta[active] - residual[active] / (slope[active] - 1.0)
-        inside = (np.abs(moved - theta[active]) < 1e-6) & (moved >= 0.0) & (moved < TWO_PI)
-        active, moved = active[inside], moved[inside]
-        if active.size == 0:
-            break
-        new = displacement(circle_map, moved, period, whole[active])
-        better = np.abs(new[0]) < np.abs(residual[active])
-        active = active[better]
-        theta[active], residual[active], slope[active] = (
-            moved[better],
-            new[0][better],
-            new[1][better],
-        )
-        rounding[active] = new[2][better]
     order = np.argsort(theta, kind="stable")
     return _Roots(
         theta[order], whole[order], role[order], residual[order], slope[order], rounding[order]
@@ -397,9 +379,8 @@ class Orbit:
 
     Attributes
     ----------
-    points : ndarray
-        Shape (period,), radians in [0, 2π), in the order in which they are visited, the
-        smallest first.
+    points : ndarray, shape (period,)
+        Radians in [0, 2π), in the order in which they are visited, the smallest first.
     period : int
         Prime period, cycles.
     winding : int
@@ -417,9 +398,15 @@ class Orbit:
         derivative does not decide) or "border-collision" (Fⁿ - id meets 2πw at the edge of a
         jump).
     error_bound : float
-        radians, the largest over the points: each lies within it of the true one, see
+        Radians, the largest over the points: each lies within it of the true one, see
         ``PeriodicPoints`` (about rounding/|multiplier - 1|; √(tangency/curvature) at a
         saddle-node; inf at a border collision).
+
+    Examples
+    --------
+    >>> orbits = periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)
+    >>> [(orbit.kind, orbit.winding, round(orbit.multiplier, 4)) for orbit in orbits]
+    [('stable', 1, 0.19), ('unstable', 1, 1.8513)]
     """
 
     points: Array
@@ -447,11 +434,21 @@ class Orbit:
 def fixed_points(
     circle_map: CircleMap, *, proved: bool = False, slope_error: float = 0.0
 ) -> list[Orbit]:
-    """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w, sorted by angle.
+    """All θ in [0, 2π) with F(θ) = θ + 2πw for some whole w.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
+    proved : bool, default False
+        As of ``periodic_points``.
+    slope_error : float, default 0.0
+        As of ``periodic_points``.
 
     Returns
     -------
-    list[Orbit]
+    list of Orbit
+        Sorted by angle.
 
     Raises
     ------
@@ -482,17 +479,33 @@ def periodic_orbits(
     proved: bool = False,
     slope_error: float = 0.0,
 ) -> list[Orbit]:
-    """All orbits of prime period n, Fⁿ(θ) = θ + 2πw, each once, sorted by their smallest angle.
+    """All orbits of one prime period n, Fⁿ(θ) = θ + 2πw, each once.
 
     Parameters
     ----------
-    winding : int, optional
+    circle_map : CircleMap
+        The map F.
+    period : int
+        n, cycles.
+    winding : int or None, optional
         Keep only orbits with this w at their smallest point (for degree 1: rotation number
         w/n); None keeps all.
+    proved : bool, default False
+        As of ``periodic_points``.
+    slope_error : float, default 0.0
+        As of ``periodic_points``.
 
     Returns
     -------
-    list[Orbit]
+    list of Orbit
+        Sorted by their smallest angle.
+
+    Raises
+    ------
+    InvalidInput
+        As ``periodic_points``.
+    ConvergenceError
+        As ``periodic_points``.
 
     Notes
     -----
@@ -503,7 +516,7 @@ def periodic_orbits(
 
     Examples
     --------
-    >>> [o.winding for o in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
+    >>> [orbit.winding for orbit in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
     """
     wanted = None if winding is None else whole_number("winding", winding)
@@ -535,17 +548,29 @@ def periodic_orbits(
 
 
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
-    """Where a jump of F carries the turn F - id across a multiple of 2π, sorted by angle.
+    """Where a jump of F carries the turn F - id across a multiple of 2π.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map.
 
     Returns
     -------
-    list[JumpCrossing]
+    list of JumpCrossing
+        Sorted by angle.
 
     Notes
     -----
     A downward jump (``attracting``) gathers orbits from both sides as a stable fixed point
     would. A jump one side of which meets 2πw within 1e-12 radians is a fixed point of kind
     "border-collision" instead.
+
+    Examples
+    --------
+    >>> saw = CircleMap(lambda x: x - 0.5 + np.mod(x, 2 * np.pi) / np.pi, None, [0.0])
+    >>> len(crossings_by_jump(saw)), crossings_by_jump(CircleMap.arnold(0.1, 0.9))
+    (1, [])
     """
     if circle_map.breaks.size == 0:
         return []

@@ -1,5 +1,5 @@
-"""Proofs of periodic points: their exact number and enclosures, by bisection and monotonicity in
-ball arithmetic.
+"""Proofs by ball arithmetic: the exact number of periodic points and their enclosures, by bisection
+and monotonicity, and enclosures of rotation numbers.
 
 A turn is cut into cells. On a cell either Fⁿ - id is proved to keep between two neighbouring
 multiples of 2π, or its slope is proved not to vanish; else the cell is halved. Between cells of the
@@ -9,7 +9,10 @@ exactly, each of one point (Moore, Kearfott & Cloud 2009).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import pairwise
 from threading import RLock
 from typing import Any
@@ -39,6 +42,24 @@ _CUTS = (
 )  # where a turn may be cut: no number of mathematics
 _SEAM = 1e-12  # radians on both sides of the cut that must be free of points
 _NEWTON_STEPS = 300
+_FLAT = 1e-6  # radians: an arc this narrow on which the sign of F' cannot be told may be flat
+_LONGEST_FOLDED = 6  # iterates of a lift that folds: each has many more monotone pieces
+
+
+@dataclass(frozen=True)
+class LockingProof:
+    """Two angles that prove ρ = p/q of a nondecreasing lift.
+
+    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
+        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
+
+    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
+    lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
+    """
+
+    ratio: Fraction
+    below: float
+    above: float
 
 
 @dataclass(frozen=True)
@@ -78,11 +99,42 @@ def proved_points(circle_map: CircleMap, period: int, slope_error: float) -> lis
     Raises InvalidInput when the lift does not take intervals, or is no lift in exact arithmetic;
     ConvergenceError when a tangency, or nearly one, is met, or 200,000 cells are not enough.
     """
+    with _proof(circle_map, period, slope_error) as proof:
+        return proof.points()
+
+
+def proved_rotation(
+    circle_map: CircleMap, iterates: int, width: float, lock: LockingProof | None
+) -> tuple[Fraction, Fraction]:
+    """Bounds on the turns a cycle of every orbit of a degree-1 lift; equal where ``lock`` holds.
+
+    Where the lift is proved to rise they are p/n ≤ ρ with Fⁿ(0) ≥ 2πp, and the like from above
+    (Poincaré 1885), n ≤ ``iterates``, or fewer once they are no further apart than ``width``; else
+    those of Fⁿ - id all round, n ≤ 6.
+    """
+    with _proof(circle_map, 1, 0.0) as proof:
+        rises = proof.rises()
+        if rises and lock is not None and proof.holds(lock):
+            return lock.ratio, lock.ratio
+        bounds = proof.orbit_turns(iterates) if rises else proof.all_turns()
+        low, high = next(bounds, (None, None))
+        if low is None or high is None:
+            raise ConvergenceError("no proof: no iterate of the lift can be bounded")
+        for lower, upper in bounds:
+            low, high = max(low, lower), min(high, upper)
+            if high - low <= width:
+                break
+        return low, high
+
+
+@contextmanager
+def _proof(circle_map: CircleMap, period: int, slope_error: float) -> Iterator[_Proof]:
+    """What proves of Fⁿ, within the library's precision for it; the lift is checked."""
     flint = ball_library()
     with _PRECISION, flint.ctx.workprec(_BITS):
         proof = _Proof(interval_lift(circle_map, slope_error), period, circle_map.degree, flint.arb)
         proof.check_lift()
-        return proof.points()
+        yield proof
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +181,56 @@ class _Proof:
             for theta, winding, multiplier, ball in found
         ]
 
+    def rises(self) -> bool:
+        """Whether F' > 0 all round, on arcs halved as long as that may be told."""
+        edges = np.linspace(0.0, TWO_PI + _SEAM, _START_CELLS + 1).tolist()
+        waiting = list(pairwise(edges))
+        while waiting:
+            start, end = waiting.pop()
+            slope = self._iterate(self.arb(start).union(self.arb(end)), 1).slope
+            if slope > 0:
+                continue
+            if end - start < _FLAT or slope < 0:
+                return False
+            middle = 0.5 * (start + end)
+            waiting += [(start, middle), (middle, end)]
+        return True
+
+    def orbit_turns(self, iterates: int) -> Iterator[tuple[Fraction, Fraction]]:
+        """The whole turns below and above Fⁿ(0), by n, as long as they can be told."""
+        theta = self.arb(0)
+        for n in range(1, iterates + 1):
+            # By the mean value theorem: the ball grows with the slope alone.
+            middle = theta.mid()
+            slope = self._iterate(theta, 1).slope
+            theta = self._iterate(middle, 1).value + slope * (theta - middle)
+            turns = theta / (2 * self.arb.pi())
+            if not turns.rad() < 1:
+                return
+            lower, upper = turns.lower().floor(), turns.upper().ceil()
+            yield Fraction(_whole(lower), n), Fraction(_whole(upper), n)
+
+    def all_turns(self) -> Iterator[tuple[Fraction, Fraction]]:
+        """The whole turns below and above Fⁿ - id all round, by n, where it touches none."""
+        for n in range(1, _LONGEST_FOLDED + 1):
+            iterated = replace(self, period=n)
+            try:
+                cut, turns = iterated._cut()
+                cells = iterated._cells(cut)
+            except ConvergenceError:
+                continue
+            # Runs of monotone cells lie between the levels of the cells beside them.
+            levels = [turns, *(cell.turns for cell in cells if not cell.sign)]
+            yield Fraction(min(levels), n), Fraction(max(levels) + 1, n)
+
+    def holds(self, lock: LockingProof) -> bool:
+        """Whether F^q - id is below p turns and above them for certain at the two angles."""
+        iterated = replace(self, period=lock.ratio.denominator)
+        below, above = (
+            iterated._displacement(self.arb(theta)).value for theta in (lock.below, lock.above)
+        )
+        return bool(below < lock.ratio.numerator < above)
+
     def _iterate(self, theta: Ball, times: int) -> Jet:
         jet = Jet(theta, self.arb(1))
         for _ in range(times):
@@ -146,7 +248,7 @@ class _Proof:
         slope = self._displacement(cell).slope
         value = self._displacement(middle).value + slope * (cell - middle)
         if not value.contains_integer():
-            return _Cell(start, end, 0, int(value.floor().unique_fmpz()))
+            return _Cell(start, end, 0, _whole(value.floor()))
         if not slope.contains(0):
             return _Cell(start, end, 1 if slope > 0 else -1, 0)
         return None
@@ -251,3 +353,7 @@ class _Proof:
                 "lie too close together for what is known of the map"
             )
         return int(near[0])
+
+
+def _whole(ball: Ball) -> int:
+    return int(ball.unique_fmpz())

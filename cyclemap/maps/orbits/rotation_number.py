@@ -14,9 +14,10 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
+from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
 
 ITERATES = 40_000
 
@@ -29,34 +30,40 @@ def birkhoff_average(
     iterates: int = ITERATES,
     transient: int = 0,
 ) -> Estimate:
-    """The mean of ``function`` along one orbit, with weights exp(-1/t(1 - t)), t = k/(N + 1), k =
-    1..N.
+    """The weighted mean of a function along one orbit.
 
     Parameters
     ----------
-    function : Lift, optional
+    circle_map : CircleMap
+        The map.
+    function : callable, optional
         Vectorised, of angles in [0, 2π) (radians); None averages the turn F(θ) - θ, radians a
         cycle, which needs degree 1. -inf is allowed as a value and makes the mean -inf.
-    start : float, optional
-        radians;
+    start : float, default 0.0
+        Where the orbit starts, radians.
     iterates : int, optional
-        N, at least 16;
-    transient : int, optional
+        N, at least 16.
+    transient : int, default 0
         Cycles run before the averaging begins.
 
     Returns
     -------
     Estimate
+        The mean, with an estimated bound.
 
     Notes
     -----
-    On a quasi-periodic orbit with Diophantine rotation number of a smooth map the error falls
-    faster than any power of 1/N; a plain mean has 1/N. (Das, Saiki, Sander & Yorke,
-    Nonlinearity 30, 2017.) On a chaotic orbit it is about that of a plain mean, 1/√N.
+    The weights are exp(-1/t(1 - t)), t = k/(N + 1), k = 1..N. On a quasi-periodic orbit with
+    Diophantine rotation number of a smooth map the error falls faster than any power of 1/N; a
+    plain mean has 1/N. On a chaotic orbit it is about that of a plain mean, 1/√N.
 
-    The error bound is estimated, not proved: the larger distance from the means over the first
-    and the last half of the orbit, which converge like the whole at half its length, plus
-    rounding.
+    The error bound is estimated, not proved: the larger distance from the means over the first and
+    the last half of the orbit, which converge like the whole at half its length, plus rounding.
+
+    References
+    ----------
+    Das, S., Saiki, Y., Sander, E. & Yorke, J. A. (2017), Quantitative quasiperiodicity,
+    Nonlinearity 30.
 
     Examples
     --------
@@ -64,8 +71,7 @@ def birkhoff_average(
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
     (True, True)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if function is None and circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
@@ -150,22 +156,6 @@ _ZOOMS = 6  # times that the search narrows around the best angle so far
 
 
 @dataclass(frozen=True)
-class LockingProof:
-    """Two angles that prove ρ = p/q of a nondecreasing lift.
-
-    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
-        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
-
-    A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
-    lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
-    """
-
-    ratio: Fraction
-    below: float
-    above: float
-
-
-@dataclass(frozen=True)
 class RotationNumber:
     """A rotation number in turns a cycle.
 
@@ -181,6 +171,12 @@ class RotationNumber:
         The witness of ``locked``, else None.
     estimate : Estimate or None
         The weighted Birkhoff average with its estimated (not proved) error, None when locked.
+
+    Examples
+    --------
+    >>> found = rotation_number(CircleMap.arnold(0.5, 0.9))
+    >>> found.value, found.locked, found.estimate
+    (0.5, Fraction(1, 2), None)
     """
 
     value: float
@@ -193,8 +189,20 @@ class RotationNumber:
 
 @dataclass(frozen=True)
 class RotationInterval:
-    """All rotation numbers of a lift, [lower, upper] in turns a cycle, with the enclosures of both
-    ends.
+    """All rotation numbers of a lift.
+
+    Attributes
+    ----------
+    lower, upper : float
+        Ends of the interval, turns a cycle.
+    lower_number, upper_number : RotationNumber
+        Both ends, with their enclosures.
+
+    Examples
+    --------
+    >>> found = rotation_interval(CircleMap.arnold(0.3, 3.0))
+    >>> found.lower, found.upper
+    (0.0, 0.5)
     """
 
     lower: float
@@ -209,18 +217,32 @@ def rotation_number(
     iterates: int = ITERATES,
     max_period: int = MAX_PERIOD,
     tolerance: float = 0.0,
+    proved: bool = False,
 ) -> RotationNumber:
     """The rotation number ρ = lim (Fⁿ(θ) - θ)/2πn of a degree-1 lift, with bounds.
 
     Parameters
     ----------
-    tolerance : float, optional
-        turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
+    circle_map : CircleMap
+        A map of degree 1.
+    iterates : int, optional
+        How many cycles are followed at most.
+    max_period : int, optional
+        The longest period that locking is looked for with.
+    tolerance : float, default 0.0
+        Turns a cycle; as soon as [lower, upper] is no wider than twice that, no further
         iterates are made.
+    proved : bool, optional
+        Make the bounds theorems by interval arithmetic (the extra ``proofs``), about the formula of
+        an exact, smooth lift as for ``periodic_points``, rounding and folds included. Of a lift
+        that is proved to rise, F' > 0, they come from its orbit from 0, about 0.2 ms an iterate,
+        and ``locked`` from the two angles of ``proof``; of any other from Fⁿ(θ) - θ at all θ, n ≤
+        6, and ``locked`` is None.
 
     Returns
     -------
     RotationNumber
+        With bounds, and whether it is locked.
 
     Raises
     ------
@@ -260,6 +282,8 @@ def rotation_number(
     (0.26253675589882, True)
     """
     budget = _budget(circle_map, iterates, max_period, tolerance)
+    if proved:
+        return _proved_rotation(circle_map, budget)
     descent = largest_descent(circle_map)
     if descent <= SLACK:
         return _monotone_rotation(circle_map, budget, descent)
@@ -287,9 +311,26 @@ def rotation_interval(
     """All rotation numbers of a degree-1 lift: [ρ(F⁻), ρ(F⁺)] of its lower and upper monotone
     envelopes.
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        A map of degree 1.
+    iterates : int, optional
+        As of ``rotation_number``.
+    max_period : int, optional
+        As of ``rotation_number``.
+    tolerance : float, default 0.0
+        As of ``rotation_number``.
+
     Returns
     -------
     RotationInterval
+        Its ends, with their enclosures.
+
+    Raises
+    ------
+    InvalidInput
+        As ``rotation_number``.
 
     Notes
     -----
@@ -297,6 +338,13 @@ def rotation_interval(
     Gambaudo & Tresser 1984; Misiurewicz 1986); with downward jumps it still contains all of
     them. A nondecreasing lift gives one point. The enclosures of both ends, and what they
     cover, are as in ``rotation_number``.
+
+    References
+    ----------
+    - Chenciner, A., Gambaudo, J.-M. & Tresser, C. (1984), Une remarque sur la structure des
+      endomorphismes de degré 1 du cercle, Comptes Rendus 299.
+    - Misiurewicz, M. (1986), Rotation intervals for a class of maps of the real line into itself,
+      Ergodic Theory and Dynamical Systems 6.
 
     Examples
     --------
@@ -318,8 +366,7 @@ _Budget = tuple[
 
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if circle_map.degree != 1:
         raise InvalidInput(
             f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
@@ -367,6 +414,17 @@ def _monotone_rotation(
         if high - low <= 2.0 * tolerance:
             break
     return _unlocked(circle_map, *_floats(low, high), count)
+
+
+def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
+    iterates, max_period, tolerance = budget
+    searched = rotation_number(
+        circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
+    )
+    low, high = proved_rotation(circle_map, iterates, 2.0 * tolerance, searched.proof)
+    if low < high:
+        return _unlocked(circle_map, *_floats(low, high), iterates)
+    return RotationNumber(float(low), *_floats(low, low), low, searched.proof)
 
 
 class _PushedOrbit:

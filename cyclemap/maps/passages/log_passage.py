@@ -11,7 +11,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise, WrappedNormal
+from cyclemap.maps.noise.noise import Noise, WrappedNormal, required_noise
 from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
@@ -51,9 +51,23 @@ def log10_passage_time(
 ) -> Estimate:
     """log10 of the mean passage time of ``mean_passage_time``, also where that exceeds every float.
 
+    Parameters
+    ----------
+    circle_map : CircleMap
+        As of ``mean_passage_time``.
+    noise : Noise
+        As of ``mean_passage_time``; beyond 1e300 cycles a ``WrappedNormal``.
+    start : float
+        Radians, inside the arc.
+    arc : tuple[float, float]
+        (start, end), counter-clockwise, radians.
+    lifted : bool, default False
+        As of ``mean_passage_time``.
+
     Returns
     -------
     Estimate
+        log10 of the mean number of cycles.
 
     Raises
     ------
@@ -66,15 +80,15 @@ def log10_passage_time(
 
     Notes
     -----
-    Arguments as there. Up to 1e300 cycles it is the logarithm of that time with its bound.
-    Beyond, for ``WrappedNormal`` only: T at the node visited most is the mean length of an
-    excursion from it over the chance of leaving in one, and T(start) is that times the chance
-    of reaching that node first. The chance of leaving is sought from transitions multiplied by
-    h(y)/h(x), h(x) nearly the chance of leaving from x before the next visit (Doob's
-    transform): along the likely ways out they are of order one. Sparse sweeps over the few
-    dozen moves that count solve it; a first h comes from twice as wide a noise, where σ² ln h
-    is nearly the same (large deviations). Where the path may stay elsewhere for thousands of
-    cycles, up to 6000 nodes are eliminated without subtraction instead.
+    Up to 1e300 cycles it is the logarithm of that time with its bound. Beyond, for
+    ``WrappedNormal`` only: T at the node visited most is the mean length of an excursion from it
+    over the chance of leaving in one, and T(start) is that times the chance of reaching that node
+    first. The chance of leaving is sought from transitions multiplied by h(y)/h(x), h(x) nearly the
+    chance of leaving from x before the next visit (Doob's transform): along the likely ways out
+    they are of order one. Sparse sweeps over the few dozen moves that count solve it; a first h
+    comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations). Where the
+    path may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated without
+    subtraction instead.
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and
     2e-14 of ln T for rounding; measured, and without the map's ``max_error``.
@@ -85,6 +99,7 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
+    sigma = required_noise(noise).sigma
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
 
@@ -92,12 +107,12 @@ def log10_passage_time(
         settings = circle_map, noise, (ends,), outside_of(ends, lifted), lifted
         return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
-    many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
+    many = sigma is not None and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
         time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
-        if not isinstance(noise, WrappedNormal):
+        if sigma is None:
             raise InvalidInput(
                 f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known"
             )

@@ -12,7 +12,7 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.passages.cell_passage import cell_passage
 from cyclemap.maps.passages.killed_chain import (
     Arc,
@@ -48,32 +48,46 @@ def mean_passage_time(
 
     Parameters
     ----------
+    circle_map : CircleMap
+        The map F.
+    noise : Noise or None
+        ξ, added after it.
     start : float
-        radians, inside the arc.
-    arc : Arc
+        Radians, inside the arc.
+    arc : tuple[float, float]
         (start, end), counter-clockwise, radians, length in (0, 2π).
-    lifted : bool, optional
+    lifted : bool, default False
         False counts positions mod 2π, so that a step of a whole turn comes back; True follows
         the path on the real line, where the arc may be a whole turn.
 
     Returns
     -------
     Estimate
+        Cycles, with a bound.
+
+    Raises
+    ------
+    ConvergenceError
+        When the bound exceeds 1e-6 of the time, ``max_error`` apart.
 
     Notes
     -----
-    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with
-    panels between the map's breaks and samples (Nyström), is eliminated without subtraction
-    from the exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even
-    1e100 cycles keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under
-    ``UniformNoise`` see ``cell_passage``.
+    T(x) = 1 + ∫_arc g(y - F(x)) T(y) dy, g the noise's density, on Gauss-Legendre nodes with panels
+    between the map's breaks and samples (Nyström), is eliminated without subtraction from the
+    exactly known chances of leaving (Grassmann, Taksar & Heyman 1985), so that even 1e100 cycles
+    keep their digits; inf above 1e300, where ``log10_passage_time`` goes on. Under ``UniformNoise``
+    see ``cell_passage``.
 
     ``error_bound``: with r the residual of the interpolant on twice as many nodes, rounding
-    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r
-    and Φ are measured on nodes. The map's ``max_error`` is included to first order. Where
-    several deep wells drown the residual in rounding, the bound is ten times the difference
-    from a solution on other nodes. ConvergenceError when it exceeds 1e-6 of the time,
-    ``max_error`` apart.
+    included, Φ = (I - K)⁻¹|r| bounds the error, since K is positive (Collatz 1952): proved; r and Φ
+    are measured on nodes. The map's ``max_error`` is included to first order. Where several deep
+    wells drown the residual in rounding, the bound is ten times the difference from a solution on
+    other nodes.
+
+    References
+    ----------
+    Grassmann, W. K., Taksar, M. I. & Heyman, D. P. (1985), Regenerative analysis and steady state
+    distributions for Markov chains, Operations Research 33.
 
     Examples
     --------
@@ -87,8 +101,9 @@ def mean_passage_time(
     inside = required_inside(start, ends)
     exits = outside_of(ends, lifted)
     rewards = np.zeros(len(exits))
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        return cell_passage(circle_map, noise.jump, inside, (ends,), exits, lifted, 1.0, rewards)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        return cell_passage(circle_map, jump, inside, (ends,), exits, lifted, 1.0, rewards)
     make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
     return _certified(make, inside, 1.0, rewards, "mean passage time")
 
@@ -101,24 +116,39 @@ def hitting_probability(
     arc_a: Arc,
     arc_b: Arc,
 ) -> Estimate:
-    """Probability that the path from ``start`` is in ``arc_a`` at an earlier cycle than in
-    ``arc_b``.
+    """Probability that a noisy path is in one arc at an earlier cycle than in another.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    noise : Noise or None
+        ξ, added after it.
+    start : float
+        Radians; inside one of the arcs it gives 1 or 0.
+    arc_a, arc_b : tuple[float, float]
+        (start, end), counter-clockwise, radians; they must not overlap.
 
     Returns
     -------
     Estimate
+        The chance that ``arc_a`` comes first, with a bound.
+
+    Raises
+    ------
+    ConvergenceError
+        As ``mean_passage_time``, and when neither arc is reached within 1e300 cycles.
 
     Notes
     -----
-    The arcs are (start, end) pairs, counter-clockwise, radians, and must not overlap; a start
-    inside one of them gives 1 or 0. u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x))
-    u(y) dy, solved and bounded as in ``mean_passage_time``: small chances keep their digits
-    too. ConvergenceError also when neither arc is reached within 1e300 cycles.
+    u(x) = P(F(x) + ξ in a) + ∫ over the rest of g(y - F(x)) u(y) dy, solved and bounded as in
+    ``mean_passage_time``: small chances keep their digits too.
 
     Examples
     --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> even = hitting_probability(CircleMap.rigid(0.0), WrappedNormal(0.3), 0.0, (1.0, 2.0), (-2.0, -1.0))
+    >>> still, noise = CircleMap.rigid(0.0), WrappedNormal(0.3)
+    >>> even = hitting_probability(still, noise, 0.0, (1.0, 2.0), (-2.0, -1.0))
     >>> round(even, 9), even.holds(0.5)
     (0.5, True)
     """
@@ -129,8 +159,9 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     goals = np.array([1.0, 0.0])
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        chance = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        chance = cell_passage(circle_map, jump, theta, rest, (a, b), False, 0.0, goals)
     else:
         make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
         chance = _certified(make, theta, 0.0, goals, "hitting probability")
@@ -174,24 +205,39 @@ def survival_probabilities(
     *,
     lifted: bool = False,
 ) -> Array:
-    """P(the path from ``start`` has not left ``arc`` in n cycles) for n = 0, ..., ``cycles``: shape
-    (cycles + 1,).
+    """Chances that a noisy path has not left an arc after 0, 1, 2, ... cycles.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    noise : Noise
+        ξ, added after it.
+    start : float
+        Radians, inside the arc.
+    arc : tuple[float, float]
+        As of ``mean_passage_time``.
+    cycles : int
+        How many cycles.
+    lifted : bool, default False
+        As of ``mean_passage_time``.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (cycles + 1,)
+        S_0 = 1, S_1, ...
 
     Notes
     -----
-    S_0 = 1, S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; arguments as for
-    ``mean_passage_time``, which is the sum of S_n over all n. Rows of transitions are scaled to
-    the exactly known chances of staying; the relative error grows with n, by about 1e-15 a
-    cycle.
+    S_{n+1}(x) = ∫_arc g(y - F(x)) S_n(y) dy on Nyström's nodes; ``mean_passage_time`` is the sum of
+    S_n over all n. Rows of transitions are scaled to the exactly known chances of staying; the
+    relative error grows with n, by about 1e-15 a cycle.
 
     Examples
     --------
     >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> chances = survival_probabilities(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), 0.77, (0.0, 1.5), 2)
+    >>> stuck, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)
+    >>> chances = survival_probabilities(stuck, noise, 0.77, (0.0, 1.5), 2)
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])
     True
     """

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
@@ -34,10 +34,19 @@ class QuasiStationary:
     """What becomes of a noisy path as long as it stays in an arc, however it began; made by
     ``quasi_stationary``.
 
-    Parameters
+    Attributes
     ----------
-    escape_rate : chance a cycle of leaving, 1 - λ; the path stays 1/escape_rate cycles on average.
-    below, above : the chances of leaving past the arc's start and past its end.
+    escape_rate : Estimate
+        Chance a cycle of leaving, 1 - λ; the path stays 1/escape_rate cycles on average.
+    below, above : Estimate
+        The chances of leaving past the arc's start and past its end.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> held = quasi_stationary(CircleMap.rigid(0.0), WrappedNormal(0.3), (-1.0, 1.0))
+    >>> held.below.holds(0.5), bool(held.density(0.0) > held.density(0.9))
+    (True, True)
     """
 
     escape_rate: Estimate
@@ -46,7 +55,7 @@ class QuasiStationary:
     _chain: KilledChain = field(repr=False)
     _mass: Array = field(repr=False)
 
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The distribution's density, per radian, at angles of the arc, any shape: one cycle on
         from its nodes.
         """
@@ -60,22 +69,30 @@ class QuasiStationary:
 
 @one_thread
 def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStationary:
-    """Where the path θ' = F(θ) + ξ is on the line given that it has not left ``arc`` for long, and
-    how it leaves.
+    """Where a noisy path is given that it has not left an arc for long, and how it leaves.
 
     Parameters
     ----------
-    arc : (start, end), counter-clockwise, radians, length in (0, 2π].
+    circle_map : CircleMap
+        The map F.
+    noise : Noise
+        ξ, added after it; the path is on the line.
+    arc : tuple[float, float]
+        (start, end), counter-clockwise, radians, length in (0, 2π].
 
     Returns
     -------
-    ``escape_rate`` 1 - λ with λ the largest eigenvalue of the chain that is killed outside the arc,
-    ``below`` and ``above`` the chances of slipping out to either side, the ``density``.
+    QuasiStationary
+        ``escape_rate`` 1 - λ with λ the largest eigenvalue of the chain that is killed outside
+        the arc, ``below`` and ``above`` the chances of slipping out to either side, the
+        ``density``.
 
     Raises
     ------
-    InvalidInput as ``mean_passage_time``; ConvergenceError where the rate is not known to 1e-6 of
-    itself.
+    InvalidInput
+        As ``mean_passage_time``.
+    ConvergenceError
+        Where the rate is not known to 1e-6 of itself.
 
     Notes
     -----
@@ -86,6 +103,10 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
     + ξ), w the solution of (λ - K) w = chance of leaving - mean; or what the maps change that are
     off by ±ε with the signs of ∂/∂F, where that is more. (Collet, Martínez & San Martín,
     Quasi-Stationary Distributions, 2013.)
+
+    References
+    ----------
+    Collet, P., Martínez, S. & San Martín, J. (2013), Quasi-stationary distributions.
 
     Examples
     --------

@@ -3,15 +3,16 @@ on its way to 1."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.maps.estimate import ANGLE
+from cyclemap.written import DIRECTION
 
 LAST = 100
 _LEAST = 20
@@ -30,39 +31,53 @@ class RestMultiplier:
     Attributes
     ----------
     value : float
-        median-unbiased.
+        Median-unbiased estimate.
     lower, upper : float
         95 % interval, in [-1, 1]: at 1 the direction is being lost, or has been.
     cycles : int
         How many it comes from.
     theta : float
         Their mean direction, radians in [0, 2π).
+
+    Examples
+    --------
+    >>> rng, path = np.random.default_rng(0), [0.0]
+    >>> for kick in rng.normal(0.0, 0.02, 60):
+    ...     path.append(0.5 * path[-1] + kick)
+    >>> rest = rest_multiplier(path)
+    >>> rest.lower < rest.value < rest.upper < 1.0
+    True
     """
 
     value: float
     lower: float
     upper: float
     cycles: int
-    theta: float
+    theta: float = field(metadata=DIRECTION)
 
 
-def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
-    """The multiplier of the rest of the last cycles of a path, with its interval; None where they
-    do not rest.
+def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None:
+    """The multiplier of the direction about which the last cycles of a path rest, with its
+    interval.
 
     Parameters
     ----------
-    theta : shape (n,), radians, on the lift or not.
-    last : how many cycles are looked at, 20 or more.
+    theta : array_like, shape (n,)
+        Radians, on the lift or not.
+    last : int, optional
+        How many cycles are looked at, 20 or more.
 
     Returns
     -------
-    None also where there are fewer than 20 cycles. They rest where they spread over less than a
-    quarter of a turn about their mean; a spread of 1e-13 rad is rounding.
+    RestMultiplier or None
+        None where the cycles do not rest, and where there are fewer than 20. They rest where
+        they spread over less than a quarter of a turn about their mean; a spread of 1e-13 rad
+        is rounding.
 
     Raises
     ------
-    InvalidInput for angles that are not finite, and fewer than 20 ``last`` cycles.
+    InvalidInput
+        For angles that are not finite, and fewer than 20 ``last`` cycles.
 
     Notes
     -----
@@ -72,6 +87,12 @@ def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
     on either side, and its median (Andrews 1993), by 2,000 simulated paths for each of 81 λ from
     -0.95 to 1 and lines between. Normal kicks are taken that do not depend on the past, and a map
     that does not bend over the rest.
+
+    References
+    ----------
+    - Kendall, M. G. (1954), Note on bias in the estimation of autocorrelation, Biometrika 41.
+    - Andrews, D. W. K. (1993), Exactly median-unbiased estimation of first order
+      autoregressive/unit root models, Econometrica 61.
 
     Examples
     --------

@@ -5,7 +5,7 @@ one that wears.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,7 @@ from cyclemap.maps.passages.passage_times import mean_passage_time
 from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
@@ -45,7 +46,7 @@ class SlowZone:
     Attributes
     ----------
     centre : float
-        radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest
+        Radians in [0, 2π): the stable fixed point, the attracting jump, or the ghost's slowest
         point.
     arc : tuple[float, float]
         (start, end), radians, start < end: the zone, see ``predict_staircase``.
@@ -60,16 +61,23 @@ class SlowZone:
         The visits of the stationary path, maximal runs of cycles in the arc that reach
         ``core``: how many begin per cycle, their mean length and its standard deviation,
         cycles; None where not computed.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> (zone,) = predict_staircase(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)).zones
+    >>> zone.kind, round(zone.centre, 4), zone.whole_turn
+    ('stable', 0.7728, True)
     """
 
-    centre: float
-    arc: tuple[float, float]
+    centre: float = field(metadata=DIRECTION)
+    arc: tuple[float, float] = field(metadata=ANGLE)
     kind: str
     residence_cycles: Estimate
-    winding: int = 0
-    visits_a_cycle: float | None = None
-    visit_cycles: float | None = None
-    visit_spread: float | None = None
+    winding: int = field(default=0, metadata=UNWRITTEN)
+    visits_a_cycle: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_cycles: float | None = field(default=None, metadata=UNWRITTEN)
+    visit_spread: float | None = field(default=None, metadata=UNWRITTEN)
 
     @property
     def whole_turn(self) -> bool:
@@ -97,18 +105,25 @@ class StaircaseSummary:
     Attributes
     ----------
     mean_turn : float
-        radians a cycle.
+        Radians a cycle.
     mean_residence_cycles : float or None
         Cycles, or None without slow zones; inf above 1e300.
     step : float or None
-        radians, or None without slow zones.
+        Radians, or None without slow zones.
     zones : tuple of SlowZone
         The slow zones, sorted by centre.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> found = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.3))
+    >>> round(found.mean_turn, 6), found.step, found.zones
+    (0.628319, None, ())
     """
 
-    mean_turn: float
+    mean_turn: float = field(metadata=ANGLE)
     mean_residence_cycles: float | None
-    step: float | None
+    step: float | None = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...]
 
     @property
@@ -125,29 +140,40 @@ class StaircaseSummary:
 def predict_staircase(
     circle_map: CircleMap, noise: Noise, operator: TransferOperator | None = None
 ) -> StaircaseSummary:
-    """Mean turn, step height and residence of the staircase that the noisy map will draw.
+    """Mean turn, step height and residence of the staircase that a noisy map will draw.
+
+    Parameters
+    ----------
+    circle_map : CircleMap
+        The map F.
+    noise : Noise
+        ξ, added after it.
+    operator : TransferOperator or None, optional
+        A ``transfer_operator(circle_map, noise)`` that is already there; None: made here.
 
     Returns
     -------
     StaircaseSummary
+        The slow zones, and what they make of the path.
 
     Notes
     -----
-    mean_turn : 2π times the operator's rotation number, an ``Estimate`` with its bound. Slow
-    zones : the stable fixed points and attracting jumps, each with the arc between the unstable
-    points (or repelling jumps, or saddle-nodes) next to it on both sides; its residence is the
-    mean passage time from the point out of that arc. With a single unstable point the arc is
-    the whole turn between two copies of it, left on the lifted line only. Where nothing is
-    stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below half its mean over
-    the circle, w the whole number that makes the mean turn least, if the stationary path is
-    there at least half as long again as at an even pace. The residence is the mean passage time
-    from the arc's upstream end. mean_residence_cycles : average of the zones' residences, an
-    ``Estimate`` whose bound is the average bound. step : 2π divided by the number of zones, the
-    mean spacing of neighbouring slow zones. The visits' numbers are exact for the stationary
-    path; how they are found is said at ``_with_visits``. A turn that is constant to 1e-9 rad
-    has no slow zone: all but mean_turn are None.
+    - ``mean_turn``: 2π times the operator's rotation number, an ``Estimate`` with its bound.
+    - Slow zones: the stable fixed points and attracting jumps, each with the arc between the
+      unstable points (or repelling jumps, or saddle-nodes) next to it on both sides; its residence
+      is the mean passage time from the point out of that arc. With a single unstable point the arc
+      is the whole turn between two copies of it, left on the lifted line only. Where nothing is
+      stable: the ghosts, the connected arcs on which |F(θ) - θ - 2πw| is below half its mean over
+      the circle, w the whole number that makes the mean turn least, if the stationary path is there
+      at least half as long again as at an even pace. The residence is the mean passage time from
+      the arc's upstream end.
+    - ``mean_residence_cycles``: average of the zones' residences, an ``Estimate`` whose bound is
+      the average bound.
+    - ``step``: 2π divided by the number of zones, the mean spacing of neighbouring slow zones.
 
-    ``operator`` may pass a ``transfer_operator(circle_map, noise)`` that is already there.
+    The visits' numbers are exact for the stationary path; how they are found is said at
+    ``_with_visits``. A turn that is constant to 1e-9 rad has no slow zone: all but ``mean_turn``
+    are None.
 
     Examples
     --------
@@ -299,10 +325,10 @@ class DriftSummary:
 
     Attributes
     ----------
-    cycles : ndarray
-        Shape (k,), where the frozen map was analysed;
+    cycles : ndarray, shape (k,)
+        Where the frozen map was analysed.
     summaries : tuple of StaircaseSummary
-        One ``StaircaseSummary`` each.
+        What theory says of each frozen map.
     turns : Estimate
         Whole turns expected over the run, Σ_n ρ_n, an Estimate whose bound covers the sum, not
         the lag.
@@ -310,6 +336,14 @@ class DriftSummary:
         Σ |ρ_{n+1} - ρ_n| × (cycles in which the law forgets), over the chosen cycles: the size,
         not a bound, of what the adiabatic picture leaves out. Trust ``turns`` no better than
         that.
+
+    Examples
+    --------
+    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
+    >>> drift = predict_drift(worn, WrappedNormal(1.0), 100, points=2)
+    >>> drift.cycles.tolist(), [round(summary.mean_turn, 4) for summary in drift.summaries]
+    ([0.0, 99.0], [0.6283, 1.885])
     """
 
     cycles: Array
@@ -330,20 +364,36 @@ class DriftSummary:
 def predict_drift(
     drifting: DriftingMap, noise: Noise, cycles: int, points: int = 5
 ) -> DriftSummary:
-    """The adiabatic (quasi-static) staircase of a run of ``cycles`` cycles under slow wear.
+    """The adiabatic (quasi-static) staircase of a run under slow wear.
+
+    Parameters
+    ----------
+    drifting : DriftingMap
+        The map at every cycle.
+    noise : Noise
+        Added after it.
+    cycles : int
+        Cycles of the run.
+    points : int, default 5
+        At how many cycles, evenly spread from the first to the last, the frozen map is
+        analysed.
 
     Returns
     -------
     DriftSummary
+        The staircases of the frozen maps, and the expected climb.
 
     Notes
     -----
-    At ``points`` cycles, evenly spread from the first to the last, ``predict_staircase`` of the
-    frozen map; and the expected climb Σ_n ρ_n, ρ_n the frozen map's rotation number, by
-    adaptive Simpson rules over the run until halving changes the sum by less than a hundredth
-    of a turn, that change being the bound (measured). The law lags behind a drifting map
-    (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells how much that may matter,
-    and the start's own approach adds up to a turn.
+    At each of these cycles, ``predict_staircase`` of the frozen map; and the expected climb Σ_n
+    ρ_n, ρ_n the frozen map's rotation number, by adaptive Simpson rules over the run until halving
+    changes the sum by less than a hundredth of a turn, that change being the bound (measured). The
+    law lags behind a drifting map (Gardiner, Stochastic Methods, 2009, ch. 8): ``lag_turns`` tells
+    how much that may matter, and the start's own approach adds up to a turn.
+
+    References
+    ----------
+    Gardiner, C. (2009), Stochastic methods, chapter 8.
 
     Examples
     --------

@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
@@ -40,14 +41,14 @@ class Stretch:
 class DriftingMap:
     """A map that changes with the cycle: cycle n (0, 1, ...) carries θ_n to F_n(θ_n) + ξ_n.
 
-    Attributes
+    Parameters
     ----------
-    cycles : ndarray
-        Shape (k,), increasing.
+    cycles : array_like, shape (k,)
+        Increasing.
     maps : tuple of CircleMap
-        The k maps, all of degree 1.
-    max_error : float
-        radians, how far the blend is from the family it stands for, as measured; 0 for a blend
+        k maps, all of degree 1.
+    max_error : float, default 0.0
+        Radians, how far the blend is from the family it stands for, as measured; 0 for a blend
         as such.
 
     Raises
@@ -100,7 +101,11 @@ class DriftingMap:
 
     @classmethod
     def of_family(
-        cls, family: Callable[[Any], CircleMap], schedule: Any, cycles: int, tolerance: float = 1e-6
+        cls,
+        family: Callable[[Any], CircleMap],
+        schedule: Callable[[int], Any] | ArrayLike,
+        cycles: int,
+        tolerance: float = 1e-6,
     ) -> DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen
         to fit.
@@ -124,8 +129,10 @@ class DriftingMap:
             raise InvalidInput(
                 f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
             )
-        given = schedule
-        if not callable(schedule):
+        given: Callable[[int], Any]
+        if callable(schedule):
+            given = schedule
+        else:
             values = finite_array("schedule", schedule)
             if values.ndim == 0 or values.shape[0] < count:
                 raise InvalidInput(
@@ -229,11 +236,12 @@ class LocalNoise:
     """Kicks ξ_n = σ(θ_n) z_n of sampled paths; z_n standard normal, with z_{n+1} = ρ z_n + √(1 -
     ρ²) ε_n.
 
-    Attributes
+    Parameters
     ----------
     log_sigma : tuple of float
-        (2K + 1,) c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in radians.
-    correlation : float
+        c_0, a_1, b_1, ...: log σ(θ) = c_0 + Σ a_k cos kθ + b_k sin kθ, σ in radians; an odd
+        count of numbers.
+    correlation : float, default 0.0
         ρ in [0, 1), of the kicks of successive cycles.
 
     Raises
@@ -248,8 +256,9 @@ class LocalNoise:
 
     Examples
     --------
-    >>> LocalNoise((math.log(0.02), 0.5, 0.0), 0.7).sigma(math.pi / 2).round(12)
-    np.float64(0.02)
+    >>> noise = LocalNoise((math.log(0.02), 0.5, 0.0), 0.7)
+    >>> round(float(noise.sigma(math.pi / 2)), 12)
+    0.02
     """
 
     log_sigma: tuple[float, ...]
@@ -306,12 +315,18 @@ class Staircase:
 
     Attributes
     ----------
-    theta : ndarray
-        Shape (cycles + 1,), radians, not wrapped, the start first;
+    theta : ndarray, shape (cycles + 1,)
+        Radians, not wrapped, the start first.
     seed : int
-        Of the noise;
+        Of the noise.
     start : float
-        radians.
+        Radians.
+
+    Examples
+    --------
+    >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4, start=1.0)
+    >>> path.cycles, path.start, path.theta.shape
+    (4, 1.0, (5,))
     """
 
     theta: Array
@@ -331,18 +346,31 @@ def sample_staircase(
     start: float = 0.0,
     seed: int = 0,
 ) -> Staircase:
-    """A path of ``cycles`` cycles from ``start`` (radians); ``noise`` None follows the map alone.
+    """Sample one noisy path of a map.
+
+    Parameters
+    ----------
+    circle_map : CircleMap or DriftingMap
+        The map; a ``DriftingMap`` takes cycle n by its map F_n.
+    noise : Noise or LocalNoise or None
+        Added after every cycle; None follows the map alone. Kicks of a ``LocalNoise`` have the
+        size that it has where the cycle starts.
+    cycles : int
+        How many cycles.
+    start : float, default 0.0
+        Radians.
+    seed : int, default 0
+        The same seed gives the same path.
 
     Returns
     -------
     Staircase
+        The path, on the lift.
 
     Notes
     -----
-    A ``DriftingMap`` takes cycle n by its map F_n. The same seed gives the same path. Some
-    million cycles a second for sampled and textbook maps, a few hundred thousand for maps given
-    by numpy callables. Kicks of a ``LocalNoise`` have the size that it has where the cycle
-    starts.
+    Some million cycles a second for sampled and textbook maps, a few hundred thousand for maps
+    given by numpy callables.
 
     Examples
     --------
@@ -382,22 +410,30 @@ def sample_staircases(
     circle_map: CircleMap | DriftingMap,
     noise: Noise | LocalNoise | None,
     cycles: int,
-    starts: Any,
+    starts: ArrayLike,
     seed: int = 0,
 ) -> Array:
-    """Many independent paths at once, one a start: shape (paths, cycles + 1), radians, not wrapped,
-    read-only.
+    """Sample many independent noisy paths of a map at once.
 
     Parameters
     ----------
-    starts : Any
-        Shape (paths,), radians. The same seed and starts give the same paths; one start alone
-        gives the path of ``sample_staircase`` to rounding, and a hundred paths are followed ten
-        times as fast together.
+    circle_map : CircleMap or DriftingMap
+        As of ``sample_staircase``.
+    noise : Noise or LocalNoise or None
+        As of ``sample_staircase``.
+    cycles : int
+        How many cycles.
+    starts : array_like, shape (paths,)
+        Radians, one a path.
+    seed : int, default 0
+        The same seed and starts give the same paths; one start alone gives the path of
+        ``sample_staircase`` to rounding, and a hundred paths are followed ten times as fast
+        together.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (paths, cycles + 1)
+        Radians, not wrapped, read-only, the starts first.
 
     Examples
     --------

@@ -4,7 +4,7 @@ each.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +14,7 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.staircases.slow_zones import SlowZone, StaircaseSummary
 from cyclemap.maps.staircases.step_detection import Steps
+from cyclemap.written import CYCLES
 
 _FEWEST_PERIODS = 8  # periods below which the number of steps is not tested
 
@@ -38,39 +39,52 @@ class VisitComparison:
 
     zone: SlowZone
     exits: int
-    mean: float | None
-    standard_error: float | None
+    mean: float | None = field(metadata=CYCLES)
+    standard_error: float | None = field(metadata=CYCLES)
     spread: float | None
-    predicted: float | None
+    predicted: float | None = field(metadata=CYCLES)
     ratio: float | None
-    mean_p_value: float | None
+    mean_p_value: float | None = field(metadata={"name": "p_value"})
 
 
 @dataclass(frozen=True)
 class StepComparison:
-    """Measured steps against a ``StaircaseSummary``; see ``compare_steps``. None where no
-    comparison is possible.
+    """Measured steps against a ``StaircaseSummary``; see ``compare_steps``.
 
     Attributes
     ----------
+    steps : int
+        How many steps the path has.
     mean_length, length_error : float or None
-        Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error.
+        Kaplan-Meier mean of the dwells' lengths, cycles, and its standard error; None where no
+        comparison is possible, as of all below.
     predicted_length : float or None
-        The prediction's mean residence, cycles;
+        The prediction's mean residence, cycles.
     ratio : float or None
-        mean_length over it.
+        ``mean_length`` over ``predicted_length``.
     net_steps, expected_steps, net_error : float or None
         Climb of the path in units of the predicted step, the prediction's for as many cycles,
         and the standard error of their difference: from one dwell to the next, height less
         predicted turn is a reward of mean 0, so the difference has their variance times the
         number of periods (Ross 1996, sec. 3.6).
     pace_p_value : float or None
-        two-sided, Student's law for that difference over its error; None below 8 periods. Over
+        Two-sided, Student's law for that difference over its error; None below 8 periods. Over
         12 to 18 periods it is measured to reject a true prediction in 3.5 % of runs at the 5 %
         level, in 8 % at 10 %.
     visits : tuple of VisitComparison
         One ``VisitComparison`` a zone; () unless the steps were found in the prediction's own
         zones.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, find_steps, predict_staircase
+    >>> from cyclemap.maps import sample_staircase
+    >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
+    >>> expected = predict_staircase(sine, noise)
+    >>> path = sample_staircase(sine, noise, 2_000)
+    >>> found = compare_steps(find_steps(path.theta, zones=expected.zones), expected)
+    >>> found.steps > 30, abs(found.ratio - 1.0) < 0.1
+    (True, True)
     """
 
     steps: int
@@ -78,7 +92,7 @@ class StepComparison:
     length_error: float | None
     predicted_length: float | None
     ratio: float | None
-    net_steps: float | None
+    net_steps: float | None = field(metadata={"name": "steps"})
     expected_steps: float | None
     net_error: float | None
     pace_p_value: float | None
@@ -88,9 +102,17 @@ class StepComparison:
 def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     """Compare the steps found in a path with those predicted for a map and its noise.
 
+    Parameters
+    ----------
+    steps : Steps
+        Those found in a path.
+    prediction : StaircaseSummary
+        What was predicted for the map and its noise.
+
     Returns
     -------
     StepComparison
+        Lengths, pace and visits, side by side.
 
     Raises
     ------

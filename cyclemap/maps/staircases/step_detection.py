@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import STAIRCASE
 from cyclemap.maps.staircases.slow_zones import SlowZone
+from cyclemap.written import ANGLE
 
 _SLOW = 2.0  # a dwell is at least this much slower than the path is on average over its height
 _SHORTEST = 3  # cycles: nothing shorter is a dwell
@@ -35,20 +36,28 @@ class Steps:
 
     Attributes
     ----------
-    start, end : Whole
-        Shape (m,), first and last cycle of each dwell.
-    levels, scatter : ndarray
-        Shape (m,), mean and standard deviation of the angle during its visits, radians, lifted.
-    visit_start, visit_end : Whole
-        Shape (v,), the uninterrupted stays that make up the dwells: a dwell has more than one
-        where the path left and came back before it dwelt elsewhere.
-    visit_dwell, visit_zone : Whole
-        Shape (v,), which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
-    cycles, climb : int
-        Last cycle of the path, and its last angle less its first, radians (less the zones'
-        turns 2πwn).
+    start, end : ndarray of int, shape (m,)
+        First and last cycle of each dwell.
+    levels, scatter : ndarray, shape (m,)
+        Mean and standard deviation of the angle during its visits, radians, lifted.
+    visit_start, visit_end : ndarray of int, shape (v,)
+        The uninterrupted stays that make up the dwells: a dwell has more than one where the
+        path left and came back before it dwelt elsewhere.
+    visit_dwell, visit_zone : ndarray of int, shape (v,)
+        Which dwell a visit belongs to, and which of ``zones`` it is in (-1: none).
+    cycles : int
+        Last cycle of the path.
+    climb : float
+        Its last angle less its first, radians (less the zones' turns 2πwn).
     zones : tuple of SlowZone
         Those looked for, else ().
+
+    Examples
+    --------
+    >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
+    >>> steps = find_steps(stairs)
+    >>> steps.count, steps.levels.tolist(), steps.climb
+    (2, [0.0, 1.0, 2.0], 2.0)
     """
 
     start: Whole
@@ -60,7 +69,7 @@ class Steps:
     visit_dwell: Whole
     visit_zone: Whole
     cycles: int
-    climb: float
+    climb: float = field(metadata=ANGLE)
     zones: tuple[SlowZone, ...] = ()
 
     def __post_init__(self) -> None:
@@ -97,18 +106,22 @@ class Steps:
         return max(int(self.levels.size) - 1, 0)
 
 
-def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
+def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
     Parameters
     ----------
-    theta : Any
-        Shape (n,), n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts
-        angles mod 2π where no cycle turns by half a turn).
+    theta : array_like, shape (n,)
+        n ≥ 2, radians, one angle a cycle, on the lifted line (``np.unwrap`` lifts angles mod 2π
+        where no cycle turns by half a turn).
+    zones : sequence of SlowZone or None, optional
+        Slow zones that are looked for (``predict_staircase(...).zones``); None: dwells wherever
+        they are.
 
     Returns
     -------
     Steps
+        Dwells and visits, and the steps between them.
 
     Raises
     ------
@@ -117,20 +130,28 @@ def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
 
     Notes
     -----
-    zones given (``predict_staircase(...).zones``): a visit is a maximal run of cycles inside
-    one copy of a zone's arc that reaches the zone's core, so jitter at the arc's edge makes
-    none (milestones: Buchete & Hummer 2008). Successive visits to one copy are one dwell. All
-    zones must have the same winding w; levels are those of θ_n - 2πwn. zones None: for a window
-    h, a cycle dwells if it lies in some number of successive cycles whose angles span at most
-    2h: twice what the path takes for a height 2h at its mean pace over height (3 at least).
-    Runs of such cycles, trimmed to three robust deviations from their median, are dwells, and
-    neighbours whose means differ by at most 2h are one (the dispersion rule of Salvucci &
-    Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven halvings, h is the window
-    whose dwells hold the largest share of the cycles less their share of the height travelled;
-    no dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a
-    thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less
-    than its scatter is one dwell. Shifting, mirroring or reversing the path shifts, mirrors or
-    reverses its dwells.
+    With zones: a visit is a maximal run of cycles inside one copy of a zone's arc that reaches the
+    zone's core, so jitter at the arc's edge makes none (milestones: Buchete & Hummer 2008).
+    Successive visits to one copy are one dwell. All zones must have the same winding w; levels are
+    those of θ_n - 2πwn.
+
+    Without: for a window h, a cycle dwells if it lies in some number of successive cycles whose
+    angles span at most 2h: twice what the path takes for a height 2h at its mean pace over height
+    (3 at least). Runs of such cycles, trimmed to three robust deviations from their median, are
+    dwells, and neighbours whose means differ by at most 2h are one (the dispersion rule of Salvucci
+    & Goldberg 2000). Of π/4 (or an eighth of the path's span) and seven halvings, h is the window
+    whose dwells hold the largest share of the cycles less their share of the height travelled; no
+    dwells where that is below 0.47 (drifts, rotations and random walks stay below 0.44 at a
+    thousand cycles). A path that spans less than π/2 and whose halves differ in mean by less than
+    its scatter is one dwell. Shifting, mirroring or reversing the path shifts, mirrors or reverses
+    its dwells.
+
+    References
+    ----------
+    - Buchete, N.-V. & Hummer, G. (2008), Coarse master equations for peptide folding dynamics,
+      Journal of Physical Chemistry B 112.
+    - Salvucci, D. D. & Goldberg, J. H. (2000), Identifying fixations and saccades in eye-tracking
+      protocols, ETRA.
 
     Examples
     --------

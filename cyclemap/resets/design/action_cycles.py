@@ -68,23 +68,29 @@ def sample_turns(
     materials: Sequence[Material],
     samples: int = 36,
 ) -> SampledTurns:
-    """Return the turns of one cycle of every action on every material from `samples` equally spaced
+    """Return the turns of one cycle of every action on every material from equally spaced
     orientations.
 
     Parameters
     ----------
     loop : CollectionLoop
-        Prepared by the strategy (its ring's place). Actions that differ in a gripper's turn
-        alone are run once.
+        Prepared by the strategy (its ring's place).
+    actions : sequence of CycleAction
+        Those whose cycles are run; such as differ in a gripper's turn alone are run once.
+    materials : sequence of Material
+        The surfaces.
+    samples : int, default 36
+        How many orientations.
 
     Returns
     -------
     SampledTurns
+        Turns (materials, actions, samples), rad, and mean drags.
 
     Raises
     ------
-    what
-        A cycle raises that leads out of the mechanics.
+    CycleMapError
+        What a cycle raises that leads out of the mechanics.
 
     Notes
     -----
@@ -93,10 +99,12 @@ def sample_turns(
     Examples
     --------
     >>> from cyclemap.mechanics import load_material
-    >>> loop = CollectionLoop.mit()
-    >>> found = sample_turns(loop, [CycleAction(), CycleAction(turn=1.0)], [load_material("plywood")], 4)
-    >>> np.degrees(found.turn[0, 0]).round(2).tolist(), (found.turn[0, 1] - found.turn[0, 0]).round(9).tolist()
-    ([9.97, -2.88, -9.77, 22.9], [1.0, 1.0, 1.0, 1.0])
+    >>> loop, actions = CollectionLoop.mit(), [CycleAction(), CycleAction(turn=1.0)]
+    >>> found = sample_turns(loop, actions, [load_material("plywood")], 4)
+    >>> np.degrees(found.turn[0, 0]).round(2).tolist()
+    [9.97, -2.88, -9.77, 22.9]
+    >>> (found.turn[0, 1] - found.turn[0, 0]).round(9).tolist()
+    [1.0, 1.0, 1.0, 1.0]
     """
     theta = TWO_PI * np.arange(whole_number("samples", samples, least=3)) / samples
     turns = np.array([action.turn for action in actions])
@@ -122,17 +130,27 @@ def strategy_maps(
     tolerance: float = 1e-4,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[CircleMap, ...]:
-    """Return the cycle map of each of a strategy's actions, its gripper's turn included, within
-    `tolerance` (rad).
+    """Return the cycle map of each of a strategy's actions, its gripper's turn included.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop that the strategy is run on.
+    strategy : ResetStrategy
+        Whose actions.
+    tolerance : float, default 1e-4
+        Error of each map, rad, wherever it does not jump (see `CollectionLoop.circle_map`).
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     tuple of CircleMap
+        One an action.
 
     Notes
     -----
-    The error holds wherever a map does not jump (see `CollectionLoop.circle_map`); wear is left
-    out.
+    Wear is left out.
 
     Examples
     --------
@@ -158,12 +176,24 @@ def strategy_maps(
 
 
 def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
-    """Return the turns (maps, samples), rad, of cycle maps at equal steps of the orientation.
+    """Return the turns of cycle maps at equal steps of the orientation.
+
+    Parameters
+    ----------
+    maps : sequence of CircleMap
+        The maps, one an action.
+    samples : int, default 1024
+        How many orientations, from 0.
 
     Returns
     -------
-    ndarray
-        The turns (maps, samples), rad, of cycle maps at equal steps of the orientation.
+    ndarray, shape (maps, samples)
+        f(θ) - θ, rad.
+
+    Examples
+    --------
+    >>> map_turns([CircleMap.rigid(0.25)], samples=3).round(4).tolist()
+    [[1.5708, 1.5708, 1.5708]]
     """
     theta = TWO_PI * np.arange(samples) / samples
     return np.array([np.asarray(one(theta)) - theta for one in maps])

@@ -33,21 +33,33 @@ TRIED_INSIDE = 4
 class MaterialRange:
     """Materials about a nominal one.
 
-    Attributes
+    Parameters
     ----------
     nominal : Material
         The first.
     others : tuple of Material
         With it, those that a reset is searched on.
-    told : str
+    told : str, default ''
         In words, where they came from.
-    tried : tuple of Material or None
+    tried : tuple of Material or None, optional
         Those that what is found is tried on besides; None: four between the others, weighted
         means of three drawn ones, the same each time.
-    sampled : bool
+    sampled : bool, default False
         Whether those tried are samples, each as likely as another, of what nobody knows better:
         what is told of the worst then holds for 95 % of all that they stand for, else for all
         materials.
+
+    Raises
+    ------
+    InvalidInput
+        For what is no `Material`.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import load_material
+    >>> about = MaterialRange(load_material("plywood"), (load_material("delrin"),))
+    >>> [material.name for material in about.searched], len(about.materials)
+    (['plywood', 'delrin'], 6)
     """
 
     nominal: Material
@@ -128,16 +140,19 @@ def material_range(
 
     Parameters
     ----------
-    axes : float, optional
+    material : Material
+        The nominal one.
+    axes : float or None, optional
         Share by which one half axis may be longer or shorter against the other, in [0, 1),
         None: 0.1. The ratio runs from nominal / (1 + axes) to nominal (1 + axes); their
         geometric mean, on which no quasi-static motion depends, is kept.
-    offsets : float, optional
+    offsets : float or None, optional
         Share by which m0 and n0 vary, each by itself, None: 0.5; one that is zero stays zero.
 
     Returns
     -------
     MaterialRange
+        The nominal one first.
 
     Raises
     ------
@@ -225,12 +240,19 @@ def _posterior_range(material: Material) -> MaterialRange:
 
 
 def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on another material, which brings what the loop has from its own: `FoundWith`
-    and pressure.
+    """Return the loop on another material, with what it brings along: `FoundWith` and pressure.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop; what it has from its own material gives way.
+    material : Material
+        The other material.
 
     Returns
     -------
     CollectionLoop
+        The same protocol on the other surface.
 
     Notes
     -----
@@ -240,7 +262,8 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     Examples
     --------
     >>> from cyclemap.mechanics import FoundWith, load_material
-    >>> slate = replace(load_material("plywood"), name="slate", found_with=FoundWith(pusher_friction=0.2))
+    >>> found = FoundWith(pusher_friction=0.2)
+    >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
     >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction
     0.2
     """

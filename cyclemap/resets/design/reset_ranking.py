@@ -53,20 +53,37 @@ class ResetDemands:
 
     Parameters
     ----------
-    allow_tv : most total variation from uniform in the long run, in (0, 1). extra_tv : how much
-        more, at most, after `within` pushes from the worst start.
-    drag_ratio : most mean drag, in mean drags of the loop as it is.
-    seconds : most mean time of a cycle, s. reach : most distance (m)
-        of rod or object from the target.
-    contact : float or None
-        Least way (m) of the rod in contact, in every push. None: any; of contact two thirds of the
-        push, or one where none holds two.
-    abilities : what the robot can do besides: "gripper", "ring" (another place of it). keep_push :
-        every push stays the loop's own.
-    pushes : int
+    allow_tv : float, default 0.1
+        Most total variation from uniform in the long run, in (0, 1).
+    extra_tv : float, default 0.02
+        How much more, at most, after `within` pushes from the worst start, in (0, 1).
+    within : int, default 50
+        After how many pushes that is asked.
+    drag_ratio : float, default 2.0
+        Most mean drag, in mean drags of the loop as it is.
+    seconds : float or None, optional
+        Most mean time of a cycle, s; None: any.
+    reach : float or None, optional
+        Most distance of rod or object from the target, m; None: any.
+    contact : float or None, optional
+        Least way of the rod in contact, in every push, m; None: two thirds of the push, or one
+        where none holds two.
+    abilities : tuple of str, default ()
+        What the robot can do besides: "gripper", "ring" (another place of it).
+    keep_push : bool, default False
+        Every push stays the loop's own.
+    pushes : int, default 500
         How many will be collected.
 
-    Raises InvalidInput for a value out of its range.
+    Raises
+    ------
+    InvalidInput
+        For a value out of its range.
+
+    Examples
+    --------
+    >>> round(ResetDemands(allow_tv=0.1, extra_tv=0.02).allow_after, 3)
+    0.12
     """
 
     allow_tv: float = 0.10
@@ -110,8 +127,22 @@ class ResetDemands:
 
 @dataclass(frozen=True)
 class Limit:
-    """A demand that binds: the least (of contact the most) that any reset considered reaches of it,
-    and which does.
+    """A demand that binds.
+
+    Attributes
+    ----------
+    demand : str
+        Its name.
+    value : float
+        The least (of contact the most) that any reset considered reaches of it.
+    strategy : ResetStrategy
+        Which one does.
+
+    Examples
+    --------
+    >>> from cyclemap.mechanics import SidePush
+    >>> Limit("drag_ratio", 2.4, ResetStrategy.pushes(SidePush(), (0, 1))).value
+    2.4
     """
 
     demand: str

@@ -30,10 +30,17 @@ class StrategyRun:
 
     Attributes
     ----------
-    theta : ndarray
-        (runs, n + 1), rad, not wrapped, the start first.
-    action : ndarray
-        (runs, n), number of the strategy's action.
+    theta : ndarray, shape (runs, n + 1)
+        Orientations, rad, not wrapped, the start first.
+    action : ndarray of int, shape (runs, n)
+        Number of the strategy's action.
+
+    Examples
+    --------
+    >>> loop = CollectionLoop.mit(accuracy=1e-6)
+    >>> run = run_strategy(loop, ResetStrategy.pushes(loop.push, (0, 1)), 4, seed=1)
+    >>> run.theta.shape, run.action.tolist()
+    ((1, 5), [[1, 1, 0, 1]])
     """
 
     theta: Array
@@ -51,19 +58,32 @@ def run_strategy(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
 ) -> StrategyRun:
-    """Run `runs` collections of `cycles` cycles each by the full mechanics, some 0.3 ms a cycle.
+    """Run collections by the full mechanics, some 0.3 ms a cycle.
 
     Parameters
     ----------
-    start : float or ndarray, optional
-        rad, of all runs or one each.
-    sigma : float, optional
-        Noise of a cycle, rad. The first run does what `strategy.run(cycles, seed)` says, so
-        that a robot can be given the very same. A surface that wears does so.
+    loop : CollectionLoop
+        The loop; a surface that wears does so.
+    strategy : ResetStrategy
+        What is done in each cycle.
+    cycles : int
+        Cycles of a collection.
+    runs : int, default 1
+        How many collections.
+    start : float or array_like, shape (runs,), default 0.0
+        Orientation before the first push, of all runs or one each, rad.
+    sigma : float, default 0.0
+        Noise of a cycle, rad.
+    seed : int, default 0
+        The first run does what `strategy.run(cycles, seed)` says, so that a robot can be given
+        the very same.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     StrategyRun
+        Orientations and actions of every cycle.
 
     Raises
     ------
@@ -119,21 +139,37 @@ def sampled_orientations(
     seed: int = 0,
     start: float | None = None,
 ) -> Array:
-    """Return theta0 (runs, cycles) of collections whose actions turn by `turn` (actions, n) rad at
-    n equal steps.
+    """Return the orientations of collections, from the turns of their actions.
 
     Parameters
     ----------
-    start : float, optional
-        rad; None: drawn evenly, one a run. On the lift.
+    turn : ndarray, shape (actions, n)
+        Turns at n equal steps of theta, rad; between the steps they are interpolated linearly.
+    strategy : ResetStrategy
+        Which action comes when.
+    cycles : int
+        Cycles of a collection.
+    runs : int
+        How many collections.
+    sigma : float
+        Noise of a cycle, rad.
+    seed : int, default 0
+        Of actions, starts and noise.
+    start : float or None, optional
+        Orientation before the first push, rad; None: drawn evenly, one a run.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (runs, cycles)
+        theta0 of every cycle, rad, on the lift.
 
-    Notes
-    -----
-    Between the steps turns are interpolated linearly.
+    Examples
+    --------
+    >>> quarter = np.full((1, 8), math.pi / 2.0)
+    >>> strategy = ResetStrategy.pushes(CollectionLoop.mit().push, (0,))
+    >>> theta = sampled_orientations(quarter, strategy, 3, runs=1, sigma=0.0, start=0.0)
+    >>> np.degrees(theta).round(6).tolist()
+    [[0.0, 90.0, 180.0]]
     """
     chosen = drawn_actions(strategy, cycles, runs, seed)
     return _followed(
@@ -142,18 +178,38 @@ def sampled_orientations(
 
 
 def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed: int = 0) -> Array:
-    """Return theta0 (runs, cycles) where each cycle is the action that leads to where least was
-    recorded so far.
+    """Return the orientations of collections whose every cycle is the action that leads to where
+    least was recorded so far.
+
+    Parameters
+    ----------
+    turn : ndarray, shape (actions, n)
+        Turns at n equal steps of theta, rad.
+    cycles : int
+        Cycles of a collection.
+    runs : int
+        How many collections.
+    sigma : float
+        Noise of a cycle, rad.
+    seed : int, default 0
+        Of starts and noise.
 
     Returns
     -------
-    ndarray
-        Theta0 (runs, cycles) where each cycle is the action that leads to where least was
-        recorded so far.
+    ndarray, shape (runs, cycles)
+        theta0 of every cycle, rad.
 
     Notes
     -----
     That is `next_action` with exact maps; the noise of the cycle is not known beforehand.
+
+    Examples
+    --------
+    >>> turns = np.full((2, 360), math.pi / 2.0)
+    >>> turns[1] = math.pi
+    >>> theta = steered_orientations(turns, 4, runs=1, sigma=0.0)
+    >>> sorted((np.degrees(theta - theta[0, 0]).round()[0] % 360).tolist())
+    [0.0, 90.0, 180.0, 270.0]
     """
     crowding = Crowding(runs)
 
@@ -192,12 +248,22 @@ def _followed(
 
 
 def histogram_shares(theta: Array) -> Array:
-    """Return the shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0.
+    """Return histograms of orientations, in 36 equal bins from 0.
+
+    Parameters
+    ----------
+    theta : ndarray, shape (runs, n)
+        Orientations, rad.
 
     Returns
     -------
-    ndarray
-        The shares (runs, 36) of orientations (runs, n), rad, in equal bins from 0.
+    ndarray, shape (runs, 36)
+        Shares, which sum to one.
+
+    Examples
+    --------
+    >>> histogram_shares(np.radians([[5.0, 6.0, 15.0, -5.0]]))[0, [0, 1, 35]].tolist()
+    [0.5, 0.25, 0.25]
     """
     cells = np.minimum((np.mod(theta, TWO_PI) * (BINS / TWO_PI)).astype(np.int64), BINS - 1)
     counts = np.bincount(
@@ -207,14 +273,17 @@ def histogram_shares(theta: Array) -> Array:
 
 
 def histogram_distances(shares: Array) -> Array:
-    """Return the total variation (runs,) between histograms with shares (runs, bins) and the
-    uniform one.
+    """Return the total variation between histograms and the uniform one.
+
+    Parameters
+    ----------
+    shares : ndarray, shape (runs, bins)
+        Shares of a histogram, which sum to one.
 
     Returns
     -------
-    ndarray
-        The total variation (runs,) between histograms with shares (runs, bins) and the uniform
-        one.
+    ndarray, shape (runs,)
+        In [0, 1].
 
     Examples
     --------
@@ -226,12 +295,18 @@ def histogram_distances(shares: Array) -> Array:
 
 
 def independent_distance(pushes: int) -> float:
-    """Return the mean histogram distance of that many independent uniform orientations: de Moivre's
-    mean deviation.
+    """Return the mean histogram distance of independent uniform orientations: de Moivre's mean
+    deviation.
+
+    Parameters
+    ----------
+    pushes : int
+        How many orientations.
 
     Returns
     -------
     float
+        Total variation, of 36 bins.
 
     Examples
     --------

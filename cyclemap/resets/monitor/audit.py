@@ -5,7 +5,7 @@ and what to change.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +19,7 @@ from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
+from cyclemap.written import DIRECTION
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
@@ -48,31 +49,43 @@ class Audit:
     Attributes
     ----------
     name : str
-        Of the data.
+        That of the data.
     theta : tuple of float
         Its orientations, rad, in order.
     reports : tuple of BiasReport
-        Of the monitor after each, its chance of a false alarm being `alarm_rate`.
+        Of the monitor after each.
+    alarm_rate : float
+        The monitor's chance of a false alarm.
     ordered : bool
         Whether their order is known.
-    covered : tuple[tuple[float, float], ...]
+    covered : tuple of tuple[float, float]
         Arcs (from, to), rad, with no gap of 20 degrees.
     reset : ResetEffect or None
-        None where the data do not tell poses before and after pushes.
+        What the reset did; None where the data do not tell poses before and after pushes.
     others : int
         Pushes of other sets in the data, left out.
     posed : bool
         Whether poses after pushes are there, at least.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{137.5 * push % 360}\\n" for push in range(40))
+    ...     count = Path(place, "even.csv").write_text(text)
+    ...     found = audit(f"{place}/even.csv")
+    >>> found.report.alarm is None, found.is_good, found.others
+    (True, True, 0)
     """
 
     name: str
     theta: tuple[float, ...]
     reports: tuple[BiasReport, ...]
     alarm_rate: float
-    ordered: bool
-    covered: tuple[tuple[float, float], ...]
+    ordered: bool = field(metadata={"name": "order_known"})
+    covered: tuple[tuple[float, float], ...] = field(metadata=DIRECTION)
     reset: ResetEffect | None
-    others: int
+    others: int = field(metadata={"name": "pushes_of_other_sets"})
     posed: bool = False
 
     @property
@@ -118,6 +131,17 @@ class Audit:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class _LargestSet:
+    """The orientations of the largest set of the data, and what an `Audit` tells of them."""
+
+    theta: Array
+    ordered: bool
+    reset: ResetEffect | None = None
+    others: int = 0
+    posed: bool = False
+
+
 def audit(
     data: str | Path | PushTable,
     *,
@@ -130,16 +154,29 @@ def audit(
     Parameters
     ----------
     data : str or Path or PushTable
-        a path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
+        A path that `load_pushes` or `read_theta0_pairs` reads, or a table of pushes. Of several
         sets pushed alike the one of most pushes is taken.
-    loop : CollectionLoop, optional
-        That made them, where it is known: the sense of angles is tested by it, else by whether
-        pushes alike move the object alike. Raises OtherConvention where it is another,
-        InvalidInput for fewer than 10 pushes, DataFileError for a bad file.
+    loop : CollectionLoop or None, optional
+        The loop that made them, where it is known: the sense of angles is tested by it, else by
+        whether pushes alike move the object alike.
+    alarm_rate : float, optional
+        Chance, in (0, 1), that the monitor raises an alarm on a collection without bias.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     Audit
+        The monitor's reports, and what the data cover.
+
+    Raises
+    ------
+    OtherConvention
+        Where the sense of angles is another.
+    InvalidInput
+        For fewer than 10 pushes.
+    DataFileError
+        For a bad file.
 
     Examples
     --------
@@ -151,7 +188,8 @@ def audit(
     (0, False, 1)
     """
     name = data.table["path"].iloc[0] if isinstance(data, PushTable) else str(data)
-    theta, ordered, reset, others, posed = _orientations(data, loop)
+    largest = _largest_set(data, loop)
+    theta = largest.theta
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
     monitor, reports = BiasMonitor(alarm_rate), []
@@ -159,26 +197,20 @@ def audit(
         reports.append(monitor.update(angle))
         if progress is not None:
             progress(done / theta.size)
-    covered = covered_arcs(theta)
     return Audit(
         Path(name).name,
         monitor.path,
         tuple(reports),
         alarm_rate,
-        ordered,
-        covered,
-        reset,
-        others,
-        posed,
+        largest.ordered,
+        covered_arcs(theta),
+        largest.reset,
+        largest.others,
+        largest.posed,
     )
 
 
-def _orientations(
-    data: str | Path | PushTable, loop: CollectionLoop | None
-) -> tuple[Array, bool, ResetEffect | None, int, bool]:
-    """The orientations of the largest set, whether in order, what its resets did, the number of
-    other pushes, and whether poses after pushes are there.
-    """
+def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
     if (
         isinstance(data, (str, Path))
         and Path(data).is_file()
@@ -190,7 +222,7 @@ def _orientations(
             if loop is not None:
                 check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
             path = pairs.theta if pairs.path is None else pairs.path
-            return path, pairs.path is not None, None, 0, False
+            return _LargestSet(path, pairs.path is not None)
     given = load_pushes(data) if isinstance(data, (str, Path)) else data
     table = given.table.dropna(subset=["theta0"])
     if not len(table):
@@ -225,4 +257,5 @@ def _orientations(
             push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope
         )
     posed = bool(rows["theta1"].notna().any())
-    return rows["theta0"].to_numpy(), ordered, reset, len(table) - len(rows), posed
+    others = len(table) - len(rows)
+    return _LargestSet(rows["theta0"].to_numpy(), ordered, reset, others, posed)

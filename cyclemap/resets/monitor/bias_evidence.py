@@ -6,13 +6,14 @@ from __future__ import annotations
 
 import copy
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.written import DIRECTION
 
 CHANCE = 0.5  # a rest is where θ0 comes back more likely than not
 _RATES = np.array([0.75, 0.9, 0.98])  # chances of coming back that are betted on, in equal shares
@@ -140,7 +141,7 @@ class RestEvidence:
 
 @dataclass(frozen=True)
 class Rest:
-    """Where θ0 rests, rad in [0, 2π), one direction for each push of the period.
+    """Where θ0 rests, one direction for each push of the period.
 
     Attributes
     ----------
@@ -148,14 +149,21 @@ class Rest:
         Push at which it began, counted from the first one fed, to within the window of the
         rule.
     directions : tuple of float
-        Where it is by now.
+        Where it is by now, rad in [0, 2π).
     towards : tuple of float
-        Where its last steps lead.
+        Where its last steps lead, rad in [0, 2π).
+
+    Examples
+    --------
+    >>> from cyclemap.resets import watch
+    >>> rest = watch([0.5] * 20)[-1].rest
+    >>> rest.began, [round(direction, 3) for direction in rest.directions]
+    (0, [0.5])
     """
 
     began: int
-    directions: tuple[float, ...]
-    towards: tuple[float, ...]
+    directions: tuple[float, ...] = field(metadata=DIRECTION)
+    towards: tuple[float, ...] = field(metadata=DIRECTION)
 
 
 @dataclass

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.resets.monitor.arc_evidence import ArcEvidence
 from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
 from cyclemap.resets.monitor.coverage import Coverage, CoverageState
+from cyclemap.written import DIRECTION
 
 ALARM_RATE = 0.01
 LEAST_GAIN = 0.1  # a push is useful while it tells a tenth of what the most telling one would
@@ -33,7 +34,7 @@ class Alarm:
     ----------
     push : int
         At which push it was raised.
-    kind : AlarmKind
+    kind : {'rest', 'visits'}
         "rest" where θ0 comes back, push after push, to where it just was; "visits" where it
         gathers about directions over many pushes.
     directions : tuple of float
@@ -42,11 +43,17 @@ class Alarm:
     began : int or None
         The push at which the rest began, None for "visits". Pushes are counted from 0, the
         first one fed.
+
+    Examples
+    --------
+    >>> alarm = watch([0.3] * 20)[-1].alarm
+    >>> alarm.kind, alarm.push, [round(direction, 3) for direction in alarm.directions]
+    ('rest', 14, [0.3])
     """
 
     push: int
     kind: AlarmKind
-    directions: tuple[float, ...]
+    directions: tuple[float, ...] = field(metadata=DIRECTION)
     began: int | None
 
 
@@ -61,10 +68,16 @@ class Advice:
     direction : float
         rad in [0, 2π), the direction of the circle that is least covered: bring the object to
         it.
+
+    Examples
+    --------
+    >>> advice = watch([0.3] * 20)[-1].advice
+    >>> advice.change_reset, round(advice.direction, 1)
+    (True, 3.4)
     """
 
     change_reset: bool
-    direction: float
+    direction: float = field(metadata=DIRECTION)
 
 
 @dataclass(frozen=True)
@@ -79,7 +92,9 @@ class BiasReport:
         The first one since the reset was last changed, None where there was none.
     rest_evidence, visit_evidence : float
         log10 of the evidence for each kind; an alarm is raised where one of them reaches
-        ``threshold`` = log10(2 / alarm rate).
+        ``threshold``.
+    threshold : float
+        log10(2 / alarm rate).
     rest : Rest or None
         Where θ0 rests just now, if it does and has for twice the rule's window, alarm or not.
     useful_pushes : int or None
@@ -88,15 +103,23 @@ class BiasReport:
     recent_worth : float
         Effective pushes gained a push over the last 50: 1 where they spread evenly, 0 where
         they tell nothing new; above 1 while directions open up that were not known.
-    coverage, advice : CoverageState
-        See there.
+    coverage : CoverageState
+        What the collection covers.
+    advice : Advice
+        What to do next.
+
+    Examples
+    --------
+    >>> report = watch([0.3] * 20)[-1]
+    >>> report.push, report.rest_evidence > report.threshold, report.coverage.covered < 0.2
+    (19, True, True)
     """
 
     push: int
     alarm: Alarm | None
-    rest_evidence: float
-    visit_evidence: float
-    threshold: float
+    rest_evidence: float = field(metadata={"name": "rest_log10"})
+    visit_evidence: float = field(metadata={"name": "visits_log10"})
+    threshold: float = field(metadata={"name": "threshold_log10"})
     rest: Rest | None
     useful_pushes: int | None
     recent_worth: float
@@ -109,31 +132,36 @@ class BiasMonitor:
 
     Parameters
     ----------
-    alarm_rate : float
+    alarm_rate : float, optional
         The chance, in (0, 1), that it ever raises an alarm on a collection without bias,
-        however long. It holds by a theorem, Ville's inequality, half of it for each kind of
-        evidence:
+        however long.
+
+    Raises
+    ------
+    InvalidInput
+        For a rate outside (0, 1).
 
     Notes
     -----
-    - against "visits" for every reset whose turns are exchangeable, so do not depend on where
-      the object stood, whatever their law: independent uniform θ0, isotropic friction with
-      any turn and any noise, final directions drawn at random. Half of this share looks at
-      blocks of 48 pushes (``VisitEvidence``), half at arcs of the circle that the first 48
-      pushes keep to (``ArcEvidence``): half a circle is told after 26 pushes in the median;
-    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some
-      3°), comes back within ``half_width`` with chance ½ at most: independent uniform θ0,
-      turns that scatter by 3.3° or more, and steady walks faster than 1.2° a push
-      (``RestRule``): at 3 ± 1.1° a push, or 120 ± 5°, it is far below ½.
+    The alarm rate holds by a theorem, Ville's inequality, half of it for each kind of evidence:
 
-    What is slower, or comes round to the very same two, three or four directions, does raise
-    the alarm: its law may be even in the long run, but its next hundred pushes repeat the last
-    ones.
+    - against "visits" for every reset whose turns are exchangeable, so do not depend on where the
+      object stood, whatever their law: independent uniform θ0, isotropic friction with any turn and
+      any noise, final directions drawn at random. Half of this share looks at blocks of 48 pushes
+      (``VisitEvidence``), half at arcs of the circle that the first 48 pushes keep to
+      (``ArcEvidence``): half a circle is told after 26 pushes in the median;
+    - against "rest" where θ0, whenever it has lingered (``RestRule``: four pushes within some 3°),
+      comes back within ``half_width`` with chance ½ at most: independent uniform θ0, turns that
+      scatter by 3.3° or more, and steady walks faster than 1.2° a push (``RestRule``): at 3 ± 1.1°
+      a push, or 120 ± 5°, it is far below ½.
 
-    The monitor changes as it is fed, for a collection has one course; each report is a value
-    that stays. A push costs some tenths of a millisecond, however many came before, but for a
-    dozen of the first 48, which take some hundredths of a second where they may keep to an arc;
-    the orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
+    What is slower, or comes round to the very same two, three or four directions, does raise the
+    alarm: its law may be even in the long run, but its next hundred pushes repeat the last ones.
+
+    The monitor changes as it is fed, for a collection has one course; each report is a value that
+    stays. A push costs some tenths of a millisecond, however many came before, but for a dozen of
+    the first 48, which take some hundredths of a second where they may keep to an arc; the
+    orientations are kept. The same orientations give the same reports, θ0 wrapped or not.
 
     Examples
     --------
@@ -243,12 +271,19 @@ class BiasMonitor:
 
 
 def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[BiasReport, ...]:
-    """The reports on the orientations ``theta`` (rad), one a push; of a new ``BiasMonitor`` unless
-    one is given.
+    """Return the reports on a collection's orientations, one a push.
+
+    Parameters
+    ----------
+    theta : iterable of float
+        The orientations, rad, in the order of the pushes.
+    monitor : BiasMonitor or None, optional
+        The monitor that is fed; None: a new one.
 
     Returns
     -------
     tuple of BiasReport
+        The state after each push.
 
     Examples
     --------

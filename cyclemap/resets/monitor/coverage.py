@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
+from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 CELLS = 720  # the circle is told in cells of half a degree
 _CENTRES = (np.arange(CELLS) + 0.5) * (TWO_PI / CELLS)
@@ -34,24 +35,32 @@ class CoverageState:
     covered : float
         Share of the circle within ``reach`` of a recorded direction.
     largest_gap : float
-        rad, the widest arc without one;
+        The widest arc without one, rad.
     gap_centre : float
         Its middle, rad in [0, 2π).
     least_covered : float
-        rad in [0, 2π), the direction to record next.
+        The direction to record next, rad in [0, 2π).
     effective_pushes : float
         The collection is worth so many pushes spread evenly.
     gain : float
         What the last direction would tell if it were recorded once more, as a share of what the
         most telling direction would, in (0, 1].
+
+    Examples
+    --------
+    >>> coverage = Coverage()
+    >>> for recorded in (0.0, math.pi / 2.0):
+    ...     coverage.add(recorded)
+    >>> round(math.degrees(coverage.state().largest_gap))
+    270
     """
 
     covered: float
-    largest_gap: float
-    gap_centre: float
-    least_covered: float
     effective_pushes: float
     gain: float
+    largest_gap: float = field(metadata=ANGLE)
+    gap_centre: float = field(metadata=DIRECTION)
+    least_covered: float = field(metadata=UNWRITTEN)
 
 
 class Crowding:
@@ -103,6 +112,20 @@ class Coverage:
 
     Directions are kept in cells of half a degree; a push costs a few thousand operations,
     however many came before.
+
+    References
+    ----------
+    - Hoel, P. G. (1965), Minimax designs in two dimensional regression, Annals of Mathematical
+      Statistics 36.
+    - Chen, Y., Welling, M. & Smola, A. (2010), Super-samples from kernel herding, UAI.
+
+    Examples
+    --------
+    >>> coverage = Coverage()
+    >>> for recorded in np.arange(36) * math.radians(10.0):
+    ...     coverage.add(recorded)
+    >>> round(coverage.effective_pushes, 1)
+    36.0
     """
 
     def __init__(self) -> None:
@@ -190,37 +213,55 @@ class NextAction:
     crowding : float
         Of the recorded directions there, as a share of the mean over the circle: 0 where
         nothing is near, 1 on evenly covered ground.
+
+    Examples
+    --------
+    >>> covered = Coverage()
+    >>> covered.add(0.0)
+    >>> action = next_action([CircleMap.rigid(0.0), CircleMap.rigid(0.5)], covered, 0.0)
+    >>> action.number, round(math.degrees(action.lands))
+    (1, 180)
     """
 
     number: int
-    lands: float
+    lands: float = field(metadata=DIRECTION)
     crowding: float
 
 
 def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> NextAction:
-    """Return which of a strategy's actions takes orientation `theta` (rad) to where least is
-    recorded.
+    """Return which of a strategy's actions takes the object to where least is recorded.
 
     Parameters
     ----------
     maps : sequence of CircleMap
         Of its actions, as `strategy_maps` makes them.
     coverage : Coverage
-        Of the collection so far, `theta` fed to it. The noise of a cycle is left out: it blurs
-        all landings alike. Before anything is recorded the first action is chosen.
+        Of the collection so far, `theta` fed to it; before anything is recorded the first
+        action is chosen.
+    theta : float
+        Orientation before the cycle, rad.
 
     Returns
     -------
     NextAction
-        Which of a strategy's actions takes orientation `theta` (rad) to where least is
-        recorded.
+        The action, and where it leads.
+
+    Raises
+    ------
+    InvalidInput
+        Where there is no map.
 
     Notes
     -----
-    Chosen so in every cycle, it is the greedy step of kernel herding towards the uniform law
-    (Chen, Welling & Smola 2010), among the places that the actions reach; how even that becomes
-    is not bounded. The action then depends on the orientation: record it with each push, for
-    data that are even in orientation need not be even in action.
+    The noise of a cycle is left out: it blurs all landings alike. Chosen so in every cycle, it is
+    the greedy step of kernel herding towards the uniform law (Chen, Welling & Smola 2010), among
+    the places that the actions reach; how even that becomes is not bounded. The action then depends
+    on the orientation: record it with each push, for data that are even in orientation need not be
+    even in action.
+
+    References
+    ----------
+    Chen, Y., Welling, M. & Smola, A. (2010), Super-samples from kernel herding, UAI.
 
     Examples
     --------

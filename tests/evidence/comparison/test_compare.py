@@ -31,6 +31,7 @@ from cyclemap.evidence.comparison.cycle_agreement import map_misfit
 from cyclemap.evidence.comparison.prediction import as_prediction
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
+from cyclemap.views.verdicts import verdicts
 
 QUESTIONS = ["mean turn of a cycle", "cycle map", "histogram of directions"]
 
@@ -54,10 +55,10 @@ def test_the_misfit_of_a_models_own_paths_is_an_f_ratio() -> None:
 
 def test_the_true_law_is_kept_in_every_question() -> None:
     truth = compare(SINE, sine_pairs(300, seed=3), noise=NOISE, runs=39)
-    asked = [one.question for one in truth.verdicts]
+    asked = [one.question for one in verdicts(truth)]
     assert asked[:3] == QUESTIONS
     assert asked[4:] == ["number of turns", "number of steps", "step height", "residence on a step"]
-    assert [one.agrees for one in truth.verdicts] == [True] * 8
+    assert [one.agrees for one in verdicts(truth)] == [True] * 8
     assert truth.cycle.agreement.rms == pytest.approx(
         0.15, rel=0.1
     ) and truth.cycle.noise == pytest.approx(0.15)
@@ -107,14 +108,14 @@ def test_pairs_without_an_order_compare_the_map_alone() -> None:
     assert (found.cycle.p_value, found.orientations, found.directions, found.staircase) == (
         None,
     ) * 4
-    assert [one.agrees for one in found.verdicts][1] is None
+    assert [one.agrees for one in verdicts(found)][1] is None
 
 
 def test_the_seed_settles_everything(quick) -> None:
     told = [
         [
             verdict.words
-            for verdict in compare(SINE, sine_pairs(60), noise=NOISE, runs=19, seed=seed).verdicts
+            for verdict in verdicts(compare(SINE, sine_pairs(60), noise=NOISE, runs=19, seed=seed))
         ]
         for seed in (4, 4, 5)
     ]
@@ -131,16 +132,16 @@ def test_a_loop_is_compared_with_its_pushes_and_its_cycles(quick, tmp_path, loop
         loop_of(SINE), tmp_path / "poses.csv", noise=NOISE, runs=19, progress=progress.append
     )
     assert found.prediction.kind == "loop"
-    assert [one.question for one in found.verdicts][:5] == [
+    assert [one.question for one in verdicts(found)][:5] == [
         *(f"mean {quantity} of rect1 on plywood" for quantity in ("turn of a push", "Δx", "Δy")),
         "ends of pushes",
         "mean turn of a cycle",
     ]
-    assert found.verdicts[3].words.startswith(
+    assert verdicts(found)[3].words.startswith(
         "Pushes end 1.0 mm and 0.0° from the prediction on average; isotropic"
     )
     assert found.cycle.agreement.pairs == 40
-    assert "predicted over 41 pushes" in found.verdicts[1].words
+    assert "predicted over 41 pushes" in verdicts(found)[1].words
     assert np.allclose(np.diff(found.data.pairs.path), np.diff(path), atol=1e-9)
     assert progress == sorted(progress) and progress[-1] == 1.0
 
@@ -180,14 +181,14 @@ def test_more_than_three_sets_are_told_as_one(quick, tmp_path, loop_of) -> None:
     ]
     found = compare(loop_of(SINE), write_poses(tmp_path / "boards.csv", rows))
     assert [one.count for one in found.pushes] == [3, 3, 3, 3]
-    asked = [(one.question, one.agrees) for one in found.verdicts][:3]
+    asked = [(one.question, one.agrees) for one in verdicts(found)][:3]
     assert asked == [
         ("turn of a push in 4 sets", None),
         ("Δx in 4 sets", None),
         ("Δy in 4 sets", None),
     ]
     assert (
-        "Over 12 pushes in 4 sets the Δx is predicted with RMSE 0.00 mm" in found.verdicts[1].words
+        "Over 12 pushes in 4 sets the Δx is predicted with RMSE 0.00 mm" in verdicts(found)[1].words
     )
 
 
@@ -253,9 +254,9 @@ def test_a_number_that_no_collection_has_otherwise_is_no_question() -> None:
     locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
     path = sample_staircase(locked, noise, 80, 2.0, seed=3).theta
     found = compare(locked, pairs_of(path), noise=noise, runs=39)
-    asked = [one.question for one in found.verdicts]
+    asked = [one.question for one in verdicts(found)]
     assert found.staircase.quantities["steps"].predicted == 0.0 and "number of steps" not in asked
-    for verdict in found.verdicts:
+    for verdict in verdicts(found):
         ends = re.search(r"95 % of collections: (\S+) to (\S+)\)", verdict.words)
         assert ends is None or ends[1] != ends[2], verdict.words
 
@@ -263,7 +264,5 @@ def test_a_number_that_no_collection_has_otherwise_is_no_question() -> None:
 def test_steps_that_a_prediction_denies_are_a_question() -> None:
     locked, noise = CircleMap.arnold(0.0, 0.9), WrappedNormal(0.02)
     found = compare(locked, sine_pairs(200, seed=3), noise=noise, runs=39)
-    verdicts = {one.question: one for one in found.verdicts}
-    assert (
-        verdicts["number of steps"].agrees is False and verdicts["number of turns"].agrees is False
-    )
+    answers = {one.question: one for one in verdicts(found)}
+    assert answers["number of steps"].agrees is False and answers["number of turns"].agrees is False

@@ -10,7 +10,6 @@ from made_collections import own_pushes, write_poses
 from refusals import refused
 
 from cyclemap.collection import CollectionLoop
-from cyclemap.errors import ConvergenceError
 from cyclemap.evidence import compare
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.push_agreement import (
@@ -48,25 +47,24 @@ def test_a_push_for_which_the_mechanics_have_no_answer_is_left_out_and_counted(
     loop, written, monkeypatch
 ) -> None:
     """One of twelve is few; where two of twelve have none the comparison is refused."""
-    path, push = written(own_pushes(loop, THETA)), type(loop.model).push
+    path, strokes_of = written(own_pushes(loop, THETA)), type(loop.model).push_strokes
 
     def failing(count):
-        def pushed(model, pose, way, **options):
-            if abs(pose.theta - THETA[:count]).min() < 1e-6:
-                raise ConvergenceError("no answer")
-            return push(model, pose, way, **options)
+        def strokes(model, pose, push):
+            asked = strokes_of(model, pose, push)
+            away = abs(pose.theta - THETA[:count]).min() < 1e-6
+            return replace(asked, direction=asked.direction + np.pi * away)
 
-        return pushed
+        return strokes
 
-    monkeypatch.setattr(type(loop.model), "push", failing(1))
+    monkeypatch.setattr(type(loop.model), "push_strokes", failing(1))
     found = compare(loop, path, runs=19)
     assert found.data.left_out == {"the mechanics have no answer": 1}
     (agreement,) = found.pushes
     np.testing.assert_allclose(agreement.theta, THETA[1:], rtol=0, atol=1e-9)
     np.testing.assert_allclose(agreement.predicted, agreement.measured, rtol=0, atol=1e-9)
-    monkeypatch.setattr(type(loop.model), "push", failing(2))
-    with pytest.raises(ConvergenceError, match="no answer"):
-        compare(loop, path, runs=19)
+    monkeypatch.setattr(type(loop.model), "push_strokes", failing(2))
+    refused(compare, loop, path, runs=19, told="points away")
 
 
 @pytest.mark.parametrize("off", [(0.0, 0.0, 0.0), (0.02, 0.001, -0.003)])

@@ -23,7 +23,6 @@ from cyclemap.evidence import (
 from cyclemap.evidence.data_blocks.stroke_block import (
     TIP_OFFSET,
     loop_on,
-    predicted_push_ends,
     surface_model,
 )
 from cyclemap.evidence.identification.surface_parameters import (
@@ -32,6 +31,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
 )
+from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from cyclemap.text_files import read_csv_table

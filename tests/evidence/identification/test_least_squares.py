@@ -2,9 +2,12 @@
 answer.
 """
 
+from itertools import product
+
 import numpy as np
 import pytest
 from refusals import refused
+from scipy import stats
 from stand_ins import ELLIPSE, MOTION, TRUTH, fitted, force_block, motion_block
 
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
@@ -102,6 +105,40 @@ def test_student_noise_lets_outliers_count_for_little() -> None:
         fitted(problem, np.zeros(1), NoiseLaw(freedom)).vector[0] for freedom in (None, 4.0)
     )
     assert abs(normal - 0.15) < 0.01 and abs(robust - np.mean(clean)) < 0.003
+
+
+def test_the_deviance_is_minus_twice_the_log_likelihood_but_for_a_constant() -> None:
+    """Whether the noise is given, of one kind or two, or found; also what Student's law gives."""
+    rng = np.random.default_rng(8)
+    samples = ("a", 0.1 + 0.01 * rng.standard_normal(8)), ("b", 0.05 * rng.standard_normal(20))
+    problem = means(*samples)
+    for freedom, known in product((None, 4.0), (None, {"a": 0.02}, {"a": 0.02, "b": 0.5})):
+        fit = fitted(problem, problem.space.start, NoiseLaw(freedom), known)
+        law = stats.norm if freedom is None else stats.t(freedom)
+        size = fit.noise[problem.kind_index]
+        logs = law.logpdf(fit.residuals / size) - law.logpdf(0.0) - np.log(size)
+        assert fit.deviance == pytest.approx(-2.0 * np.sum(logs), rel=1e-12)
+
+
+def test_the_best_of_several_starts_is_the_likeliest_whichever_comes_first() -> None:
+    """Of two minima the one with the smaller residuals: the noise found at each makes the sum of
+    squares over it the same.
+    """
+    rng = np.random.default_rng(2)
+    scatter, rows = 0.01 * rng.standard_normal(30), np.arange(30)
+
+    def law(values: Values) -> tuple[np.ndarray, np.ndarray]:
+        x = values["offset_x"]
+        # On average nought at both 0.2 and -0.2, but there with five times the scatter.
+        away = 0.05 * (x < 0.0) * (-1.0) ** rows
+        return (x - 0.2) * (x + 0.2) + away + scatter, np.full((30, 1), 2.0 * x)
+
+    block = DataBlock("two", ("offset_x",), law, rows, np.full(30, "m"))
+    problem = JointProblem((block,), SURFACE.select(("offset_x",)), {})
+    starts = np.array([[-0.18], [0.18]])
+    for order in (starts, starts[::-1]):
+        found = multi_start(problem, order)
+        assert found.best.vector[0] == pytest.approx(0.2, abs=0.02) and found.arrived == 1
 
 
 def test_a_kind_that_the_parameters_follow_wholly_asks_for_its_noise() -> None:

@@ -17,11 +17,11 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.stroke_block import (
     TIP_OFFSET,
-    predicted_push_ends,
     surface_model,
 )
 from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import PLATE_NAMES, SURFACE
+from cyclemap.evidence.predicted_strokes import predicted_push_ends
 from cyclemap.mechanics import Pose, Slider
 
 pytestmark = pytest.mark.slow

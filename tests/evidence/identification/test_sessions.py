@@ -15,7 +15,8 @@ from cyclemap.evidence import (
     identified_material,
     identify,
 )
-from cyclemap.evidence.data_blocks.collected_blocks import SESSION_OWNED, telling_parameters
+from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
+from cyclemap.evidence.data_blocks.session_blocks import SESSION_OWNED
 from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import known_beliefs, known_shapes, known_spread
 from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES

@@ -67,3 +67,10 @@ def test_what_cannot_be_read_is_named_with_its_line(tmp_path: Path) -> None:
         pushes_in, written(tmp_path, ROWS[2], still), told=r"line 3.*rod stays", kind=DataFileError
     )
     refused(MeasuredPush, Pose(), Pose(), (0.1, 0.0), (0.1, 0.0), told="moves nothing")
+
+
+def test_a_name_is_the_same_as_people_and_as_files_write_it() -> None:
+    selection = RowSelection(("my_plate",))
+    assert selection.refusal({"object": "my plate"}) == ""
+    assert selection.refusal({"object": "my_plate"}) == ""
+    assert selection.refusal({"object": "your plate"}) == "of your plate, not my_plate"

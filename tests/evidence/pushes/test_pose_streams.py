@@ -78,11 +78,28 @@ def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_p
     assert len(caught.value.seen.rests) > 25 and stream_page(caught.value.seen).axes
 
 
-def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path) -> None:
-    """Pushes that are alike, and a gripper that brings the object anywhere between them: two kinds
-    in turn.
+def recorded(marks, creep=0.0):
+    """A stream at 30 Hz that goes from mark to mark (m, m, rad) in 2 s and rests on each; on the
+    fourth it creeps by so much (m), a fifth as fast as motions are.
     """
-    rows, now = [], np.array([0.0, 0.0, 0.2])
+    rows, crept = [], np.array([creep, 0.0, 0.0])
+    marks = [*marks[:4], *(mark + crept for mark in marks[4:])]
+    for number, (a, b) in enumerate(pairwise(marks)):
+        if number == 3:
+            rows += [a] * 20 + [a + share * crept for share in np.linspace(0.0, 1.0, 40)]
+            a = a + crept
+        rows += [a] * 40 + [a + share * (b - a) for share in np.linspace(0.0, 1.0, 60)]
+    table = np.array([*rows, *[marks[-1]] * 40])
+    columns = {"x": table[:, 0], "y": table[:, 1], "theta": table[:, 2]}
+    return {"t": np.arange(len(table)) / 30.0, **columns}
+
+
+@pytest.mark.parametrize("creep", [0.0, 0.010])
+def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path, creep) -> None:
+    """Pushes that are alike, and a gripper that brings the object anywhere between them: two kinds
+    in turn. An object that creeps while it should rest makes no third.
+    """
+    now = np.array([0.0, 0.0, 0.2])
     marks = [now]
     for number in range(10):
         c, s = math.cos(now[2]), math.sin(now[2])
@@ -95,20 +112,25 @@ def test_two_kinds_in_turn_are_told_where_no_ring_is(tmp_path) -> None:
             ]
         )
         marks += [pushed, now]
-    for a, b in pairwise(marks):
-        rows += [a] * 40 + [a + share * (b - a) for share in np.linspace(0.0, 1.0, 60)]
-    table = np.array(rows + [now] * 40)
-    stream = {
-        "t": np.arange(len(table)) / 30.0,
-        "x": table[:, 0],
-        "y": table[:, 1],
-        "theta": table[:, 2],
-    }
-    columns, seen = cut_stream(tmp_path / "gripper.csv", stream)
+    columns, seen = cut_stream(tmp_path / "gripper.csv", recorded(marks, creep))
     turned = columns["theta1"] - columns["theta0"]
     assert (
         turned == pytest.approx(1.0, abs=0.02) and len(turned) == 10 and "two kinds" in seen.words
     )
+
+
+def test_of_two_poses_again_and_again_the_first_is_a_pushs_begin(tmp_path) -> None:
+    """A loop without noise at its stable direction: any place of the object's that goes there and
+    back could be its ring.
+    """
+    loop = cm.CollectionLoop.mit("plywood", accuracy=1e-6)
+    (theta,) = (orbit.points[0] for orbit in cm.fixed_points(loop.circle_map(1e-4)) if orbit.stable)
+    poses = loop.start_pose(theta), loop.cycle(theta).push.end
+    begin, end = (np.array([pose.x, pose.y, pose.theta]) for pose in poses)
+    columns, seen = cut_stream(tmp_path / "locked.csv", recorded([begin, end] * 12))
+    assert seen.pushes.tolist() == [[rest, rest + 1] for rest in range(0, 24, 2)]
+    assert columns["theta0"] == pytest.approx(begin[2], abs=1e-3)
+    assert columns["theta1"] == pytest.approx(end[2], abs=1e-3)
 
 
 def test_noise_that_hides_all_motion_is_told(tmp_path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_pushes import PUSH_NAME, made_push, turned, write
+from made_pushes import PUSH_NAME, SCAN_NAME, made_push, made_scan, turned, write
 from refusals import refused
 
 from cyclemap.errors import DataFileError, DoubtfulInput
@@ -157,6 +157,17 @@ def test_a_row_holds_the_facts_of_the_name_and_the_motion_of_the_series(tmp_path
         (np.array([0.3, 0.1]) + turned(3.0, [0.03, -0.09])).tolist()
     )
     assert np.isnan(row.theta_next)
+
+
+def test_a_scan_is_a_row_of_its_own_with_its_direction_and_forces(tmp_path) -> None:
+    direction = np.deg2rad(210.0)  # the name's 30 degrees are where the stroke comes from
+    path = write(tmp_path / f"{SCAN_NAME}.h5", made_scan(direction, along=2.0, across=0.3))
+    loaded = load_pushes(path)
+    assert loaded.table.empty and len(loaded.scans) == 1
+    row = loaded.scans.iloc[0]
+    assert (row.surface, row.object, row.path, row.samples) == ("plywood", "rect1", str(path), 60)
+    facts = ["direction", "force_along", "force_across", "ratio"]
+    assert row[facts].tolist() == pytest.approx([direction, 2.0, 0.3, 0.15])
 
 
 def test_the_next_start_is_that_of_the_next_repetition_on_the_lift(tmp_path) -> None:

@@ -19,6 +19,7 @@ from cyclemap.evidence import (
     read_theta0_pairs,
     turn_bins,
 )
+from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, is_covered
 
 HEADER = "rep,theta0_accum_deg,theta0_mod360_deg,dtheta_to_next_deg,flag\n"
 STAIRCASE = (
@@ -139,6 +140,29 @@ def test_an_object_moved_by_hand_is_told_and_the_longest_run_is_between_two_move
         pairs.unbroken.path_cycle.tolist() == list(range(12, 47))
         and pairs.unbroken.theta.size == 60
     )
+
+
+def test_turns_by_hand_among_orientations_alone_make_no_pairs_and_break_the_path(csv) -> None:
+    """Few of them: of one in ten nobody knows which turns are the map's."""
+
+    def read(moved: tuple[int, ...]) -> Theta0Pairs:
+        theta = made_chain(0.2, moved, 300)[:, 0] % 360.0
+        return read_theta0_pairs(csv("theta0_deg\n" + "".join(f"{one:.4f}\n" for one in theta)))
+
+    with pytest.warns(DoubtfulInput, match="turns behind pushes 119, 209 .* moved by hand"):
+        pairs = read((120, 210))
+    assert pairs.moved == (119.0, 209.0) and dict(pairs.dropped) == {"moved by hand": 2}
+    assert np.setdiff1d(np.arange(299.0), pairs.cycle).tolist() == [119.0, 209.0]
+    assert pairs.unbroken.path_cycle.tolist() == list(range(120))
+    assert read(tuple(range(5, 300, 10))).moved == ()
+
+
+def test_an_arc_over_0_ends_beyond_its_begin_and_holds_what_lies_on_both_sides() -> None:
+    measured = np.deg2rad([350.0, 5.0, 12.0, 100.0, 118.0])
+    arcs = covered_arcs(measured)
+    assert np.rad2deg(arcs).ravel() == pytest.approx([100.0, 118.0, 350.0, 372.0])
+    inside = is_covered(measured, np.deg2rad([-9.0, 0.0, 11.0, 360.0, 110.0, 40.0, 200.0, 345.0]))
+    assert inside.tolist() == [True] * 5 + [False] * 3
 
 
 @pytest.mark.parametrize("seed", range(5))

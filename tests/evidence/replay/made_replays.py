@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from cyclemap.collection import CollectionLoop
 from cyclemap.evidence.pushes.push_files import PushRecord
-from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider
+from cyclemap.mechanics import EllipseFriction, Material, Pose, Pusher, QuasiStaticModel, Slider
 
 FRICTION = EllipseFriction.isotropic(0.25)
 START = Pose(0.3, -0.1, 2.9)
@@ -12,6 +13,12 @@ START = Pose(0.3, -0.1, 2.9)
 def model_of(name, accuracy=1e-6):
     slider = name if isinstance(name, Slider) else Slider.mit(name)
     return QuasiStaticModel(slider, FRICTION, Pusher(friction=0.25), accuracy=accuracy)
+
+
+def loop_on(friction=FRICTION, slider=None, **known):
+    """The loop whose rod is that of `model_of`, on a material of which so much is known."""
+    material = Material("made", friction, **known)
+    return CollectionLoop.mit(material, slider=slider, pusher=Pusher(friction=0.25))
 
 
 def clock(length, samples=300):

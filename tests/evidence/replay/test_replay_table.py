@@ -6,21 +6,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_replays import FRICTION, START, clock, model_of, record_of
+from made_replays import START, clock, loop_on, model_of, record_of
 from refusals import refused
 
 import cyclemap as cm
 from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
 from cyclemap.mechanics import (
-    EllipseFriction,
     FrameShift,
     PatchFootprint,
     PlatePressure,
-    Pusher,
     Slider,
+    SurfaceShape,
     WorldPush,
 )
-from cyclemap.mechanics.outline import Ellipse
+from cyclemap.mechanics.material import FloorSession
 
 
 def push_name(kind="rect1", speed=20, repetition=0):
@@ -74,7 +73,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def replayed(folder):
-    return replay_pushes(folder, FRICTION)
+    return replay_pushes(folder, loop_on())
 
 
 def test_every_file_is_replayed_or_left_out_with_its_reason(folder, replayed) -> None:
@@ -112,14 +111,28 @@ def test_groups_hold_the_means_and_medians_of_their_pushes(replayed) -> None:
     refused(replayed.by, "shape", told="no column 'shape' to gather by")
 
 
-def test_any_slider_may_be_given_by_its_name(folder) -> None:
+def test_the_loops_own_object_is_known_by_its_name(folder) -> None:
     seen: list[float] = []
-    sliders = {"star": Slider.mit("rect1"), "hex": Slider(Ellipse(0.05, 0.05))}
-    found = replay_pushes(folder, FRICTION, sliders=sliders, progress=seen.append)
+    square = replace(Slider.mit("rect1"), name="star")
+    found = replay_pushes(folder, loop_on(slider=square), progress=seen.append)
     assert len(seen) > 10 and seen == sorted(seen) and seen[-1] == pytest.approx(1.0)
-    assert sorted(found.table["object"]) == ["hex", "hex", "star"]
+    assert sorted(found.table["object"]) == ["hex", "hex", "rect1", "rect1", "rect1", "star"]
     star = found.table[found.table["object"] == "star"].iloc[0]
     assert star["error"] < 1e-5
+
+
+def test_a_session_that_was_seen_has_its_own_floor(tmp_path) -> None:
+    """A push made on a bowed floor is met where that floor is the session's, and there alone."""
+    bowed = SurfaceShape(dome=8.0, bow=4.0, axis=0.5)
+    on_floor = loop_on(floor=bowed)
+    write_push(tmp_path / push_name(), replace(on_floor, accuracy=1e-5).model, aside=0.02)
+    errors = {
+        name: replay_pushes(
+            tmp_path, loop_on(sessions=(FloorSession(name, bowed),), floor=SurfaceShape(dome=1.0))
+        ).table["error"][0]
+        for name in ("rect1 20 mm/s", "rect1 50 mm/s")
+    }
+    assert errors["rect1 20 mm/s"] < 5e-5 and errors["rect1 50 mm/s"] > 3e-4
 
 
 def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_path) -> None:
@@ -128,10 +141,8 @@ def test_a_plates_pressure_explains_its_pushes_and_isotropy_stands_beside(tmp_pa
         model_of("rect1", 1e-5), footprint=PatchFootprint(slider.outline, rim_share=0.8)
     )
     write_push(tmp_path / push_name(), pressed, aside=0.02)
-    own = replay_pushes(
-        tmp_path, FRICTION, plates=[PlatePressure("rect1", rim_share=0.8)], pusher=pressed.pusher
-    )
-    plain = replay_pushes(tmp_path, EllipseFriction.isotropic(0.25), pusher=pressed.pusher)
+    own = replay_pushes(tmp_path, loop_on(plates=[PlatePressure("rect1", rim_share=0.8)]))
+    plain = replay_pushes(tmp_path, loop_on())
     row, beside = own.table.iloc[0], plain.table.iloc[0]
     assert row["error"] < 5e-5 and abs(row["turn_error"]) < 1e-3
     assert (
@@ -156,15 +167,15 @@ def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> N
     header = "surface,shape,i,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1,tip_err_mm"
     path = tmp_path / "ends.csv"
     path.write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]))
-    asked = {"pusher": model.pusher, "select": {"surface": "abs"}}
-    found = replay_pushes(path, FRICTION, frames=[FrameShift("rect1", 1e-3, -2e-3)], **asked)
+    shifted = loop_on(frames=[FrameShift("rect1", 1e-3, -2e-3)])
+    found = replay_pushes(path, shifted, select={"surface": "abs"})
     assert found.table["side"].tolist() == [0.0, 1.0, 2.0] and set(found.table["surface"]) == {
         "abs"
     }
     assert found.table["error"].max() < 1e-6 and found.table["turn_error"].abs().max() < 1e-4
     assert found.table["isotropic_error"].min() > 1e-4
     assert [one.reason for one in found.not_replayed] == ["line 5: the robot was 9 mm off its way"]
-    refused(replay_pushes, path, FRICTION, select={"surface": "delrin"}, told="nothing is selected")
+    refused(replay_pushes, path, shifted, select={"surface": "delrin"}, told="nothing is selected")
 
 
 pytestmark = pytest.mark.slow
@@ -189,7 +200,7 @@ BOUNDS = {
 
 @pytest.fixture(scope="module")
 def measured_replays(measured_data):
-    return replay_pushes(measured_data / "mit_files", FRICTION)
+    return replay_pushes(measured_data / "mit_files", loop_on())
 
 
 def test_each_of_the_91_files_is_replayed_as_one_straight_stroke(measured_replays) -> None:
@@ -236,19 +247,10 @@ def test_predicted_motions_follow_the_measured_ones_and_errors_are_small_beside_
 def test_an_identified_floor_explains_pushes_better_than_isotropic_friction(
     measured_data, surface, plate
 ) -> None:
-    floor = cm.load_material(f"{surface}-floor")
+    loop = cm.CollectionLoop.mit(f"{surface}-floor")
     name = "mit_push_endpoints_v10_more.csv" if plate == "tri3" else "mit_push_endpoints_v10.csv"
-    found = cm.replay_pushes(
-        measured_data / name,
-        floor.friction,
-        pusher=Pusher(friction=floor.found_with.pusher_friction),
-        plates=floor.plates,
-        frames=floor.frames,
-        floor=floor.floor,
-        sessions=floor.sessions,
-        field=floor.field,
-        select={"surface": surface, "object": plate, "side": 1.0},
-    )
+    select = {"surface": surface, "object": plate, "side": 1.0}
+    found = cm.replay_pushes(measured_data / name, loop, select=select)
     (row,) = found.by("object").to_dict("records")
     assert row["count"] > 60 and row["mean_error"] < 0.8 * row["isotropic_mean_error"]
     assert row["mean_turn_error"] < 0.8 * row["isotropic_mean_turn_error"]

@@ -269,7 +269,7 @@ def test_the_plywood_bottleneck_near_95_degrees_opens_tenfold(measured_data) -> 
             95.5, abs=4.0
         )
     assert found.late.slowest.turn > 5.0 * found.early.slowest.turn > 0.0
-    assert np.rad2deg(found.quietest[1]) < 0.5 < 2.0 < np.rad2deg(found.loudest[1])
+    assert np.rad2deg(found.quietest.scatter) < 0.5 < 2.0 < np.rad2deg(found.loudest.scatter)
 
 
 def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measured_data) -> None:

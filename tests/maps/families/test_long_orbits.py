@@ -68,6 +68,26 @@ def test_a_rotation_has_none_and_a_doubling_map_has_ln_2():
 TWO_PI = 2 * np.pi
 
 
+@pytest.mark.slow
+def test_four_standard_errors_of_chaotic_members_hold_their_exponents():
+    """Blaschke products e^{i} z(z - a)/(1 - az) keep uniform measure: ∫ ln F' dθ/2π is known."""
+
+    def product(a):
+        return CircleMap(
+            lambda x: 2 * x + 1 + 2 * np.arctan2(a * np.sin(x), 1 - a * np.cos(x)),
+            lambda x: 1 + (1 - a * a) / (1 - 2 * a * np.cos(x) + a * a),
+            degree=2,
+        )
+
+    values, grid = np.linspace(0.1, 0.6, 60), TWO_PI * np.arange(400) / 400
+    known = [np.mean(np.log(product(a).derivative(grid))) for a in values]
+    found = lyapunov_exponents(product, values)
+    off = np.abs(found.value - known)
+    assert np.mean(off <= found.error) >= 0.98
+    # And a quarter of them does not hold most.
+    assert np.mean(off <= 0.25 * found.error) < 0.8
+
+
 @pytest.mark.parametrize(("circle_map", "turns"), KNOWN_TURNS)
 def test_the_error_bound_holds_at_every_length_and_falls_faster_than_any_power(circle_map, turns):
     means = [

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from refusals import refused
 
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import CircleMap, fixed_points, periodic_orbits, rotation_number, tongue, tongues
@@ -148,6 +149,15 @@ def test_narrower_bumps_are_found_where_the_tongue_is_wide(width):
     assert tongue(family, 0, (-0.5, 0.6)).left.holds(-(0.2 + 0.5 * width) / TWO_PI)
 
 
+def test_a_hump_that_the_scan_stepped_over_is_found_and_the_edge_sought_anew():
+    """Beside the top of the wide one, 2e-6 wide: it moves the edge by 1.6e-7, and the bound is of
+    rounding.
+    """
+    place = 1.5 * np.pi + 5e-4
+    left = tongue(bumped(place, 2e-6, 1e-6, K=0.2), 0, (-0.5, 0.6)).left
+    assert abs(left + (0.2 * np.cos(5e-4) + 1e-6) / TWO_PI) < 1e-14 > left.error_bound
+
+
 @pytest.mark.parametrize("place", [0.1, 1.2345, 4.0])
 def test_how_far_a_value_may_lie_above_nought_is_found_between_samples(place):
     """A bump of 2 mrad on a lift a milliradian below its diagonal, over it by 0.2 and below it by
@@ -175,8 +185,11 @@ def test_what_is_not_seen_of_very_many_waves_is_in_the_edges_bound():
         lambda t: t + TWO_PI * omega + 2.5e-4 * np.cos(2000 * t),
         lambda t: 1.0 - 0.5 * np.sin(2000 * t),
     )
-    left = tongue(family, 0, (-0.3, 0.3)).left
+    found = tongue(family, 0, (-0.3, 0.3))
+    left = found.left
     assert left.holds(-2.5e-4 / TWO_PI)
+    # Edges anywhere within their bounds make no width that its own bound leaves out.
+    assert found.width.upper >= (found.right.upper - left.lower) * (1.0 - 1e-12)
     unseen, _ = unseen_height(family(float(left)), Fraction(0), 1.0)
     assert left.error_bound >= 0.99 * unseen / TWO_PI > 1e-8
 
@@ -260,3 +273,16 @@ def test_an_edge_says_what_meets_there_with_its_orbit(family, ratio, kinds):
         else:
             away = np.abs(orbit[:, None] - member.breaks)
             assert np.min(np.minimum(away, TWO_PI - away)) < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("ratio", "told"),
+    [
+        ((2, 4), "lowest terms"),
+        ((1, 0), "lowest terms"),
+        ((0, 2), "lowest terms"),
+        ("1/2", "ratio"),
+    ],
+)
+def test_what_is_no_ratio_in_lowest_terms_is_refused(ratio, told):
+    refused(tongue, arnold(0.9), ratio, WIDE, told=told)

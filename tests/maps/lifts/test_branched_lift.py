@@ -104,6 +104,7 @@ BAD_BRANCHES = {
         (2.5, TWO_PI, one, None),
     ],
     "an overlap of 0.25": [(0, 2, one, None), (1.75, TWO_PI, one, None)],
+    "a gap of 1e-10": [(0, 2, one, None), (2 + 1e-10, TWO_PI, one, None)],
     "span 6 radians": [(0, 2, one, None), (2, 6, one, None)],
     "span 6.5": [(0, 6.5, one, None)],
     "branch 1 runs from 2 to 1": [(0, 2, one, None), (2, 1, one, None), (1, TWO_PI, one, None)],

@@ -1,5 +1,7 @@
 """Slopes by differences carry their errors into maps made of maps, multipliers and exponents."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,30 @@ def test_slopes_of_maps_made_of_maps_are_within_their_errors(waves, derivative):
         found = make(waved(waves, derivative)).derivative_and_error(theta)
         assert np.all(np.abs(found[0] - exact[0]) <= found[1] + exact[1])
         assert np.median(found[1]) < 1e-6
+
+
+def test_a_slope_read_where_rounding_has_put_the_image_is_within_its_error():
+    """F' climbs by 2e4 a radian on a milliradian of the second map; the truth is in fractions."""
+    bend, start, end = 1e4, 2.0, 2.001
+
+    def bent(x):
+        return x + bend * (x - start) ** 2
+
+    pieces = [
+        (0.0, start, lambda x: x, np.ones_like),
+        (start, end, bent, lambda x: 1.0 + 2.0 * bend * (x - start)),
+        (end, TWO_PI, lambda x: x + 0.01, np.ones_like),
+    ]
+    turn = TWO_PI * 0.1
+    made = compose(CircleMap.from_branches(pieces), CircleMap.rigid(0.1))
+    theta = np.random.default_rng(2).uniform(1.37169, 1.37267, 500)  # which lead to the bend
+    slopes, errors = made.derivative_and_error(theta)
+    steep = 2 * Fraction(bend)
+    truth = [1 + steep * (Fraction(angle) + Fraction(turn) - 2) for angle in theta.tolist()]
+    off = [abs(float(Fraction(s) - t)) for s, t in zip(slopes.tolist(), truth, strict=True)]
+    assert np.all(off <= errors) and np.max(errors) < 1e-9
+    # Far above what F' itself is good to.
+    assert np.max(off) > 1e-12
 
 
 def tent(slope):

@@ -1,10 +1,13 @@
 """Fixed points and periodic orbits: counts, multipliers, tangencies, kinks and jumps."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cyclemap.arrays import shorter_way
 from cyclemap.maps import (
     CircleMap,
     conjugate,
@@ -13,7 +16,7 @@ from cyclemap.maps import (
     periodic_orbits,
     shifted,
 )
-from tests.maps.known_maps import contraction
+from tests.maps.known_maps import contraction, plateau
 
 TWO_PI = 2 * np.pi
 
@@ -48,6 +51,41 @@ def test_conjugation_by_a_rotation_moves_the_orbits_and_nothing_else(angle, omeg
         np.testing.assert_allclose(
             sorted(orbit.multiplier for orbit in moved), expected, rtol=1e-6, atol=1e-6
         )
+
+
+@pytest.mark.parametrize("ratio", [Fraction(1, 2), Fraction(1, 3), Fraction(2, 5)])
+def test_at_either_edge_of_a_plateau_one_orbit_runs_into_the_jump(ratio):
+    """At the right edge its point at the jump is reached from below alone, so that no link leads
+    there.
+    """
+    for edge in plateau(Fraction(3, 5), ratio):
+        (orbit,) = periodic_orbits(contraction(0.6, float(edge)), ratio.denominator)
+        assert (orbit.kind, orbit.winding) == ("border-collision", ratio.numerator)
+        assert orbit.points.size == ratio.denominator
+        assert np.min(np.abs(shorter_way(orbit.points))) < 1e-12
+
+
+@pytest.mark.slow
+def test_a_multiplier_that_is_not_known_to_differ_from_one_is_neutral():
+    """Twenty-four slopes of 1 ± 4.4e-9 multiply to 1 ± 1.1e-7: plain from the derivative, hidden
+    where it is taken by differences.
+    """
+    count, steep = 24, 4.4e-9
+
+    def lift(x):
+        wave = np.sin(count * (x - 1.0))
+        return x + TWO_PI / count + (wave**3 + steep * wave) / count
+
+    def slope(x):
+        wave, by = np.sin(count * (x - 1.0)), np.cos(count * (x - 1.0))
+        return 1.0 + (3.0 * wave**2 + steep) * by
+
+    for derivative, kinds in ((slope, ["stable", "unstable"]), (None, ["neutral", "neutral"])):
+        orbits = periodic_orbits(CircleMap(lift, derivative), count, 1)
+        assert sorted(orbit.kind for orbit in orbits) == kinds
+        for orbit in orbits:
+            sure = abs(abs(orbit.multiplier) - 1.0) > max(1e-7, orbit.multiplier.error_bound)
+            assert sure == (orbit.kind != "neutral")
 
 
 def test_windings_shift_with_the_lift():

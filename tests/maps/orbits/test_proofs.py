@@ -1,8 +1,9 @@
-"""Periodic points by interval arithmetic: theorems checked against closed forms, counting theorems
-and the search.
+"""Points, saddle-nodes and rotation numbers by interval arithmetic: theorems checked against closed
+forms, counting theorems and the search.
 """
 
 import sys
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -17,7 +18,10 @@ from cyclemap.maps import (
     nth_iterate,
     periodic_orbits,
     periodic_points,
+    rotation_number,
+    saddle_nodes,
 )
+from tests.maps.known_maps import KNOWN_TURNS
 from tests.refusals import refused
 
 pytest.importorskip(
@@ -98,6 +102,83 @@ def test_a_hair_beside_a_tangency_is_decided_and_the_tangency_itself_refused():
         proved=True,
         kind=ConvergenceError,
         told=r"θ = 1\.5707963.*a tangency",
+    )
+
+
+def test_saddle_nodes_lie_within_bounds_between_whose_ends_orbits_are_born():
+    """Where the shift is the parameter itself, two points meet at K exactly, and at K/2 twice over;
+    the edges of the tongue 1/2 at K = 0.9 and of 1/3 at K = 1 are known to 25 digits.
+    """
+    random = np.random.default_rng(3)
+    for strength in random.uniform(0.2, 2.5, 4):
+        for waves in (1, 2):
+            folds = saddle_nodes(
+                lambda w, k=strength, m=waves: CircleMap(lambda x: x + w - k * np.sin(m * x)),
+                (0.5 * strength, 1.2 * strength),
+                resolution=2,
+                proved=True,
+            )
+            assert len(folds) == waves
+            for fold in folds:
+                assert within(EXACT.mpf(strength), fold.parameter, fold.parameter.error_bound)
+                assert fold.parameter.error_bound < 1e-13
+    for strength, ratio, edge in (
+        (0.9, (1, 2), "0.46966533712136485155447001"),
+        (1.0, (1, 3), "0.336665006730793924968991870984"),
+    ):
+        left, _ = saddle_nodes(
+            lambda omega, k=strength: CircleMap.arnold(omega, k),
+            (float(edge) - 0.01, float(edge) + 0.1),
+            ratio[1],
+            ratio[0],
+            resolution=4,
+            proved=True,
+        )
+        assert within(EXACT.mpf(edge), left.parameter, left.parameter.error_bound)
+        assert left.parameter.error_bound < 1e-13
+
+
+def test_a_pair_born_where_another_vanishes_is_no_theorem():
+    """sin θ + sin 3θ touches 0 from above at 90 degrees, and from below at 270."""
+
+    def swapping(p):
+        return CircleMap(lambda x: x + p + 0.1 * (np.sin(x) + np.sin(3 * x)))
+
+    assert len(saddle_nodes(swapping, (-0.03, 0.04), resolution=2)) == 2
+    refused(
+        saddle_nodes,
+        swapping,
+        (-0.03, 0.04),
+        resolution=2,
+        proved=True,
+        kind=ConvergenceError,
+        told="as many orbits of period 1",
+    )
+
+
+def test_rotation_numbers_lie_within_bounds_that_are_theorems():
+    """Those of Möbius maps in closed form, of a lock exactly, of folded lifts the whole interval."""
+    for circle_map, turns in KNOWN_TURNS:
+        found = rotation_number(circle_map, iterates=1500, proved=True)
+        assert found.lower <= turns <= found.upper and found.locked is None
+        assert found.upper - found.lower < 4e-6
+    for omega, strength, ratio in ((0.1, 0.9, (0, 1)), (0.5, 0.9, (1, 2)), (2.34, 0.9, (7, 3))):
+        found = rotation_number(CircleMap.arnold(omega, strength), proved=True)
+        assert found.locked == Fraction(*ratio)
+        assert found.lower <= found.locked <= found.upper <= found.lower + 1e-15
+    for omega, ends in ((0.3, (0, 1 / 2)), (0.5, (1 / 6, 5 / 6))):
+        found = rotation_number(CircleMap.arnold(omega, 3.0), iterates=200, proved=True)
+        assert found.lower <= ends[0] < ends[1] <= found.upper and found.locked is None
+        assert found.upper - found.lower < ends[1] - ends[0] + 2 / 5
+    # 1/4 of a turn is no float: a hair below it, and never a quarter.
+    quarter = rotation_number(CircleMap.rigid(0.25), iterates=100, proved=True)
+    assert (quarter.locked, quarter.upper) == (None, 0.25)
+    angles = np.linspace(0.0, TWO_PI, 80, endpoint=False)
+    refused(
+        rotation_number,
+        CircleMap.from_samples(angles, angles + 0.1),
+        proved=True,
+        told="a map that is not exact",
     )
 
 

@@ -2,10 +2,11 @@
 
 from math import atan, pi, sqrt
 
+import mpmath
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, periodic_points, slow_passages
+from cyclemap.maps import CircleMap, nth_iterate, periodic_points, slow_passages
 from cyclemap.maps.orbits.slow_passages import REACH
 
 TWO_PI = 2 * np.pi
@@ -59,11 +60,40 @@ def test_counted_iterates_across_the_bottleneck_confirm_the_relative_error_at_ev
         assert abs(abs(counted / parabola - 1) - found.relative_error) <= slack
 
 
+def exact_cycles(a, omega, low, high):
+    """Cycles of a Möbius map from angle to angle: about its fixed point within the disc it turns
+    evenly.
+    """
+    exact = mpmath.MPContext()
+    exact.dps = 60
+    a, turn = exact.mpf(a), exact.expj(2 * exact.pi * exact.mpf(omega))
+    rho = exact.acos(exact.cos(exact.pi * exact.mpf(omega)) / exact.sqrt(1 - a * a)) / exact.pi
+    root = exact.sqrt((turn - 1) ** 2 + 4 * a * a * turn)
+    centre = min(((1 - turn + side * root) / (2 * a) for side in (1, -1)), key=abs)
+    ends = (exact.expj(exact.mpf(angle)) for angle in (low, high))
+    start, end = ((z - centre) / (1 - exact.conj(centre) * z) for z in ends)
+    return exact.arg(end / start) / (2 * exact.pi) % 1 / rho
+
+
+def test_what_the_parabola_misses_and_what_rounding_hides_is_in_the_relative_error():
+    """Against the exact number of cycles, from gaps of 0.02 to 2e-11 radians."""
+    for past in 10.0 ** -np.arange(2.0, 12.0):
+        omega = (np.arcsin(0.5) + past) / pi
+        (found,) = slow_passages(CircleMap.moebius(0.5, omega))
+        reach = REACH * found.width
+        exact = exact_cycles(0.5, omega, found.theta - reach, found.theta + reach)
+        parabola = 2 * atan(REACH) / sqrt(found.curvature * found.gap)
+        off = abs(float(exact / parabola - 1))
+        assert off <= found.relative_error * (1 + 1e-5) <= 1.01 * off + 1e-14 / found.gap
+
+
 def test_a_tongue_of_period_two_leaves_one_passage_at_each_point():
     for distance in (1e-4, 1e-6, 1e-8):
         found = slow_passages(CircleMap.arnold(EDGE_HALF - distance, 1.0), 2)
         assert [(p.period, p.winding, p.direction) for p in found] == [(2, 1, -1), (2, 1, -1)]
         times = [p.passage_cycles for p in found]
+        twice = slow_passages(nth_iterate(CircleMap.arnold(EDGE_HALF - distance, 1.0), 2))
+        assert [2 * p.passage_cycles for p in twice] == pytest.approx(times, rel=1e-6)
         assert abs(times[0] / times[1] - 1) < 10 * distance + 1e-3 * sqrt(distance)
         (saddle, mate) = periodic_points(CircleMap.arnold(EDGE_HALF, 1.0), 2).theta
         assert abs(found[0].theta - saddle) < 10 * distance

@@ -48,6 +48,17 @@ def test_a_blend_keeps_the_breaks_of_both():
     assert both.at(0).breaks.tolist() == [1.0]
 
 
+def test_a_frozen_map_is_as_far_off_as_its_neighbours_by_their_shares():
+    x, at = np.linspace(0.0, TWO_PI, 600, endpoint=False), np.linspace(-7.0, 9.0, 500)
+    off = {FRESH: 1e-5, WORN: 1e-3}
+    lifts = [CircleMap(lambda t, one=one: one(t) + off[one], max_error=off[one]) for one in off]
+    cubics = [CircleMap.from_samples(x, one(x) + off[one], max_error=2 * off[one]) for one in off]
+    for before, after in (lifts, cubics):
+        frozen = DriftingMap.between([(0, before), (4, after)]).at(1)
+        error = np.max(np.abs(frozen(at) - 0.75 * FRESH(at) - 0.25 * WORN(at)))
+        assert 2e-4 < error <= frozen.max_error * (1 + 1e-9) < 3 * error
+
+
 def test_between_maps_of_samples_a_frozen_one_is_a_map_of_samples_with_their_kinks_as_knots():
     """Passages on it ask for nodes by its samples: as a mere lift the kinks were nodes by the
     thousand, and the mean time was refused.

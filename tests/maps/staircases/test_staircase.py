@@ -48,6 +48,20 @@ def test_a_stable_point_makes_steps_of_one_turn_and_its_escape_time():
     assert abs(found.mean_residence_cycles - lives.mean()) < 5 * lives.std() / np.sqrt(lives.size)
 
 
+def test_the_mean_turn_is_known_as_well_as_the_map_is():
+    """A map that is off by up to a microradian, and one that is: a rotation, which has no zone,
+    too.
+    """
+    noise, error = WrappedNormal(0.3), 1e-6
+    for plain, other in (
+        (CircleMap.arnold(0.15, 0.9), CircleMap.arnold(0.15 + error / TWO_PI, 0.9)),
+        (CircleMap.rigid(0.15), CircleMap.rigid(0.15 + error / TWO_PI)),
+    ):
+        claimed = CircleMap(plain, plain.derivative, max_error=error)
+        found, moved = (predict_staircase(one, noise).mean_turn for one in (claimed, other))
+        assert 1e-7 < abs(found - moved) <= found.error_bound * (1 + 1e-6) < 10 * error
+
+
 def test_a_ghost_holds_the_path_for_the_saddle_node_time_where_the_turn_is_below_half_its_mean():
     """θ' = θ + ε + a(θ - θ₀)² passes its bottleneck in about π/√(aε) cycles."""
     strength, gap = 0.6, 1e-3

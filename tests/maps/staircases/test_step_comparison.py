@@ -10,6 +10,7 @@ import pytest
 
 from cyclemap.maps import (
     CircleMap,
+    StaircaseSummary,
     WrappedNormal,
     compare_steps,
     find_steps,
@@ -75,6 +76,24 @@ def test_measured_means_over_many_runs_are_the_predicted_ones(ghost, well):
         net = np.array([one.net_steps for one in found])
         assert abs(net.mean() - found[0].expected_steps) < 4 * net.std() / np.sqrt(RUNS)
         assert 0.7 < np.median([one.net_error for one in found]) / net.std() < 1.3
+
+
+def test_the_climb_of_regular_steps_is_as_unsure_as_the_places_of_its_ends_on_them():
+    """Five steps of fifty cycles each, as predicted: what scatters is where on a step a run begins
+    and ends.
+    """
+    regular, scatter = TWO_PI * np.floor(np.arange(251) / 50.0), 0.3
+    expected = StaircaseSummary(TWO_PI / 50.0, 50.0, TWO_PI, ())
+    found = [
+        compare_steps(find_steps(regular + scatter * rng.standard_normal(251)), expected)
+        for rng in map(np.random.default_rng, range(RUNS))
+    ]
+    net, error = (
+        np.array([getattr(one, name) for one in found]) for name in ("net_steps", "net_error")
+    )
+    assert abs(net.mean() - 5.0) < 4 * net.std() / np.sqrt(RUNS)
+    assert net.std() == pytest.approx(np.sqrt(2.0) * scatter / TWO_PI, rel=0.2)
+    assert 0.9 < np.median(error) / net.std() < 1.3
 
 
 def test_a_ghosts_spread_is_the_predicted_one_and_far_from_exponential(ghost):

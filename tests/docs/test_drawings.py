@@ -1,4 +1,4 @@
-"""The drawing of the conventions names what the page explains, and its words lie apart."""
+"""The site's drawings name what their pages explain, and their words lie apart."""
 
 import importlib.util
 from pathlib import Path
@@ -8,17 +8,23 @@ import pytest
 from drawn_words import assert_words_apart, words_of_figure
 
 import cyclemap as cm
+from cyclemap.evidence.pushes.planned_table import mark_columns
 from cyclemap.views.style import picture_style
 
-MODULE = Path(__file__).parents[2] / "docs" / "_figures" / "conventions.py"
+FOLDER = Path(__file__).parents[2] / "docs" / "_figures"
+
+
+def loaded(name: str):
+    """A module of drawings, which the site loads by name as well."""
+    spec = importlib.util.spec_from_file_location(name, FOLDER / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.fixture(scope="module")
 def conventions():
-    spec = importlib.util.spec_from_file_location("conventions", MODULE)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return loaded("conventions")
 
 
 def test_frames_angles_sides_and_displacements_are_named(conventions):
@@ -45,3 +51,11 @@ def test_the_drawn_turn_is_counter_clockwise_and_the_push_moves_the_object_down(
     assert cycle.push_turn > 0 > cycle.drag_turn
     assert cycle.push_displacement[0] > 0 > cycle.push_displacement[1]
     assert np.abs(cycle.push.end.theta - cycle.theta - cycle.push_turn) < 1e-12
+
+
+def test_the_drawing_of_what_is_measured_names_every_column_of_the_table():
+    with picture_style():
+        drawing = loaded("measuring").draw()
+    assert_words_apart(drawing)
+    words = [text.get_text() for text in words_of_figure(drawing)]
+    assert {name for state in "012" for name in mark_columns(state)} <= {*words}

@@ -1,0 +1,155 @@
+"""Blocks of several plates and sessions: what each has of its own, and which sessions are odd."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.evidence.data_blocks.stroke_block import TIP_OFFSET, surface_model
+from cyclemap.evidence.identification.data_block import DataBlock, session_block
+from cyclemap.evidence.identification.surface_parameters import (
+    FLOOR_NAMES,
+    PLATE_NAMES,
+    SURFACE,
+    SurfaceParameters,
+)
+from cyclemap.evidence.predicted_strokes import loop_of_session, predicted_push_ends
+from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+
+# What belongs to a plate, or to the frame that its data are in, and what to a session.
+PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
+SESSION_OWNED = SURFACE.select(FLOOR_NAMES).parameters
+# A session whose robot was this far from where it was sent (m), and so many times further than in
+# others, is odd.
+_ASTRAY, _TIMES = 5e-4, 3.0
+# So is one in which a plate turns by this share less or more than in another, and by so many
+# standard errors; so many pushes, at least, tell.
+_TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS = 0.15, 4.0, 20
+
+
+@dataclass(frozen=True, eq=False)
+class SessionBlock:
+    """A block of data, of which plate it is, and in which session; empty where nothing tells."""
+
+    block: DataBlock
+    plate: str
+    session: str
+
+
+def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
+    for another name.
+    """
+    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
+
+
+def named_blocks(
+    known: Sequence[SessionBlock], odd: Sequence[str], population: bool
+) -> tuple[DataBlock, ...]:
+    """Return the blocks, those of several plates or sessions with unknowns of their own, and how
+    sessions differ.
+
+    odd : sessions that do not count to the floor's mean. population : whether one session is taken
+        as one of several. Equal names get a number behind.
+    """
+    # What tells no speed belongs to the first session of its plate that does.
+    first: dict[str, str] = {}
+    for row in known:
+        if row.session:
+            first.setdefault(row.plate, row.session)
+    owners = [row.session or first.get(row.plate, row.plate) for row in known]
+    of_floor = {parameter.name for parameter in SESSION_OWNED}
+    both = zip(owners, known, strict=True)
+    told = (owner for owner, row in both if of_floor & {*row.block.parameters})
+    sessions = list(dict.fromkeys(told))
+    has_sessions = len(sessions) > 1 or (population and bool(sessions))
+    has_plates = len({row.plate for row in known}) > 1
+    blocks = []
+    for owner, row in zip(owners, known, strict=True):
+        block = row.block
+        if has_plates:
+            block = replace(block, name=f"{row.plate} {block.name}")
+            block = block.of_owner(row.plate, PLATE_OWNED)
+        if has_sessions:
+            block = replace(block, name=f"{owner} {row.block.name}")
+            block = block.of_owner(owner, SESSION_OWNED)
+        blocks.append(block)
+    if has_sessions:
+        blocks.append(session_block(sessions, odd))
+    counts, seen = Counter(block.name for block in blocks), Counter[str]()
+    for index, block in enumerate(blocks):
+        seen[block.name] += 1
+        if counts[block.name] > 1:
+            blocks[index] = replace(block, name=f"{block.name} {seen[block.name]}")
+    return tuple(blocks)
+
+
+def odd_sessions(
+    loop: CollectionLoop,
+    tip_errors: Mapping[str, float],
+    pushes: Mapping[str, Mapping[str, Sequence[MeasuredPush]]],
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Return sessions whose robot strayed, or whose plate turned, unlike in the others, each with
+    the reason; and those of which nothing tells whether they or another one is odd.
+
+    tip_errors : by session, how far the robot was from where it was sent, m. pushes : by plate and
+        session. Of two sessions that turn a plate unlike the odd one is that whose robot strayed
+        more.
+    """
+    usual = float(np.median([*tip_errors.values()])) if tip_errors else 0.0
+    odd, open_ones = dict[str, str](), dict[str, str]()
+    for session, size in tip_errors.items():
+        if size > max(_ASTRAY, _TIMES * usual):
+            odd[session] = (
+                f"the rod was {1e3 * size:.2g} mm from where it was sent on average, "
+                f"{1e3 * usual:.2g} mm in others"
+            )
+    for plate, sessions in pushes.items():
+        counted = {name: own for name, own in sessions.items() if len(own) >= _FEWEST_TURNS}
+        if len(counted) < 2:
+            continue
+        slider = loop_of_plate(loop, plate).slider
+        turns = {name: flat_turns(own, slider) for name, own in counted.items()}
+        for session, reason in _turned_unlike(turns).items():
+            astray = tip_errors.get(session, 0.0)
+            others = max(tip_errors.get(name, 0.0) for name in turns if name != session)
+            if len(turns) > 2 or astray > others:
+                odd[session] = reason
+            elif astray == others:
+                open_ones[session] = reason
+    return odd, open_ones
+
+
+def _turned_unlike(turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:
+    """The sessions of one plate that turned it unlike the median of all, of two the other one."""
+    unlike = {}
+    for session, (ratio, error) in turns.items():
+        ranked = sorted(known for name, known in turns.items() if len(turns) > 2 or name != session)
+        usual, its_error = ranked[(len(ranked) - 1) // 2]
+        least = _TURN_ERRORS * math.hypot(error, its_error)
+        if abs(ratio - usual) > max(_TURNS_APART * max(ratio, usual), least):
+            unlike[session] = (
+                f"its turns are {ratio:.2f} of isotropic friction's on a flat floor, "
+                f"{usual:.2f} in others"
+            )
+    return unlike
+
+
+def flat_turns(pushes: Sequence[MeasuredPush], slider: Slider) -> tuple[float, float]:
+    """Return the mean size of turns over that of isotropic friction on a flat floor, and its
+    standard error.
+    """
+    ends = predicted_push_ends(surface_model(SurfaceParameters(), slider), pushes)[0]
+    before, after = np.array([(push.start.theta, push.end.theta) for push in pushes]).T
+    predicted, measured = np.abs(ends[:, 2] - before), np.abs(after - before)
+    mean = max(float(np.mean(predicted)), 1e-9)
+    ratio = float(np.mean(measured)) / mean
+    return ratio, float(np.std(measured - ratio * predicted)) / math.sqrt(len(pushes)) / mean

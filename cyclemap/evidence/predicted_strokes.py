@@ -1,0 +1,267 @@
+"""Measured strokes as they are predicted: with what loop, where they end, and how that depends on
+the mechanics.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cyclemap.arrays import Array
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.errors import InvalidInput
+from cyclemap.evidence.identification.surface_parameters import (
+    FIELD_REACH,
+    FLOOR_NAMES,
+    FRICTION_NAMES,
+    PLATE_NAMES,
+    field_factors,
+)
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
+from cyclemap.mechanics import Material, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.mechanics.cycle_batch import derivative_units
+from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
+from cyclemap.mechanics.engine.strokes import Strokes
+from cyclemap.mechanics.first_touch import first_contact, first_touches
+from cyclemap.mechanics.foundation import FloorField
+from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint
+from cyclemap.mechanics.quasi_static import run_strokes
+from cyclemap.mechanics.trajectory import Course
+
+# Where n strokes end: poses (n, 3), m and rad; derivatives (n, 3, k); which were taken to stay (n,).
+StrokeEnds = tuple[Array, Array, NDArray[np.bool_]]
+
+# A few strokes of many may have no answer where the rod grazes a tip: these count as if the object
+# stayed.
+FAILING = 0.05
+# A rod that starts further inside the object than this, m, is in another frame: measured poses
+# overlap by tenths of mm.
+_DEEPEST = 0.04
+# What moves an object that is pushed, and one that is dragged.
+_RESTING = (*FRICTION_NAMES, *FLOOR_NAMES, *PLATE_NAMES)
+PUSH_NAMES = (*_RESTING, "pusher_friction")
+DRAG_NAMES = (*_RESTING, "pin_friction_radius")
+# What the engine calls the shapes.
+ENGINE_NAMES = dict(zip((*FLOOR_NAMES, *PLATE_NAMES), SHAPES, strict=True))
+# What a shift of the rod's path changes.
+_SHIFTED = [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]
+_WORLD = (0.0, 0.0)
+
+
+def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> CollectionLoop:
+    """Return the loop with another object, which rests as the material says.
+
+    session : its name. Where the material saw it, the floor is as it was then, without a posterior,
+    which is of the mean of sessions.
+    """
+    material = loop.material
+    for seen in material.sessions:
+        if seen.name == session:
+            material = replace(material, floor=seen.shape, posterior=None)
+    footprint = plate_footprint(material, slider)
+    return replace(loop, slider=slider, material=material, footprint=footprint)
+
+
+def frame_shift(material: Material, plate: str) -> Place:
+    """Return what to add to the robot's places to have them in the frame of a plate's poses, m."""
+    for frame in material.frames:
+        if frame.plate == plate:
+            return frame.x, frame.y
+    return _WORLD
+
+
+def push_from_contact(
+    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose, contact: int = 0
+) -> MeasuredPush:
+    """Return a measured push whose rod, of a radius in m, went from its first touch on."""
+    place, way = first_contact(slider, push, radius)
+    tips = (start.to_world(*place), start.to_world(*(place + push.distance * way)))
+    return MeasuredPush(start, end, *tips, contact=contact)
+
+
+def predicted_ends(
+    courses: Sequence[Course], most_failing: float = FAILING, derivatives: int = 0
+) -> StrokeEnds:
+    """Return where strokes end, with derivatives by so many of the engine's parameters.
+
+    most_failing : share of the strokes that may have no answer: they are taken to stay. Raises as
+        the first of them where more have none.
+    """
+    ran = run_strokes(courses, derivatives, most_failing)
+    stayed = ran.status <= 0
+    units = np.array([(course.unit, course.unit, 1.0) for course in courses]).reshape(-1, 3)
+    begun = np.array([course.pose for course in courses]).reshape(-1, 3)
+    ends = np.where(stayed[:, None], begun, ran.ended) * units
+    slopes = np.where(stayed[:, None, None], 0.0, ran.derivatives[:, 3:6]) * units[..., None]
+    return ends, slopes, stayed
+
+
+def predicted_motions(courses: Sequence[Course], most_failing: float) -> Array:
+    """Return how strokes turn the object, rad, and move it, m, in its own frame before: (n, 3); nan
+    where they have no answer, else as `predicted_ends`.
+    """
+    ends, _, stayed = predicted_ends(courses, most_failing)
+    motions = np.full(ends.shape, np.nan)
+    for index in np.flatnonzero(~stayed).tolist():
+        course = courses[index]
+        x, y, theta = course.pose
+        begun = Pose(course.unit * x, course.unit * y, theta)
+        motions[index] = ends[index, 2] - theta, *begun.to_object(*ends[index, :2].tolist())
+    return motions
+
+
+def predicted_push_ends(
+    model: QuasiStaticModel,
+    pushes: Sequence[MeasuredPush],
+    shift: ArrayLike = _WORLD,
+    names: tuple[str, ...] = (),
+    target: Place | None = None,
+) -> StrokeEnds:
+    """Return where pushes end whose rod paths are shifted (m; all alike, or (n, 2)).
+
+    Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights,
+    and by both components of the shift. An object that the rod does not touch stays, and so does
+    one of the few (a twentieth at most) whose push has no answer.
+    target : m, from which a floor's shape that varies with the place is told.
+    """
+    origin = target or _WORLD
+    touched, strokes = _from_first_touch(model, pushes, np.asarray(shift))
+    begins = [_seen_from(pushes[index].start, origin) for index in touched.tolist()]
+    courses = [model.course(*both) for both in zip(strokes, begins, strict=True)]
+    felt = []
+    for stroke, begin in zip(strokes, begins, strict=True):
+        # A quarter of the way ahead, as the engine takes it.
+        x, y = model.slider.outline.centroid
+        ahead = 0.25 * model.unit * stroke.length
+        across = ahead * math.cos(stroke.direction), ahead * math.sin(stroke.direction)
+        felt.append(begin.to_world(x + across[0], y + across[1]))
+    moved, slopes, still = predicted_ends(courses, FAILING, len(PARAMETERS))
+    turned = [begin.theta for begin in begins]
+    by_start = [_by_shift(model, *both) for both in zip(strokes, turned, strict=True)]
+    by_shift = slopes[..., _SHIFTED] @ np.reshape(by_start, (-1, 3, 2))
+    by_touched = np.concatenate([_by_names(model, names, slopes, target, felt), by_shift], axis=-1)
+    ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    by = np.zeros((len(pushes), *by_touched.shape[1:]))
+    stayed = np.full(len(pushes), True)
+    ends[touched[~still]] = moved[~still] + np.array((*origin, 0.0))
+    by[touched] = by_touched
+    stayed[touched] = still
+    return ends, by, stayed
+
+
+def predicted_drag_ends(
+    model: QuasiStaticModel,
+    drags: Sequence[MeasuredDrag],
+    pin_friction_radius: float,
+    target: Place | None = None,
+) -> StrokeEnds:
+    """Return where drags end, each ring going straight to where it ended, as of pushes.
+
+    Derivatives are by DRAG_NAMES, and with a target by the floor's heights.
+    """
+    origin = target or _WORLD
+    courses, felt = [], []
+    for drag in drags:
+        begin = _seen_from(drag.start, origin)
+        goal_x, goal_y = drag.end.to_world(*model.slider.hitch)
+        goal = goal_x - origin[0], goal_y - origin[1]
+        strokes = model.drag_strokes((goal,), pin_friction_radius)
+        courses.append(model.course(strokes, begin))
+        ring = begin.to_world(*model.slider.hitch)
+        x, y = begin.to_world(*model.slider.outline.centroid)
+        felt.append((x + 0.5 * (goal[0] - ring[0]), y + 0.5 * (goal[1] - ring[1])))
+    ends, slopes, stayed = predicted_ends(courses, FAILING, len(PARAMETERS))
+    by = _by_names(model, DRAG_NAMES, slopes, target, felt)
+    return ends + np.array((*origin, 0.0)), by, stayed
+
+
+def _seen_from(pose: Pose, origin: Place) -> Pose:
+    return Pose(pose.x - origin[0], pose.y - origin[1], pose.theta)
+
+
+def _from_first_touch(
+    model: QuasiStaticModel, pushes: Sequence[MeasuredPush], shift: Array
+) -> tuple[NDArray[np.int64], list[Strokes]]:
+    """Which pushes touch the object, and their strokes from there on.
+
+    They go along with the object, so that they are differentiated by where they start and how far
+    they go, too.
+    """
+    poses = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    theta = poses[:, 2]
+    c, s = np.cos(theta), np.sin(theta)
+    x, y = (np.array([push.tip_start for push in pushes]) + shift - poses[:, :2]).T
+    starts = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
+    toward = np.array([push.direction for push in pushes]) - theta
+    travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, starts, toward)
+    for index in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
+        at, pose = pushes[index].tip_start, pushes[index].start
+        raise InvalidInput(
+            f"the rod at {at} m lies deep inside the object at {pose}: check the frames"
+        )
+    way = np.array([push.length for push in pushes]) / model.unit - travel
+    touched = np.flatnonzero(way > 0.0)
+    still = replace(model.drag_strokes((), 0.0), by_fraction=1.0, with_object=True)
+    strokes = [
+        replace(
+            still,
+            start_piece=int(piece[index]),
+            start_coordinate=float(coordinate[index]),
+            direction=float(toward[index]),
+            length=float(way[index]),
+        )
+        for index in touched.tolist()
+    ]
+    return touched, strokes
+
+
+def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
+    """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's
+    path (m), (3, 2).
+    """
+    piece, coordinate = model.curve.pieces[strokes.start_piece], strokes.start_coordinate
+    contact, speed = piece.contact(coordinate, model.radius)
+    c, s = math.cos(contact.normal + theta), math.sin(contact.normal + theta)
+    normal, tangent = np.array((c, s)), np.array((-s, c))
+    toward = np.array((math.cos(strokes.direction + theta), math.sin(strokes.direction + theta)))
+    longer = normal / (normal @ toward)
+    along = (tangent - (tangent @ toward) * longer) / speed
+    # The rod keeps its direction where the normal turns.
+    return np.array((along, -contact.turning * along, longer)) / model.unit
+
+
+def _by_names(
+    model: QuasiStaticModel,
+    names: tuple[str, ...],
+    by_engine: Array,
+    target: Place | None,
+    felt: Sequence[Place],
+) -> Array:
+    """Columns (n, 3, k) by `names`, SI units and shapes in kPa, of derivatives by all of the
+    engine's parameters; with a target also by the floor's heights, felt at places (n, 2), m from
+    there.
+    """
+    columns = in_kpa(model.slider, names, by_engine) * derivative_units(
+        model, [ENGINE_NAMES.get(name, name) for name in names]
+    )
+    if target is None:
+        return columns
+    by_floor = _by_names(model, FLOOR_NAMES, by_engine, None, ())
+    reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
+    terms = np.array([reaching.terms_at(place) for place in felt]).reshape(len(felt), -1)
+    by_heights = np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
+    return np.concatenate([columns, by_heights], axis=-1)
+
+
+def in_kpa(slider: Slider, names: Sequence[str], by_engine: Array) -> Array:
+    """Return columns (..., k) by `names` of derivatives by all of the engine's parameters, shapes
+    told in kPa instead of the object's own mean pressures.
+    """
+    per_kpa = 1.0 / mean_pressure(slider)
+    units = [per_kpa if name in ENGINE_NAMES else 1.0 for name in names]
+    columns = [PARAMETERS.index(ENGINE_NAMES.get(name, name)) for name in names]
+    return np.asarray(by_engine[..., columns] * units)

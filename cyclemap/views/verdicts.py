@@ -1,0 +1,269 @@
+"""The answers of a comparison, question by question: whether prediction and data agree, in words
+with numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cyclemap.evidence.comparison.compare import Comparison
+from cyclemap.evidence.comparison.cycle_agreement import (
+    CycleAgreement,
+    DirectionMatch,
+    OrientationAgreement,
+    SimulatedQuantity,
+)
+from cyclemap.evidence.comparison.push_agreement import (
+    PushAgreement,
+    QuantityAgreement,
+    mean_distances,
+    pooled_quantities,
+)
+from cyclemap.evidence.orientations.circular_distance import PValue
+from cyclemap.views.sentences import angle
+
+# A prediction is rejected below this p-value.
+LEVEL = 0.05
+# More sets of pushes than this are told as one.
+MOST_SETS = 3
+_KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slow zone"}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """question : what was asked. agrees : the answer, None where it is open. words : a sentence
+    with its numbers.
+    """
+
+    question: str
+    agrees: bool | None
+    words: str
+
+
+@dataclass(frozen=True)
+class _Told:
+    """How a quantity is told: its name, the factor to its unit, that unit, and of how many decimals
+    the least, and the most, where fewer leave its interval no width.
+    """
+
+    name: str
+    scale: float
+    unit: str
+    least: int = 2
+    most: int = 2
+
+    def number(self, value: float, digits: int = 2) -> str:
+        """The number alone; never −0."""
+        return f"{round(self.scale * value, digits) + 0.0:.{digits}f}".replace("-", "−")
+
+    def value(self, value: float, digits: int = 2) -> str:
+        """The number with its unit."""
+        return f"{self.number(value, digits)}{self.unit}"
+
+
+_DEG = math.degrees(1.0)
+_QUANTITIES = {
+    "dtheta": _Told("turn of a push", _DEG, "°"),
+    "dx": _Told("Δx", 1e3, " mm"),
+    "dy": _Told("Δy", 1e3, " mm"),
+    "turn": _Told("turn of a cycle", _DEG, "°"),
+    "turns": _Told("number of turns", 1.0, " turns", 1),
+    "steps": _Told("number of steps", 1.0, " steps", 0, 0),
+    "step_height": _Told("step height", _DEG, "°", 0, 1),
+    "residence": _Told("residence on a step", 1.0, " cycles", 0, 1),
+}
+
+
+def verdicts(found: Comparison) -> tuple[Verdict, ...]:
+    """Return the answer to each question that could be asked, in degrees and millimetres."""
+    said = list[Verdict]()
+    tell = _pooled_verdict if len(found.pushes) > MOST_SETS else _mean_verdict
+    for name, quantities in told_sets(found):
+        said += [tell(quantity, name) for quantity in quantities]
+    if found.pushes:
+        said.append(_ends_verdict(found.pushes))
+    if found.cycle is not None:
+        said += [_turn_verdict(found.cycle), _map_verdict(found.cycle)]
+    if found.orientations is not None:
+        said.append(_histogram_verdict(found.orientations))
+    if found.directions is not None:
+        said += map(_direction_verdict, found.directions.matches)
+    if found.staircase is not None:
+        asked = found.staircase.quantities.items()
+        answers = (_staircase_verdict(_QUANTITIES[name], quantity) for name, quantity in asked)
+        said += [answer for answer in answers if answer is not None]
+    return tuple(said)
+
+
+def told_sets(found: Comparison) -> list[tuple[str, tuple[QuantityAgreement, ...]]]:
+    """Return the sets of pushes by name with their quantities; more than three are taken
+    together.
+    """
+    if len(found.pushes) > MOST_SETS:
+        return [(f" in {len(found.pushes)} sets", pooled_quantities(found.pushes))]
+    return [(pushes.name, pushes.quantities) for pushes in found.pushes]
+
+
+def _pooled_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+    """How near the law comes to single pushes of several protocols, whose means cancel: nothing is
+    tested.
+    """
+    told = _QUANTITIES[found.name]
+    error = "" if found.bias_error is None else f" ± {told.value(found.bias_error)}"
+    words = (
+        f"Over {found.count} pushes{whose} the {told.name} is predicted with RMSE "
+        f"{told.value(found.rmse)}, bias {told.value(found.bias)}{error}; its standard deviation "
+        f"is {told.value(found.measured_std)}."
+    )
+    return Verdict(f"{told.name}{whose}", None, words)
+
+
+def _mean_verdict(found: QuantityAgreement, whose: str) -> Verdict:
+    """Whether the mean agrees, and how near the law comes to the single pushes."""
+    told = _QUANTITIES[found.name]
+    error = _error(found)
+    over = f"over {found.count} pushes{', ' if error else ''}{error}"
+    rmse, least = told.value(found.rmse), told.value(found.measured_std)
+    # In per cent of the mean, too, unless that mean is nothing beside the spread.
+    if found.std_percent < 100.0:
+        rmse, least = f"{rmse} ({found.percent:.1f} %)", f"{least} ({found.std_percent:.1f} %)"
+    better = "below" if found.explains else "not below"
+    question = f"mean {told.name}{whose}"
+    words = (
+        f"The {question} {_means(found)} {over}; RMSE {rmse}, {better} the {least} that a law "
+        "blind to θ0 can reach."
+    )
+    return Verdict(question, found.agrees, words)
+
+
+def _means(found: QuantityAgreement) -> str:
+    told = _QUANTITIES[found.name]
+    kept = {True: "agrees within its error", False: "is off", None: "is"}[found.agrees]
+    measured, predicted = told.value(found.measured_mean), told.value(found.predicted_mean)
+    return f"{kept}: {measured} measured, {predicted} predicted"
+
+
+def _error(found: QuantityAgreement) -> str:
+    """The error of a difference, and how much of it is that of the material's parameters."""
+    if found.bias_error is None:
+        return ""
+    told = _QUANTITIES[found.name]
+    is_seen = told.scale * found.model_error >= 0.005
+    of_model = f", {told.value(found.model_error)} of it the material's" if is_seen else ""
+    return f"error of the difference {told.value(found.bias_error)}{of_model}"
+
+
+def _ends_verdict(pushes: tuple[PushAgreement, ...]) -> Verdict:
+    """What knowing the friction is worth: distances, not coordinates; nothing is tested."""
+    (off, turned), (isotropic_off, isotropic_turned) = mean_distances(pushes)
+    words = (
+        f"Pushes end {1e3 * off:.1f} mm and {angle(turned)} from the prediction on average; "
+        f"isotropic friction is {1e3 * isotropic_off:.1f} mm and {angle(isotropic_turned)} off."
+    )
+    return Verdict("ends of pushes", None, words)
+
+
+def _turn_verdict(found: CycleAgreement) -> Verdict:
+    error = _error(found.turn)
+    words = f"The mean turn of a cycle {_means(found.turn)}{f' ({error})' if error else ''}."
+    return Verdict("mean turn of a cycle", found.turn.agrees, words)
+
+
+def _map_verdict(found: CycleAgreement) -> Verdict:
+    agreement = found.agreement
+    misfit = f"{agreement.pairs} cycles lie {angle(agreement.rms)} RMS from the map"
+    if found.isotropic_rms is not None:
+        misfit += f" (isotropic friction {angle(found.isotropic_rms)})"
+    if agreement.bins:
+        misfit += f", the medians of {agreement.bins} directions {angle(agreement.bin_rms)}"
+    if found.scatter is not None:
+        misfit += f"; about the best smooth map of θ0 they scatter by {angle(found.scatter)}"
+    if found.p_value is None:
+        open_words = f"{misfit}; their order is unknown, so the map is not tested."
+        return Verdict("cycle map", None, open_words)
+    return Verdict(
+        "cycle map", _kept(found.p_value), f"The map {_tested(found.p_value)}: {misfit}."
+    )
+
+
+def _histogram_verdict(found: OrientationAgreement) -> Verdict:
+    """By Watson's test, the others told beside it: one test decides, so that the level holds."""
+    tests = found.tests
+    kept = _kept(tests["watson"])
+    words = (
+        f"The histogram of {found.count} directions {'agrees' if kept else 'is rejected'} by "
+        f"Watson's test ({_p(tests['watson'])}): Wasserstein distance "
+        f"{angle(tests['wasserstein'].statistic)} ({_p(tests['wasserstein'])}), total variation "
+        f"{tests['total_variation'].statistic:.2f} ({_p(tests['total_variation'])}), Kuiper "
+        f"{_p(tests['kuiper'])}."
+    )
+    return Verdict("histogram of directions", kept, words)
+
+
+def _direction_verdict(found: DirectionMatch) -> Verdict:
+    place = f"{_KINDS[found.kind]} at {_DEG * found.centre % 360.0:.1f}°"
+    if found.predicted_mode is None or found.measured_mode is None or found.difference is None:
+        words = f"The predicted {place} has no peak of a histogram to be set beside."
+        return Verdict(place, None, words)
+    predicted, measured = found.predicted_mode, found.measured_mode
+    off = f"{round(_DEG * found.difference, 1) + 0.0:+.1f}° off".replace("-", "−")
+    tested = "" if found.p_value is None else f" ({_p(found.p_value)})"
+    words = (
+        f"The predicted {place} makes a predicted peak at {_DEG * predicted % 360.0:.1f}°, "
+        f"measured at {_DEG * measured % 360.0:.1f}°: {off}{tested}."
+    )
+    return Verdict(place, None if found.p_value is None else _kept(found.p_value), words)
+
+
+def _staircase_verdict(told: _Told, found: SimulatedQuantity) -> Verdict | None:
+    """The verdict on a number of the staircase; None where it is no question."""
+    digits = _telling_digits(told, found)
+    if digits is None or (found.measured is None and found.predicted is None):
+        return None
+    measured = "none" if found.measured is None else told.value(found.measured, digits)
+    if found.predicted is None or found.lower is None or found.upper is None:
+        words = f"The {told.name}: {measured} measured, none in any simulated collection."
+        return Verdict(told.name, None, words)
+    tested = "" if found.p_value is None else f" {_tested(found.p_value)}"
+    words = (
+        f"The {told.name}{tested}: {measured} measured, {told.value(found.predicted, digits)} "
+        f"predicted (95 % of collections: {told.number(found.lower, digits)} to "
+        f"{told.number(found.upper, digits)})."
+    )
+    return Verdict(told.name, None if found.p_value is None else _kept(found.p_value), words)
+
+
+def _telling_digits(told: _Told, found: SimulatedQuantity) -> int | None:
+    """How many decimals show that the interval has a width; None where none does and the data lie
+    in it, to rounding.
+
+    All collections then have the number, the measured one among them, and nothing could be seen to
+    fail.
+    """
+    if found.lower is None or found.upper is None or found.measured is None:
+        return told.least
+    values = (found.measured, found.lower, found.upper)
+    for digits in range(told.least, told.most + 1):
+        shown, lowest, highest = (told.number(value, digits) for value in values)
+        is_inside = found.lower <= found.measured <= found.upper
+        if lowest != highest and (shown not in (lowest, highest) or is_inside):
+            return digits
+    measured, low, high = (round(told.scale * value, told.most) for value in values)
+    # A number that is no count may lie on the other side of a rounding.
+    rounding = 1.5 * 10.0**-told.most if told.most else 0.0
+    return None if low == high and abs(measured - low) <= rounding else told.most
+
+
+def _kept(found: PValue) -> bool:
+    return found.value > LEVEL
+
+
+def _tested(found: PValue) -> str:
+    return f"agrees ({_p(found)})" if _kept(found) else f"is rejected at {_p(found)}"
+
+
+def _p(found: PValue) -> str:
+    """A p-value, and where none of the runs came near, that it may be smaller."""
+    least = 1.0 / (found.runs + 1)
+    return f"p {'≤' if found.value <= least * (1.0 + 1e-9) else '='} {found.value:.2g}"
