@@ -20,7 +20,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_session
-from cyclemap.evidence.pushes.columns import Row
+from cyclemap.evidence.pushes.columns import PLACES, Row
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
@@ -34,8 +34,6 @@ from cyclemap.text_files import file_stem, read_csv_table
 if TYPE_CHECKING:
     import pandas
 
-# The columns of a CSV table of poses.
-_POSES = {"x0", "y0", "x1", "y1"}
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
 # A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a
@@ -132,7 +130,7 @@ def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTa
     if (
         path.suffix.lower() == CSV_SUFFIX
         and not path.is_dir()
-        and not set(read_csv_table(path).header) >= _POSES
+        and not set(read_csv_table(path).header) >= PLACES
     ):
         return read_theta0_pairs(path)
     table = load_pushes(path, progress=progress)

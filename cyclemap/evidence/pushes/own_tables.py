@@ -8,7 +8,6 @@ pushes by its episodes, or by its rests.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -20,12 +19,15 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import (
     COLUMNS,
     ENDS,
+    PLACES,
     QUATERNION,
     RODS,
-    TIME_UNITS,
+    UNIT_WORDS,
     UNITS,
     UNITS_OF,
     Kind,
+    meaning_of,
+    unit_of,
 )
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.pushes.own_files import (
@@ -45,35 +47,22 @@ TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
 # What may be told of a table: the angle of pushes goes by no name of its own.
 _READ = [name for name, column in COLUMNS.items() if column.patterns]
 _KNOWN = (*_READ, "angle", "pose")
-_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    "radians": "rad",
-    "metres": "m",
-    "meters": "m",
-    **dict.fromkeys(("in", "inches"), "inch"),
-    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
-}
-# Columns by which a table is known to be one that `load_pushes` and its like read as it is.
-_POSES = {"x0", "y0", "x1", "y1"}
+# What is taken of a table of poses.
 _FACTS = ("side", "fraction", "angle", "length")
 _POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS, *RODS)
+# Columns by which a table is known to be one that `load_pushes` and its like read as it is.
 _OURS = (
     {"theta0_deg"},
     {"theta0_accum_deg"},
-    _POSES,
+    PLACES,
     {"x1", "y1", "x0n", "y0n"},
     {"fx", "fy", "vx", "vy"},
 )
 # Seconds from row to row: up to this many rows follow a moving object.
 _STREAM_STEP = 0.4
 _LONGEST_HEADER = 100_000
-# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
-# metres of a table.
-_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
-# So many angles that fill so much of one and no more are turns as likely as radians.
-_TELLING, _MOST_OF_A_TURN = 8, 0.7
-# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
-# on.
-_AN_EPOCH = 1e8
+# Fewer rows than this may follow each other as they like.
+_TELLING = 8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
 _FEWEST_AT_RANDOM = 20
 # No reset turns an object alike to this (rad).
@@ -173,7 +162,7 @@ def read_own_table(
     table = _understood(Path(path), columns or {}, units, convention)
     with located(str(path), DataFileError):
         table = _cleaned(table)
-    return table.then(table.columns, _assumed(set(table.columns) >= _POSES, convention))
+    return table.then(table.columns, _assumed(set(table.columns) >= PLACES, convention))
 
 
 def _assumed(posed: bool, convention: Convention) -> str:
@@ -222,7 +211,7 @@ def _understood(
     growing: bool = False,
 ) -> OwnTable:
     """The columns in SI units and our convention by our names, a row a push in their order."""
-    units = [_UNIT_WORDS.get(unit, unit) for unit in units]
+    units = [UNIT_WORDS.get(unit, unit) for unit in units]
     _refuse_unknown(told, units)
     if growing and place.suffix.lower() not in TEXTS:
         raise DataFileError(
@@ -231,7 +220,7 @@ def _understood(
         )
     raw = raw_columns(place, told, growing)
     with located(str(place), DataFileError):
-        meaning = _meaning(raw, told)
+        meaning = meaning_of(raw, told)
         if growing and "theta0" not in meaning and {"t", "episode", "qw"} & set(meaning):
             raise InvalidInput(
                 "a stream of poses is cut into pushes once it is whole: without --follow"
@@ -273,7 +262,7 @@ def _in_si_units(
         if kind is Kind.TEXT:
             continue
         if kind in UNITS_OF:
-            unit, said = _unit(name, meaning, raw, units)
+            unit, said = unit_of(name, meaning, raw, units)
             columns[name] = UNITS[unit] * raw[column]
         if "guessed" in said:
             guessed.add(name)
@@ -292,110 +281,6 @@ def _heading(x: Array, y: Array, z: Array, w: Array) -> Array:
     """The turn about the upright axis (n,), rad, of quaternions of any length."""
     size = x * x + y * y + z * z + w * w
     return np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
-
-
-def _bare(column: str) -> tuple[str, str]:
-    """A column's name without its unit, and the unit; both in small letters."""
-    name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
-    # One bracket, not a run of them: the search takes no longer than the name is.
-    found = re.search(
-        r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|in|inch|inches|turns?|revs?|revolutions|s|ms|us|ns)[\])]*$",
-        name,
-    )
-    told = name[: found.start()].rstrip("_[(") if found else ""
-    if found and told:
-        return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
-    return name.strip("_"), ""
-
-
-def _meaning(raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
-    """The file's column for each name that is told or recognised."""
-    have = ", ".join(list(raw)[:20])
-    meaning = {name: column for name, column in told.items() if name != "pose"}
-    for name, column in meaning.items():
-        if column not in raw:
-            raise InvalidInput(f"no column {column} for {name}; it has {have}")
-    for name, known in COLUMNS.items():
-        if name in meaning:
-            continue
-        free = [column for column in raw if column not in meaning.values()]
-        hits = [column for column in free if known.fits(_bare(column)[0])]
-        if len(hits) > 1:
-            both = f"{' and '.join(hits)} may both be {name}"
-            raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
-        if hits:
-            meaning[name] = hits[0]
-    if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
-        after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}"
-        raise InvalidInput(
-            f"is {after} the orientation after the push, or before the next one? {told_by}"
-        )
-    if 0 < len({*QUATERNION} & set(meaning)) < len(QUATERNION):
-        raise InvalidInput(f"of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
-    if not {"theta0", "theta", "qw"} & set(meaning):
-        # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
-        wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
-        mend = f"say which, --columns {wanted}=NAME"
-        raise InvalidInput(
-            f"no column of the object's orientation before each push: {mend}; it has {have}"
-        )
-    return meaning
-
-
-def _unit(
-    name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]
-) -> tuple[str, str]:
-    """The unit of a column, and how that is said. All angles, and all places, are guessed to be
-    alike.
-    """
-    kind = COLUMNS[name].kind
-    known = UNITS_OF[kind]
-    told = next((unit for unit in units if unit in known), None)
-    if told is not None:
-        return told, f" in {told}"
-    alike = [name]
-    if kind in (Kind.ANGLE, Kind.PLACE):
-        alike = [other for other in meaning if COLUMNS[other].kind is kind]
-    named = {other: _bare(meaning[other])[1] for other in alike}
-    if named[name] in known:
-        return named[name], f" in {named[name]}, by its name"
-    of_others = {unit for unit in named.values() if unit in known}
-    if len(of_others) == 1:
-        unit = of_others.pop()
-        return unit, f" in {unit}, as its like"
-    return _guessed_unit(
-        kind, {meaning[other]: raw[meaning[other]] for other in alike if named[other] not in known}
-    )
-
-
-def _guessed_unit(kind: Kind, columns: Columns) -> tuple[str, str]:
-    """The unit of columns that are alike, by their size, and how that is said."""
-    reaches = [
-        float(np.abs(values[np.isfinite(values)]).max(initial=0.0)) for values in columns.values()
-    ]
-    least, most = min(reaches), max(reaches)
-    if kind is Kind.TIME and most > _AN_EPOCH:
-        # A count since 1970: its size tells the unit.
-        unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return unit, f" in {unit} since 1970"
-    if kind is Kind.TIME:
-        unit = "s"
-    elif kind is Kind.ANGLE:
-        _refuse_likely_turns(most, *next(iter(columns.items())))
-        unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
-    else:
-        unit = "m" if most <= _NO_METRES else "mm"
-    reach = "they reach" if len(columns) > 1 else "it reaches"
-    return unit, f" in {unit}, guessed: {reach} {most:.4g}"
-
-
-def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
-    """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
-    angles = values[np.isfinite(values)]
-    if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
-        told = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
-        raise DataFileError(f"{told}: are these turns, or radians? Say --units turn or --units rad")
 
 
 # -- from streams and rows to pushes
@@ -513,7 +398,7 @@ def _cleaned(table: OwnTable) -> OwnTable:
     """
     columns = dict(table.columns)
     theta = columns["theta0"]
-    known, posed = np.isfinite(theta), set(columns) >= {"theta1", *_POSES}
+    known, posed = np.isfinite(theta), set(columns) >= {"theta1", *PLACES}
     number = columns.get("repetition", np.arange(known.size, dtype=float))
     follows = np.append(np.diff(number) == 1.0, False)
     gaps = int((~follows[:-1]).sum())
