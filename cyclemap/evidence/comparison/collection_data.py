@@ -127,23 +127,16 @@ def collection_data(
 
 def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
-    if (
-        path.suffix.lower() == CSV_SUFFIX
-        and not path.is_dir()
-        and not set(read_csv_table(path).header) >= PLACES
-    ):
+    is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
+    if is_table and not set(read_csv_table(path).header) >= PLACES:
         return read_theta0_pairs(path)
-    table = load_pushes(path, progress=progress)
-    if not len(table.table):
-        worst = (
-            f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}"
-            if table.unreadable
-            else ""
-        )
-        raise InvalidInput(
-            f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}"
-        )
-    return table
+    pushes = load_pushes(path, progress=progress)
+    if len(pushes.table):
+        return pushes
+    bad = f"{len(pushes.unreadable)} files are bad"
+    for first in pushes.unreadable[:1]:
+        bad += f"; the first: {first.path}: {first.reason}"
+    raise InvalidInput(f"{path}: no push could be read, {bad}")
 
 
 def measured_pairs(path: str | Path) -> Theta0Pairs:

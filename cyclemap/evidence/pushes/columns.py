@@ -149,6 +149,7 @@ _ALL = (
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
     Column("dtheta", Kind.TURN),
     Column("force_ratio", Kind.NUMBER),
+    # After the drag back; of staircases and pairs.
     Column("x0n", Kind.PLACE),
     Column("y0n", Kind.PLACE),
     Column("theta0_accum", Kind.ANGLE, {"theta0_accum_deg": DEGREE}),

@@ -126,16 +126,9 @@ class Convention:
 
     def words(self) -> str:
         """Return what it says, in words."""
-        angle = (
-            "counter-clockwise from x"
-            if self.angles == "counter-clockwise"
-            else f"{self.angles} from x"
-        )
-        angle = (
-            "compass headings, clockwise from y"
-            if self.angles == "compass"
-            else f"{angle}, seen from above"
-        )
+        angle = f"{self.angles} from x, seen from above"
+        if self.angles == "compass":
+            angle = "compass headings, clockwise from y"
         offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
         return f"axes {self.frame}, angles {angle}{offset}"
 
