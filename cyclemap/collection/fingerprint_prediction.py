@@ -160,7 +160,8 @@ class Prediction:
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, fingerprint
     >>> found = fingerprint(CollectionLoop.mit())
     >>> prediction = Prediction(found, Anisotropy(0.02, 0.0, 0.02, 0.0))
     >>> prediction.verdict, round(math.degrees(prediction.mean_turn), 2)
@@ -362,7 +363,8 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint, predict
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> (direction,) = predict(fingerprint(loop), loop.material.friction).stable_directions
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
@@ -419,7 +421,8 @@ class PredictionCheck:
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, check_prediction, fingerprint, predict
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = predict(fingerprint(loop), loop.material.friction)
     >>> check = check_prediction(prediction, loop, tolerance=1e-3)
@@ -468,7 +471,9 @@ def check_prediction(
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, check_prediction
+    >>> from cyclemap.collection import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))
     >>> stable = check_prediction(prediction, loop, tolerance=1e-3).directions[0]

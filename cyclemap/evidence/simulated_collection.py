@@ -325,6 +325,7 @@ class SimulatedCollection:
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop, simulate_collection
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     first = simulate_collection(loop, f"{place}/made", 2)
@@ -396,8 +397,8 @@ def simulate_collection(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.evidence.pushes.push_table import load_pushes
-    >>> from cyclemap.evidence.recorded_push import RecordingNoise
+    >>> from cyclemap import CollectionLoop, load_pushes, simulate_collection
+    >>> from cyclemap.evidence import RecordingNoise
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     made = simulate_collection(loop, f"{place}/made", 3, noise=RecordingNoise(turn=0.0))

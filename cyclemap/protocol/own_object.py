@@ -129,6 +129,7 @@ class CheckedCollection:
     --------
     >>> import tempfile
     >>> from pathlib import Path
+    >>> from cyclemap.protocol import check_collection
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     count = Path(folder, "mine.toml").write_text("[pusher]\\npusher_radius_mm = 5\\n")
     ...     checked = check_collection(f"{folder}/mine.toml")
@@ -168,6 +169,7 @@ def check_collection(path: str | Path) -> CheckedCollection:
     --------
     >>> import tempfile
     >>> from pathlib import Path
+    >>> from cyclemap.protocol import check_collection
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     count = Path(folder, "mine.toml").write_text("[push]\\npush_mm = 1500\\n")
     ...     checked = check_collection(f"{folder}/mine.toml")

@@ -582,9 +582,6 @@ def collected_blocks(
         Let the surface of the cycles wear.
     most : int, optional
         Strokes of one sort in a session, at most: beyond, every so many-th is taken.
-            nodes : int, optional
-        See `cycle_pair_block`; with 9 the ring's lever comes out 3 % short on a map with strong
-        second harmonics, with 15 it does not.
     push_length : float or None, optional
         How far the rod of pushes went from its first touch, m, where tables of poses do not
         tell; None leaves the ends of such pushes out.
@@ -617,7 +614,10 @@ def collected_blocks(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.collection import CollectionLoop
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import collected_blocks
     >>> loop = CollectionLoop.mit("plywood")
     >>> theta = [0.0]
     >>> for cycle in range(30):

@@ -91,6 +91,8 @@ class PushPlan:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import plan_pushes
     >>> loop = CollectionLoop.mit("unknown")
     >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
     >>> [step.pushes for step in plan.knowledge], plan.ends.shape
@@ -171,6 +173,8 @@ def plan_pushes(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import plan_pushes
     >>> loop = CollectionLoop.mit("unknown")
     >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
     >>> before, *_, after = plan.knowledge

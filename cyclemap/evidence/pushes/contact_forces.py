@@ -83,7 +83,9 @@ def contact_force_ratio(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Slider
+    >>> import numpy as np
+    >>> from cyclemap import Slider
+    >>> from cyclemap.evidence import PushRecord, contact_force_ratio
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.0, 0.04975, 0.0], [1.0, 0.01, 0.04975, 0.0]]
     >>> forces = [[time, -0.1, 1.0, 0.0] for time in np.linspace(0.0, 1.0, 20)]

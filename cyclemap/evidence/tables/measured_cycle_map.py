@@ -218,6 +218,8 @@ class MeasuredCycleMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
@@ -284,6 +286,8 @@ def measured_cycle_map(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)

@@ -89,6 +89,8 @@ class SetLaws:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -141,6 +143,8 @@ def set_laws(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -229,7 +233,8 @@ class TurnHistogram:
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 100)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(100)
@@ -305,7 +310,8 @@ def turn_histogram(
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 400)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(400)
@@ -407,6 +413,8 @@ class SetFit:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -460,6 +468,8 @@ def fit_set(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)

@@ -77,8 +77,8 @@ class StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, find_steps, predict_staircase
-    >>> from cyclemap.maps import sample_staircase
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 2_000)
@@ -129,11 +129,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> from cyclemap.maps.staircases.slow_zones import predict_staircase
-    >>> from cyclemap.maps.staircases.staircase import sample_staircase
-    >>> from cyclemap.maps.staircases.step_detection import find_steps
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 20_000)

@@ -70,6 +70,8 @@ class Audit:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     text = "theta0_deg\\n" + "".join(f"{137.5 * push % 360}\\n" for push in range(40))
     ...     count = Path(place, "even.csv").write_text(text)
@@ -181,6 +183,8 @@ def audit(
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     _ = Path(place, "still.csv").write_text("theta0_deg\\n" + "63.2\\n" * 40)
     ...     found = audit(f"{place}/still.csv")
