@@ -163,6 +163,8 @@ def _csv(text: str) -> Columns:
             usecols=range(names),
             index_col=False,
         )
+    except InvalidInput:
+        raise
     except (ValueError, csv.Error, pandas.errors.ParserError) as error:
         raise InvalidInput(f"rows of different lengths, or none ({error})") from error
     return _numbers(frame)
