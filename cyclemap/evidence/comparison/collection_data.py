@@ -218,9 +218,10 @@ def _lengths(rows: pandas.DataFrame, length: float, loop: CollectionLoop) -> Arr
     if rows["tip_x0"].notna().any():
         push = told_push(loop.push, _facts(rows), loop.push.distance)
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        off = (rows["tip_x0"] - rows["x0"]) + 1j * (rows["tip_y0"] - rows["y0"])
-        tip = off * np.exp(-1j * rows["theta0"])
-        gaps = ((complex(*place) - tip) * complex(*way).conjugate()).to_numpy().real
+        names = ["tip_x0", "tip_y0", "x0", "y0", "theta0"]
+        tip_x, tip_y, x0, y0, theta = rows[names].to_numpy().T
+        x, y, c, s = tip_x - x0, tip_y - y0, np.cos(theta), np.sin(theta)
+        gaps = (place - np.stack([c * x + s * y, c * y - s * x], axis=-1)) @ way
         gap = float(np.median(gaps[np.isfinite(gaps)])) if np.isfinite(gaps).any() else 0.0
         far = np.where(abs(gap) < _LONGEST_GAP * far, far - gap, far)
     return np.where(np.isnan(far), length, far)
