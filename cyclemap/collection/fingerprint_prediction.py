@@ -37,11 +37,15 @@ LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
 
 @dataclass(frozen=True)
 class LockIn:
-    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node at orientation
-    `theta`, rad.
+    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node.
 
-    scale : factor of the anisotropy from which there is a fixed point; inf where no factor gives
-        one (theta nan).
+    Attributes
+    ----------
+    scale : float
+        Factor of the anisotropy from which there is a fixed point; inf where no factor gives
+        one.
+    theta : float
+        Where it is, rad; nan where no factor gives one.
     """
 
     scale: float
@@ -117,11 +121,17 @@ def lock_in_boundary(
 
 @dataclass(frozen=True, eq=False)
 class PredictedDirection:
-    """A fixed point of the first-order map. `error` : rad, how far off it may be; π where it may be
-    anywhere.
+    """A fixed point of the first-order map.
 
-    second_order : the fixed point of the second-order map next to it, if one of its kind lies
-        within the error.
+    Attributes
+    ----------
+    orbit : Orbit
+        The fixed point.
+    error : float
+        How far off it may be, rad; π where it may be anywhere.
+    second_order : Orbit or None
+        The fixed point of the second-order map next to it, if one of its kind lies within the
+        error.
     """
 
     orbit: Orbit
@@ -392,8 +402,14 @@ _REACH = 0.6
 class CheckedDirection:
     """A predicted direction beside the nearest one of its kind of the full map.
 
-    full : that fixed point, None where the full map has none of the kind. miss : rad between the
-        two; inf without.
+    Attributes
+    ----------
+    predicted : PredictedDirection
+        The direction.
+    full : Orbit or None
+        That fixed point, None where the full map has none of the kind.
+    miss : float
+        rad between the two; inf without.
     """
 
     predicted: PredictedDirection

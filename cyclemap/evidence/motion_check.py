@@ -66,10 +66,17 @@ class OtherConvention(InvalidInput):
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """How far motions lie from isotropic friction's as they were read: m, in the median.
+    """How far motions lie from isotropic friction's as they were read.
 
-    by_rod : whether the rod's places tell the contacts, against the sides and fractions that are
-        told. words : for people.
+    Attributes
+    ----------
+    distance : float
+        m, in the median.
+    by_rod : bool
+        Whether the rod's places tell the contacts, against the sides and fractions that are
+        told.
+    words : str
+        For people.
     """
 
     distance: float

@@ -137,7 +137,15 @@ class PlatePressure:
 
 @dataclass(frozen=True)
 class FloorSession:
-    """A floor's shape, kPa at 50 mm, in one session of measurements, by the session's name."""
+    """A floor's shape in one session of measurements.
+
+    Attributes
+    ----------
+    name : str
+        Of the session.
+    shape : SurfaceShape
+        kPa at 50 mm.
+    """
 
     name: str
     shape: SurfaceShape

@@ -107,8 +107,15 @@ def _longest_outer_side(outline: Polygon) -> int:
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong, or likely so, in plain words:
-    `wrong` where nothing can be computed with it."""
+    """What is wrong, or likely so.
+
+    Attributes
+    ----------
+    wrong : bool
+        Whether nothing can be computed with it.
+    words : str
+        In plain words.
+    """
 
     wrong: bool
     words: str

@@ -396,10 +396,17 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
-    ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the
-        rod's slip over the
-    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the
-        rod stuck.
+    Attributes
+    ----------
+    ratio : ndarray, shape (m,)
+        Sum of tangential over sum of normal force, positive where friction goes with the rod's
+        slip over the object.
+    push : ndarray of int, shape (m,)
+        Number of the push.
+    samples : int
+        In all pieces.
+    sticking : int
+        Samples in which the rod stuck.
     """
 
     ratio: Array

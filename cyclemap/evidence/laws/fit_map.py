@@ -422,9 +422,16 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 class FittedStaircase:
     """The staircase of a map fitted to measured pairs.
 
-    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run :
-        one noisy run of it, as long as the path and from the same start. comparison : the path
-        against the prediction, its visits counted in the predicted slow zones.
+    Attributes
+    ----------
+    fitted : FittedMap
+        The map and noise fitted to the pairs.
+    prediction : StaircaseSummary
+        Its staircase, on average.
+    run : Staircase
+        One noisy run of it, as long as the path and from the same start.
+    comparison : StepComparison
+        The path against the prediction, its visits counted in the predicted slow zones.
     """
 
     fitted: FittedMap

@@ -110,8 +110,14 @@ class Ensemble:
     """What a model predicts of a collection: simulated ones from the same start, and the law of
     their orientations.
 
-    paths : (k, n) rad, unwrapped. law : of an orientation drawn at random from a collection, the
-        start left out.
+    Attributes
+    ----------
+    model : CollectionModel
+        What was simulated.
+    paths : ndarray, shape (k, n)
+        rad, unwrapped.
+    law : CircularLaw
+        Of an orientation drawn at random from a collection, the start left out.
     """
 
     model: CollectionModel

@@ -253,8 +253,14 @@ def plan_pushes(
 class Design:
     """Sets of candidates, by number, and what is known after them.
 
-    believed (k, k) : covariance of the unknowns beforehand. derivatives (s, n, m, k) : of the m
-        numbers measured of each of the n candidates, over their noise, in each sample.
+    Attributes
+    ----------
+    believed : ndarray, shape (k, k)
+        Covariance of the unknowns beforehand.
+    derivatives : ndarray, shape (s, n, m, k)
+        Of the m numbers measured of each of the n candidates, over their noise, in each sample.
+    target : Target
+        What is asked for.
     """
 
     def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:

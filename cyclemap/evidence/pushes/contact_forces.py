@@ -36,13 +36,19 @@ _MOVING = 0.5
 class ContactSamples:
     """A recorded push in the frame of its contact, at the times of its n wrenches.
 
-    pressing, tangential : (n,) N, of the rod on the object: along the normal into the object, and
-        along the tangent, a quarter turn counter-clockwise from it. touching : (n,) whether rod and
-        object touch (see `contact_force_ratio`).
-    slip : (n,) how far the rod's surface slides over the object along the tangent, per travel of
-        the rod, over a window of samples; 0 where the rod sticks (and rolls), nan where the rod
+    Attributes
+    ----------
+    pressing, tangential : ndarray, shape (n,)
+        Force of the rod on the object, N: along the normal into the object, and along the
+        tangent, a quarter turn counter-clockwise from it.
+    touching : ndarray of bool, shape (n,)
+        Whether rod and object touch (see `contact_force_ratio`).
+    slip : ndarray, shape (n,)
+        How far the rod's surface slides over the object along the tangent, per travel of the
+        rod, over a window of samples; 0 where the rod sticks (and rolls), nan where the rod
         does not move or the record ends.
-    window : samples in the window.
+    window : int
+        Samples in the window.
     """
 
     pressing: Array

@@ -245,8 +245,17 @@ def _names(sets: list[tuple[Path, Row]]) -> list[str]:
 
 @dataclass(frozen=True)
 class MotionStatistics:
-    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad,
-    Δx or Δy in m."""
+    """Mean and standard deviation of one quantity: Δθ in rad, Δx or Δy in m.
+
+    Attributes
+    ----------
+    count : int
+        How many pushes.
+    mean : float
+        Of the quantity.
+    std : float
+        Standard deviation, n - 1 in its divisor.
+    """
 
     count: int
     mean: float

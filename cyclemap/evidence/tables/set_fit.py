@@ -46,12 +46,20 @@ _MARGIN = 3.0
 class MotionLaw:
     """The law of one quantity (Δθ in rad, Δx or Δy in m) over θ0, or why there is none.
 
-    quantity : "dtheta", "dx" or "dy". theta, value : (n,), the pushes it was fitted to, in order of
-        recording.
-    law : with its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
+    Attributes
+    ----------
+    quantity : str
+        "dtheta", "dx" or "dy".
+    theta, value : ndarray, shape (n,)
+        The pushes it was fitted to, in order of recording.
+    law : PeriodicLaw or None
+        With its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
         says why.
-    cross_validated_rmse : root mean square error at pushes that such laws were fitted without: NaN
-        where too few, inf where the others do not fix the law.
+    cross_validated_rmse : float
+        Root mean square error at pushes that such laws were fitted without: NaN where too few,
+        inf where the others do not fix the law.
+    problem : str or None
+        Why there is no law; None where there is.
     """
 
     quantity: str

@@ -33,9 +33,12 @@ ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
 class SampledTurns:
     """Turns of cycles on equal steps of the orientation.
 
-    turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn
-        included.
-    drag_length : (materials, actions), m, mean over the samples.
+    Attributes
+    ----------
+    turn : ndarray, shape (materials, actions, samples)
+        theta_next - theta on the lift, rad, a gripper's turn included.
+    drag_length : ndarray, shape (materials, actions)
+        Mean over the samples, m.
     """
 
     turn: Array

@@ -31,9 +31,14 @@ _NEAR = np.radians(10.0)
 class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
-    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
-    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a
-        reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
+    Attributes
+    ----------
+    push_turn, reset_turn : ndarray, shape (n,)
+        Of each push and of what followed it until the next, rad.
+    undone : float
+        Share of the mean turn of a push that the reset takes back; 1: all of it.
+    slope : float
+        Of a reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
     """
 
     push_turn: Array
