@@ -17,6 +17,9 @@ from decimal import InvalidOperation
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from cyclemap.arrays import Array
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.plain_text import json_value, plain_number
 
@@ -60,6 +63,15 @@ class CsvTable:
                 row.line, f"{column} is '{text}'; it must be a finite number in plain digits"
             )
         return value
+
+    def numbers(self, column: str, blank: bool = False) -> Array:
+        """The numbers of a column (n,); where it may be `blank`, NaN for an empty field."""
+        return np.array(
+            [
+                math.nan if blank and not self.text(row, column) else self.number(row, column)
+                for row in self.rows
+            ]
+        )
 
     def error(self, line: int, message: str) -> DataFileError:
         """A DataFileError that names this file and `line`."""

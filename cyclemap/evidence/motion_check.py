@@ -8,20 +8,21 @@ own, a wrong reading misses by as much as the object moves.
 
 from __future__ import annotations
 
+import cmath
 import math
 import warnings
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import Array, Mask, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
+from cyclemap.evidence.pushes.columns import DEGREE, LENGTH_UNITS, RODS
 from cyclemap.evidence.pushes.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
 from cyclemap.evidence.pushes.push_table import PushTable
@@ -49,18 +50,12 @@ _WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
-_LENGTHS = {"mm": 1e-3, "cm": 1e-2, "in": 0.0254, "m": 1.0}
-_TURNED = {"deg": math.radians(1.0), "rad": math.degrees(1.0)}
+_TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
 _BY_ROD = (
     "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
 )
-_TIPS = ["tip_x0", "tip_y0", "tip_x1", "tip_y1"]
-_PLAIN: dict[str, Any] = {
-    "material": load_material("isotropic"),
-    "footprint": None,
-    "accuracy": 1e-6,
-}
 _POSES = ["x0", "y0", "theta0", "x1", "y1", "dtheta"]
+_CONTACT = ["side", "fraction", "angle"]
 
 
 class OtherConvention(InvalidInput):
@@ -71,17 +66,12 @@ class OtherConvention(InvalidInput):
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """How far motions lie from isotropic friction's as they were read, and in the next best
-    reading.
+    """How far motions lie from isotropic friction's as they were read.
 
     Attributes
     ----------
-    count : int
-        Of pushes.
-    taken, other : Convention
-        The readings.
-    distance, other_distance : float
-        Of each from isotropic friction's motions, m, in the median.
+    distance : float
+        m, in the median.
     by_rod : bool
         Whether the rod's places tell the contacts, against the sides and fractions that are
         told.
@@ -89,11 +79,7 @@ class MotionCheck:
         For people.
     """
 
-    count: int
-    taken: Convention
     distance: float
-    other: Convention
-    other_distance: float
     by_rod: bool
     words: str
 
@@ -108,32 +94,42 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
         return ()
-    said, checks, table = list[str](), list[MotionCheck](), pushes.table
-    alone = table[table["dtheta"].isna() & table["theta_next"].notna()]
-    if len(alone) == len(table[table["theta_next"].notna()]) and len(alone):
-        now, later = (alone[name].to_numpy(dtype=float) for name in ("theta0", "theta_next"))
-        said += check_orientations(
-            now, later, None if loop is None else replace(loop, **_PLAIN), pushes.convention
-        )
+    said, checks, convention = list[str](), list[MotionCheck](), pushes.convention
+    followed = pushes.table[pushes.table["theta_next"].notna()]
+    if len(followed) and followed["dtheta"].isna().all():
+        now, later = followed[["theta0", "theta_next"]].to_numpy().T
+        said += check_orientations(now, later, None if loop is None else _plain(loop), convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
-        known = loop
-        if isinstance(name, str) and (loop is None or name != file_stem(loop.slider.name)):
+        known = _loop_of(name, loop)
+        if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
-            if name in MIT_SHAPE_NAMES:
-                known = replace(
-                    loop or CollectionLoop.mit("isotropic"), slider=Slider.mit(name), footprint=None
-                )
-        told = rows[["side", "fraction"]].notna().all(axis=None)
-        if loop is None and not told:
-            known = None
-        found = check_motion(rows, known, pushes.convention, pushes.convention_told)
+        found = check_motion(rows, known, convention, pushes.convention_told)
         checks += [] if found is None else [found]
-    if len(checks) > _MOST_TOLD:
-        low, high = (1e3 * end([one.distance for one in checks]) for end in (min, max))
-        told = f"read with {pushes.convention.words()}: pushes of {len(checks)} objects end"
-        told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
-        return (*said, told + any(one.by_rod for one in checks) * _BY_ROD)
-    return tuple(dict.fromkeys((*said, *(one.words for one in checks))))
+    if len(checks) <= _MOST_TOLD:
+        return tuple(dict.fromkeys((*said, *(check.words for check in checks))))
+    low, high = (1e3 * end(check.distance for check in checks) for end in (min, max))
+    told = f"read with {convention.words()}: pushes of {len(checks)} objects end"
+    told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
+    return (*said, told + any(check.by_rod for check in checks) * _BY_ROD)
+
+
+def _plain(loop: CollectionLoop) -> CollectionLoop:
+    """The loop on a flat floor of isotropic friction."""
+    return replace(loop, material=load_material("isotropic"), footprint=None, accuracy=1e-6)
+
+
+def _loop_of(name: object, loop: CollectionLoop | None) -> CollectionLoop | None:
+    """The loop with the object that data name; None where nobody knows its outline."""
+    if not isinstance(name, str) or (loop is not None and name == file_stem(loop.slider.name)):
+        return loop
+    if name not in MIT_SHAPE_NAMES:
+        return None
+    return replace(loop or CollectionLoop.mit("isotropic"), slider=Slider.mit(name), footprint=None)
+
+
+def _sample(count: int) -> Array:
+    """Some of so many pushes, evenly spread."""
+    return np.unique(np.linspace(0, count - 1, min(count, _MOST)).round().astype(int))
 
 
 def check_orientations(
@@ -148,16 +144,14 @@ def check_orientations(
     """
     angles = convention.words().partition("angles ")[2]
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
-    if theta.size < FEWEST or not isinstance(loop, CollectionLoop):
+    if theta.size < FEWEST or not isinstance(loop, CollectionLoop) or not convention.is_ours:
         return said
-    chosen = np.unique(np.linspace(0, theta.size - 1, min(theta.size, _MOST)).round().astype(int))
-    coarse, off = replace(loop, accuracy=1e-6), {}
+    chosen = _sample(theta.size)
+    coarse, off = replace(loop, accuracy=1e-6), dict[str, float]()
     for name, (sense, zero) in ANGLES.items():
         before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
         off[name] = float(np.median(np.abs(shorter_way(after - coarse.next_theta(before)))))
     here = off.pop("counter-clockwise")
-    if not convention.is_ours:
-        return said
     # Where the zero of angles makes no difference the plainer one is named.
     best = next(name for name in off if off[name] <= _HARDLY * min(off.values()) + _SAME_ANGLE)
     if off[best] < _BEATEN * here and here > _LEAST_OFFSET:
@@ -181,14 +175,20 @@ class _Reading:
     length: float = 1.0
     angle: float = 1.0
 
+    def place(self, written: Array) -> Array:
+        """Places as complex numbers in our frame; both ways to lay axes otherwise are their own
+        inverse.
+        """
+        x, y = self.convention.place(written.real, written.imag)
+        return np.asarray(self.length * (x + 1j * y))
+
 
 @dataclass(frozen=True, eq=False)
 class _Written:
-    """Pushes as they are written: places (n, 2), angles (n,), displacements (n, 2), turns (n,); m
-    and rad as read.
+    """Pushes as they are written: places, displacements, first and last places of the rod as
+    complex numbers, angles and turns; m and rad as read.
 
-    tips : (n, 2, 2) first and last place of the rod, NaN where unknown. rows : of the table, for
-        what is no motion.
+    rows : of the table, for what is no motion. tips : (n, 2), NaN where unknown.
     """
 
     rows: pandas.DataFrame
@@ -200,37 +200,69 @@ class _Written:
 
     @classmethod
     def of(cls, rows: pandas.DataFrame, convention: Convention) -> _Written:
-        x0, y0, theta, x1, y1, turn = (rows[name].to_numpy(dtype=float) for name in _POSES)
-        # Both ways to lay axes otherwise are their own inverse.
-        place, moved = (
-            np.stack(convention.place(*pair), axis=-1) for pair in ((x0, y0), (x1 - x0, y1 - y0))
+        x0, y0, theta, x1, y1, turn = rows[_POSES].to_numpy(dtype=float).T
+        ends, ours = rows[[*RODS]].to_numpy(dtype=float), _Reading(convention)
+        return cls(
+            rows,
+            ours.place(x0 + 1j * y0),
+            convention.sense * (theta - convention.theta(0.0)),
+            ours.place(x1 - x0 + 1j * (y1 - y0)),
+            convention.sense * turn,
+            ours.place(ends[:, ::2] + 1j * ends[:, 1::2]),
         )
-        angle = convention.sense * (theta - convention.theta(0.0))
-        ends = rows[_TIPS].to_numpy(dtype=float).reshape(-1, 2, 2)
-        tips = np.stack(convention.place(ends[..., 0], ends[..., 1]), axis=-1)
-        return cls(rows, place, angle, moved, convention.sense * turn, tips)
 
     @property
     def has_tips(self) -> bool:
         """Whether it is known of every push where the rod went."""
-        return bool((np.hypot(*(self.tips[:, 1] - self.tips[:, 0]).T) > 0.0).all())
+        return bool((np.abs(self.tips[:, 1] - self.tips[:, 0]) > 0.0).all())
 
-    def where(self, kept: Any) -> _Written:
+    def where(self, kept: Mask) -> _Written:
         """Some of the pushes."""
         arrays = (self.place, self.angle, self.moved, self.turn, self.tips)
-        return _Written(self.rows[kept], *(one[kept] for one in arrays))
+        return _Written(self.rows[kept], *(values[kept] for values in arrays))
 
     def read(self, reading: _Reading) -> tuple[Array, Array, Array]:
-        """Orientations, displacements as complex numbers in the object's frame before the push, and
-        turns.
-        """
+        """Orientations, displacements in the object's frame before the push, and turns."""
         theta = reading.convention.theta(reading.angle * self.angle)
-        x, y = reading.convention.place(*(reading.length * self.moved.T))
-        return (
-            theta,
-            (x + 1j * y) * np.exp(-1j * theta),
-            reading.convention.sense * reading.angle * self.turn,
-        )
+        motion = reading.place(self.moved) * np.exp(-1j * theta)
+        return theta, motion, reading.convention.sense * reading.angle * self.turn
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """How far off (m, in the median) the reading taken is and the next best, which that is, and
+    others that are as good.
+    """
+
+    test: _Predicted
+    taken: _Reading
+    here: float
+    best: float
+    other: _Reading
+    twins: list[_Reading]
+
+    @classmethod
+    def at(cls, test: _Predicted, taken: _Reading) -> _Looked:
+        found = [(test.distance(reading), reading) for reading in test.readings(taken)]
+        enough = _HARDLY * min((distance for distance, _ in found), default=math.inf) + _NOTHING
+        # They come by how much they change: the first that is hardly worse than the best is taken.
+        best, other = next((near for near in found if near[0] <= enough), (math.inf, taken))
+        enough = _HARDLY * best + _NOTHING
+        twins = [reading for distance, reading in found if reading != other and distance <= enough]
+        return cls(test, taken, test.distance(taken), best, other, twins)
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the other reading has another zero of angles."""
+        return self.other.convention.offset != self.taken.convention.offset
+
+    def explains(self, moved: float) -> bool:
+        """Whether the other reading explains motions, of size `moved` (m), far better."""
+        other, here = self.other, self.here
+        limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
+        most = (_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length * moved
+        far_better = self.best <= min(limit * here, most) and here > _WELL * moved
+        return far_better and self.test.closer(other, self.taken)
 
 
 def check_motion(
@@ -254,128 +286,97 @@ def check_motion(
     rows = table[np.isfinite(table[_POSES].astype(float)).all(axis=1)]
     if len(rows) < FEWEST:
         return None
-    rows = rows.iloc[
-        np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).round().astype(int))
-    ]
-    written, taken = _Written.of(rows, convention), _Reading(convention)
+    written = _Written.of(rows.iloc[_sample(len(rows))], convention)
     test = _Alike(written) if loop is None else _prediction(written, loop)
     if test is None or test.count < FEWEST:
         return None
-    moved = float(np.median(np.hypot(np.hypot(*written.moved.T), test.lever * written.turn)))
-    here, best, other, twins = _looked(test, taken)
-    by_rod = False
-    if (
-        loop is not None
-        and written.has_tips
-        and here > _EXPLAINS * moved
-        and not isinstance(test, _WithTips)
-    ):
-        # What the rod's places explain, and the contacts that are told do not, was not pushed
-        # there.
-        of_rod = _WithTips(written, replace(loop, **_PLAIN))
-        looked = _looked(of_rod, taken)
-        # A zero of angles that is free to be anything explains pushes that are alike, wherever they
-        # were made.
-        free = other.convention.offset != convention.offset
-        by_rod = min(looked[:2]) < (1.0 if free else _BEATEN) * min(here, best)
-        if by_rod:
-            test, (here, best, other, twins) = of_rod, looked
-    limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
-    turned = other.convention.offset != convention.offset
-    most = (_EXPLAINS_TURNED if turned else _EXPLAINS) * other.length * moved
-    explains = best <= min(limit * here, most)
-    if explains and here > _WELL * moved and test.closer(other, taken):
-        line = _refusal(test, here, best, taken, other, twins)
+    moved = float(np.median(np.hypot(np.abs(written.moved), test.lever * written.turn)))
+    looked, by_rod = _Looked.at(test, _Reading(convention)), False
+    if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
+        looked, by_rod = _by_rod(looked, written, loop)
+    if looked.explains(moved):
+        line = _refusal(looked)
         if not told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
-    elif (
-        loop is not None and test.lengths_known and min(here, best) > max(_FAR * moved, test.lever)
-    ):
-        far = (
-            f"{test.what} {1e3 * here:.3g} mm off in the median, and not less than "
-            f"{1e3 * best:.3g} mm in any reading"
-        )
-        warnings.warn(
-            f"{far}: are object, push and units those of the data?", DoubtfulInput, stacklevel=3
-        )
-    words = _words(test, here, best, taken, other) + by_rod * _BY_ROD
-    return MotionCheck(len(rows), convention, here, other.convention, best, by_rod, words)
+    elif loop is not None and looked.test.lengths_known:
+        _doubt_far(looked, max(_FAR * moved, looked.test.lever))
+    return MotionCheck(looked.here, by_rod, _words(looked) + by_rod * _BY_ROD)
 
 
-def _looked(test: _Predicted, taken: _Reading) -> tuple[float, float, _Reading, list[_Reading]]:
-    """How far off the reading taken is and the next best, which that is, and those that are as
-    good.
+def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_Looked, bool]:
+    """What the rod's places explain, and the contacts that are told do not, was not pushed
+    there.
     """
-    found = [(test.distance(one), one) for one in test.readings(taken)]
-    best, other = _nearest(found, taken)
-    twins = [
-        one for distance, one in found if one != other and distance <= _HARDLY * best + _NOTHING
-    ]
-    return test.distance(taken), best, other, twins
+    if not written.has_tips:
+        return looked, False
+    of_rod = _Looked.at(_WithTips(written, _plain(loop)), looked.taken)
+    # A zero of angles that is free to be anything explains pushes that are alike, wherever they
+    # were made.
+    share = 1.0 if looked.is_turned else _BEATEN
+    if min(of_rod.here, of_rod.best) < share * min(looked.here, looked.best):
+        return of_rod, True
+    return looked, False
 
 
-def _nearest(found: list[tuple[float, _Reading]], taken: _Reading) -> tuple[float, _Reading]:
-    """The first reading, they come by how much they change, that is hardly worse than the best."""
-    best = min((distance for distance, _ in found), default=math.inf)
-    enough = (entry for entry in found if entry[0] <= _HARDLY * best + _NOTHING)
-    return next(enough, (math.inf, taken))
+def _doubt_far(looked: _Looked, limit: float) -> None:
+    """Warn where no reading comes nearer than `limit`, m."""
+    if min(looked.here, looked.best) > limit:
+        far = (
+            f"{looked.test.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
+            f"{1e3 * looked.best:.3g} mm in any reading"
+        )
+        doubt = f"{far}: are object, push and units those of the data?"
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
-def _refusal(
-    test: Any, here: float, best: float, taken: _Reading, other: _Reading, twins: Sequence[_Reading]
-) -> str:
+def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
-    off = f"{test.what} {1e3 * here:.3g} mm off in the median of {test.count} pushes"
-    if other.length != 1.0 or other.angle != 1.0:
-        unit, kind = _unit(other)
-        also = f" {other.convention.options()}" if other.convention != taken.convention else ""
-        return f"{off}; were its {kind} in {unit}, {1e3 * best:.3g} mm: give --units {unit}{also}"
-    options = other.convention.options()
-    changed = [f"{key} = {value}" for key, value in _keys(other.convention, taken.convention)]
-    also = test.alternative(taken)
-    mend = f"give {options}{also} (in collection.toml: [data] {', '.join(changed)})"
+    test, other, taken = looked.test, looked.other.convention, looked.taken.convention
+    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.count} pushes"
+    nearer = f"{1e3 * looked.best:.3g} mm"
+    if looked.other.length != 1.0 or looked.other.angle != 1.0:
+        unit, kind = _unit(looked.other)
+        also = f" {other.options()}" if other != taken else ""
+        return f"{off}; were its {kind} in {unit}, {nearer}: give --units {unit}{also}"
+    also = test.alternative(looked.taken)
+    changed = ", ".join(_keys(other, taken))
+    mend = f"give {other.options()}{also} (in collection.toml: [data] {changed})"
     named = [
-        one.convention
-        for one in twins
-        if one.convention.offset == taken.convention.offset and one.length == 1.0
+        twin.convention.options()
+        for twin in looked.twins
+        if twin.convention.offset == taken.offset and twin.length == 1.0
     ]
     if named and not also:
-        mend += (
-            "; or, which turns the world's frame against that, "
-            f"{' or '.join(one.options() for one in named[:2])}"
-        )
-    return (
-        f"{off}, read with {taken.convention.words()}; with {other.convention.words()}, "
-        f"{1e3 * best:.3g} mm: {mend}"
-    )
+        mend += f"; or, which turns the world's frame against that, {' or '.join(named[:2])}"
+    return f"{off}, read with {taken.words()}; with {other.words()}, {nearer}: {mend}"
 
 
-def _keys(convention: Convention, taken: Convention) -> Iterator[tuple[str, str]]:
+def _keys(convention: Convention, taken: Convention) -> Iterator[str]:
     if convention.angles != taken.angles:
-        yield "angles", f'"{convention.angles}"'
+        yield f'angles = "{convention.angles}"'
     if convention.frame != taken.frame:
-        yield "frame", f'"{convention.frame}"'
+        yield f'frame = "{convention.frame}"'
     if convention.offset != taken.offset:
-        yield "offset_deg", f"{math.degrees(convention.offset):.0f}"
+        yield f"offset_deg = {math.degrees(convention.offset):.0f}"
 
 
 def _unit(reading: _Reading) -> tuple[str, str]:
+    """The unit that a reading is of, and of what."""
     if reading.angle != 1.0:
         return next(name for name, factor in _TURNED.items() if factor == reading.angle), "angles"
-    return min(_LENGTHS, key=lambda name: abs(math.log(_LENGTHS[name] / reading.length))), "lengths"
+    away = {name: abs(math.log(size / reading.length)) for name, size in LENGTH_UNITS.items()}
+    return min(away, key=lambda name: away[name]), "lengths"
 
 
-def _words(test: Any, here: float, best: float, taken: _Reading, other: _Reading) -> str:
-    told = (
-        f"read with {taken.convention.words()}: {test.what} {1e3 * here:.3g} mm off in the median"
-    )
-    if best <= here / _BEATEN and other.convention != taken.convention:
-        mirror = other.convention.words()
-        return (
-            f"{told}; motions cannot tell that from {mirror} ({1e3 * best:.3g} mm): that is assumed"
-        )
-    return f"{told}, {1e3 * best:.3g} mm in the next best reading"
+def _words(looked: _Looked) -> str:
+    taken, other = looked.taken.convention, looked.other.convention
+    here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
+    told = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
+    if looked.best <= looked.here / _BEATEN and other != taken:
+        mirror = f"motions cannot tell that from {other.words()} ({best}): that is assumed"
+        return f"{told}; {mirror}"
+    return f"{told}, {best} in the next best reading"
 
 
 def _conventions() -> list[Convention]:
@@ -384,6 +385,11 @@ def _conventions() -> list[Convention]:
     return sorted(
         every, key=lambda one: (one.angles != "counter-clockwise") + (one.frame != RIGHT_HANDED)
     )
+
+
+def _middle(motion: Array) -> complex:
+    """The median of complex numbers, of each part by itself."""
+    return complex(np.median(motion.real), np.median(motion.imag))
 
 
 class _Predicted:
@@ -396,6 +402,8 @@ class _Predicted:
     ) -> None:
         self.written, self.motion, self.turn, self.lever = written, motion, turn, lever
         self.lengths_known, self.count = lengths_known, len(turn)
+        # Directions that are spread tell a zero of angles.
+        self.is_spread = abs(np.exp(1j * written.angle).mean()) <= _SPREAD
 
     def distances(self, reading: _Reading) -> Array:
         """How far off each push is (n,), m: place, and turn by the object's lever."""
@@ -415,35 +423,30 @@ class _Predicted:
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """All others than the one taken."""
-        found = [_Reading(one) for one in _conventions() if one != taken.convention]
-        found += [_Reading(one) for one in self._turned(taken)]
+        named = [convention for convention in _conventions() if convention != taken.convention]
+        turned = self._turned(taken) if self.is_spread else []
+        found = [_Reading(convention) for convention in (*named, *turned)]
+        lengths = LENGTH_UNITS.values() if self.lengths_known else ()
+        factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
         for convention in (taken.convention, *_conventions()):
-            if self.lengths_known:
-                factors = {a / b for a, b in product(_LENGTHS.values(), _LENGTHS.values())} - {1.0}
-                found += [_Reading(convention, length=factor) for factor in sorted(factors)]
+            found += [_Reading(convention, length=factor) for factor in factors]
             found += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
         return found
 
     def _turned(self, taken: _Reading) -> list[Convention]:
         """The two senses, each with the zero of its angles where motions want it."""
-        if abs(np.exp(1j * self.written.angle).mean()) > _SPREAD:
-            return []
         found = []
         for convention in _conventions():
             if convention.angles == "compass" or convention.frame == "swapped":
                 continue
             _, motion, _ = self.written.read(_Reading(convention))
-            zero = float(
-                np.angle(
-                    np.median((motion / self.motion).real)
-                    + 1j * np.median((motion / self.motion).imag)
-                )
-            )
+            zero = cmath.phase(_middle(motion / self.motion))
             offset = math.radians(round(math.degrees(zero)))
-            near = (0.0, taken.convention.offset)
-            if all(
-                abs(math.remainder(offset - one, 2.0 * math.pi)) > _LEAST_OFFSET for one in near
-            ):
+            off = [
+                math.remainder(offset - one, 2.0 * math.pi)
+                for one in (0.0, taken.convention.offset)
+            ]
+            if min(map(abs, off)) > _LEAST_OFFSET:
                 found.append(replace(convention, offset=offset))
         return found
 
@@ -460,24 +463,19 @@ class _Alike(_Predicted):
     what = "pushes that should be alike lie, in the object's own frame,"
 
     def __init__(self, written: _Written) -> None:
-        rows = written.rows
-        facts = zip(
-            *(map(str, rows[name]) for name in ("object", "side", "fraction", "angle")), strict=True
-        )
-        labels = ["|".join(row) for row in facts]
-        usual = Counter(labels).most_common(1)[0][0]
-        largest = np.array([label == usual for label in labels])
+        labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
+        largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
         super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
         self.count = int(largest.sum())
 
     def distances(self, reading: _Reading) -> Array:
         """How far each push is from the median of all (n,), m."""
         _, motion, _ = self.written.read(reading)
-        return np.asarray(np.abs(motion - (np.median(motion.real) + 1j * np.median(motion.imag))))
+        return np.asarray(np.abs(motion - _middle(motion)))
 
     def readings(self, taken: _Reading) -> list[_Reading]:
         """The other sense of angles, and other units of them."""
-        if abs(np.exp(1j * self.written.angle).mean()) >= _SPREAD:
+        if not self.is_spread:
             return []
         angles = "clockwise" if taken.convention.sense > 0.0 else "counter-clockwise"
         other = _Reading(replace(taken.convention, angles=angles))
@@ -503,60 +501,55 @@ class _WithTips(_Predicted):
 
     def distances(self, reading: _Reading) -> Array:
         theta, _, turn = self.written.read(reading)
-        convention = reading.convention
-        x, y = convention.place(*self.written.place.T)
-        dx, dy = convention.place(*self.written.moved.T)
-        tips = self.written.tips
-        starts, ends = (np.stack(convention.place(*tips[:, end].T), axis=-1) for end in (0, 1))
-        courses = zip(
-            np.stack([x, y, theta], -1).tolist(), starts.tolist(), ends.tolist(), strict=True
+        place, tips = reading.place(self.written.place), reading.place(self.written.tips)
+        predicted = np.array(
+            [
+                self._end(*push)
+                for push in zip(place.tolist(), theta.tolist(), *tips.T.tolist(), strict=True)
+            ]
         )
-        pushes = (
-            MeasuredPush(Pose(*pose), Pose(*pose), tuple(one), tuple(last))
-            for pose, one, last in courses
-        )
-        predicted = np.array([self._end(push) for push in pushes])
-        off = self.lever * (theta + turn - predicted[:, 2])
-        return np.asarray(
-            np.sqrt((x + dx - predicted[:, 0]) ** 2 + (y + dy - predicted[:, 1]) ** 2 + off**2)
-        )
+        away = np.abs(place + reading.place(self.written.moved) - predicted[:, 0])
+        return np.asarray(np.hypot(away, self.lever * (theta + turn - predicted[:, 1].real)))
 
-    def _end(self, push: MeasuredPush) -> Array:
+    def _end(
+        self, place: complex, theta: float, first: complex, last: complex
+    ) -> tuple[complex, float]:
+        pose = Pose(place.real, place.imag, theta)
+        tips = (first.real, first.imag), (last.real, last.imag)
         try:
-            return np.asarray(predicted_push_ends(self.model, [push])[0][0])
+            x, y, theta = predicted_push_ends(self.model, [MeasuredPush(pose, pose, *tips)])[0][0]
         except CycleMapError:
             # A rod inside the object: as far off as nothing is.
-            return np.full(3, 1e3)
+            return complex(1e3, 1e3), 1e3
+        return complex(x, y), theta
 
     def readings(self, taken: _Reading) -> list[_Reading]:
-        return [_Reading(one) for one in _conventions() if one != taken.convention]
+        return [
+            _Reading(convention) for convention in _conventions() if convention != taken.convention
+        ]
 
 
 def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
     """The pushes with what isotropic friction makes of them;
     None where it makes nothing of most."""
-    rows, plain = written.rows, replace(loop, **_PLAIN)
-    labelled = rows[["side", "fraction"]].notna().all(axis=1).to_numpy()
-    if not labelled.all() and written.has_tips:
+    rows, plain = written.rows, _plain(loop)
+    labelled = rows[["side", "fraction"]].notna().all(axis=None)
+    if not labelled and written.has_tips:
         return _WithTips(written, plain)
-    facts = rows[["side", "fraction", "angle", "length"]].to_numpy(dtype=float)
-    known = bool(np.isfinite(facts[:, 3]).all())
-    labels = np.column_stack([facts[:, :3], np.round(facts[:, 3], 3)])
-    different, number = np.unique(np.nan_to_num(labels, nan=-1e9), axis=0, return_inverse=True)
-    motions = np.full((len(different), 3), np.nan)
-    for index, _ in enumerate(different):
-        told = dict(zip(("side", "fraction", "angle"), facts[number == index][0, :3], strict=True))
-        length = float(np.median(facts[number == index][:, 3]))
+    contacts = rows[_CONTACT].assign(length=rows["length"].round(3))
+    labels = contacts.groupby([*contacts], dropna=False).ngroup().to_numpy()
+    motion, turn = np.full(len(rows), np.nan, dtype=complex), np.full(len(rows), np.nan)
+    for label in np.unique(labels):
+        alike = labels == label
+        length = float(np.median(rows["length"][alike]))
         try:
-            one = replace(plain, push=told_push(loop.push, told, length)).cycle(0.0)
+            push = told_push(loop.push, dict(rows[_CONTACT][alike].iloc[0]), length)
+            cycle = replace(plain, push=push).cycle(0.0)
         except CycleMapError:
             continue
-        motions[index] = (*one.push_displacement, one.push_turn)
-    ours = motions[number.ravel()]
-    good = np.isfinite(ours[:, 0])
+        motion[alike], turn[alike] = complex(*cycle.push_displacement), cycle.push_turn
+    good = np.isfinite(turn)
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
         return _WithTips(written, plain) if written.has_tips else None
-    lever = 0.5 * loop.slider.outline.extent
-    return _Predicted(
-        written.where(good), ours[good, 0] + 1j * ours[good, 1], ours[good, 2], lever, known
-    )
+    lever, lengths_known = 0.5 * loop.slider.outline.extent, bool(rows["length"].notna().all())
+    return _Predicted(written.where(good), motion[good], turn[good], lever, lengths_known)

@@ -352,9 +352,7 @@ def load_footprint(path: str | Path) -> PointFootprint:
     table = read_csv_table(path)
     columns = ("x_mm", "y_mm", "weight")
     require_columns(table, columns)
-    x_mm, y_mm, weight = np.array(
-        [[table.number(row, name) for name in columns] for row in table.rows]
-    ).T
+    x_mm, y_mm, weight = (table.numbers(name) for name in columns)
     try:
         return PointFootprint(tuple(zip(x_mm * 1e-3, y_mm * 1e-3, strict=True)), tuple(weight))
     except InvalidInput as cause:

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Whole
 from cyclemap.evidence.pushes.pose_streams import Segments
 from cyclemap.views import style
 from cyclemap.views.style import FORCE, INK, PREDICTED_FILL
@@ -46,7 +46,7 @@ def stream_page(seen: Segments) -> Figure:
     return figure
 
 
-def _shade(axes: Axes, seen: Segments, spans: Array, **look: Any) -> None:
+def _shade(axes: Axes, seen: Segments, spans: Whole, **look: Any) -> None:
     """Shade the times between the rests of each pair."""
     for first, end in spans:
         axes.axvspan(seen.t[seen.rests[first][1]], seen.t[seen.rests[end][0]], **look)

@@ -58,9 +58,8 @@ from cyclemap.evidence.push_plan.sensitivity import (
     cycle_map_by_unknowns,
     over_noise,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
+from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, push_noise
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
-from cyclemap.evidence.pushes.push_noise import SET_OFF, push_noise
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
 from tests.inference.measured_floors import FLOORS, PLATES

@@ -710,12 +710,16 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_conventions.py",
         [
             ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
-            ("turned = other.convention.offset != convention.offset", "turned = False"),
             (
-                "min(looked[:2]) < (1.0 if free else _BEATEN) * min(here, best)",
-                "min(looked[:2]) < 0.0 * min(here, best)",
+                "(_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length",
+                "_EXPLAINS * other.length",
             ),
+            ("share = 1.0 if looked.is_turned else _BEATEN", "share = 0.0"),
         ],
+    ),
+    "evidence/pushes/columns.py": (
+        f"{PUSHES}/test_push_table.py {PUSHES}",
+        [('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}')],
     ),
     "evidence/pushes/conventions.py": (
         PUSHES,
@@ -731,7 +735,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
         [
             ("return self.theta_next - self.theta", "return self.theta - self.theta_next"),
-            ("return (turn_deg + 180.0) % 360.0 - 180.0", "return turn_deg % 360.0"),
+            ("turn = shorter_way(np.diff(theta))", "turn = np.mod(np.diff(theta), TWO_PI)"),
             ("off_next = (np.diff(number) == 1) & ", "off_next = "),
             ("return far if far.sum() <= _MOST_BY_HAND * turn.size else none", "return none"),
             ("high if high >= low else high + TWO_PI", "high"),
@@ -740,7 +744,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/pushes/push_table.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
         [
-            ('"theta0_deg": math.pi / 180.0}', '"theta0_deg": 1.0}'),
             ("number + 1.0), math.nan)", "number), math.nan)"),
             ("across / along if along else math.nan", "along / across if along else math.nan"),
             ("if far > _LONGEST_PUSH:", "if far > 1e9 * _LONGEST_PUSH:"),
@@ -751,19 +754,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES} tests/evidence/data_blocks",
         [
             (
-                "np.median(np.abs(tangential[touching]) / pressing[touching])",
-                "np.median(pressing[touching] / np.abs(tangential[touching]))",
+                "np.median(np.abs(force.imag) / force.real)",
+                "np.median(force.real / np.abs(force.imag))",
             ),
-            ("- rod_radius * rates[:, 2]) / speed", ") / speed"),
-            ("near & (pressing >= LEAST_PRESSING)", "near"),
+            ("(along - rod_radius * angle) / speed", "along / speed"),
+            ("near & (force.real >= LEAST_PRESSING)", "near"),
         ],
     ),
     "evidence/pushes/pose_streams.py": (
         f"{PUSHES}/test_pose_streams.py",
         [
             (
-                "found[first:last] = bool((change[first:last] > high).any())",
-                "found[first:last] = True",
+                "= bool((change[first : last + 1] > high).any())",
+                "= True",
             ),
             (
                 "c, s = math.cos(poses[first, 2]), sense * math.sin(poses[first, 2])",

@@ -7,13 +7,12 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
@@ -21,6 +20,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_session
+from cyclemap.evidence.pushes.columns import PLACES, Row
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
@@ -34,8 +34,6 @@ from cyclemap.text_files import file_stem, read_csv_table
 if TYPE_CHECKING:
     import pandas
 
-# The columns of a CSV table of poses.
-_POSES = {"x0", "y0", "x1", "y1"}
 # File names give fractions and angles to three decimals.
 _ROUNDED = 6e-4
 # A cycle map is compared with a set of cycles of at least so many: two or three tell nothing of a
@@ -62,7 +60,7 @@ class PushSet:
     theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
     """
 
-    facts: Mapping[str, Any]
+    facts: Row
     loop: CollectionLoop
     push: tuple[SidePush, ...]
     theta: Array
@@ -95,13 +93,13 @@ class CollectionData:
     pushes: tuple[PushSet, ...]
     pairs: Theta0Pairs | None
     left_out: Mapping[str, int]
-    loop: Any = None
+    loop: CollectionLoop | None = None
     unreadable: int = 0
     reading: tuple[str, ...] = ()
 
 
 def collection_data(
-    data: Any,
+    data: object,
     loop: CollectionLoop | None,
     *,
     first: int = 0,
@@ -140,23 +138,16 @@ def collection_data(
 
 def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
-    if (
-        path.suffix.lower() == CSV_SUFFIX
-        and not path.is_dir()
-        and not set(read_csv_table(path).header) >= _POSES
-    ):
+    is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
+    if is_table and not set(read_csv_table(path).header) >= PLACES:
         return read_theta0_pairs(path)
-    table = load_pushes(path, progress=progress)
-    if not len(table.table):
-        worst = (
-            f"; the first: {table.unreadable[0].path}: {table.unreadable[0].reason}"
-            if table.unreadable
-            else ""
-        )
-        raise InvalidInput(
-            f"{path}: no push could be read, {len(table.unreadable)} files are bad{worst}"
-        )
-    return table
+    pushes = load_pushes(path, progress=progress)
+    if len(pushes.table):
+        return pushes
+    bad = f"{len(pushes.unreadable)} files are bad"
+    for first in pushes.unreadable[:1]:
+        bad += f"; the first: {first.path}: {first.reason}"
+    raise InvalidInput(f"{path}: no push could be read, {bad}")
 
 
 def measured_pairs(path: str | Path) -> Theta0Pairs:
@@ -200,74 +191,60 @@ def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> Co
 def _of_table(
     given: PushTable, loop: CollectionLoop | None, first: int, length: float
 ) -> CollectionData:
-    table, left_out = given.table, Counter[str]()
-    number = np.where(np.isnan(table["repetition"]), np.arange(len(table)), table["repetition"])
-    left_out[_EARLY] = int(np.sum(number < first))
-    # The rows of each set of equal facts.
-    by_facts: dict[tuple[str, ...], list[int]] = {}
-    for row, key in enumerate(zip(*(map(str, table[name]) for name in SET_FACTS), strict=True)):
-        if number[row] >= first:
-            by_facts.setdefault(key, []).append(row)
-    sets = [_Rows(table, number, np.array(rows, dtype=np.int64)) for rows in by_facts.values()]
+    repetition = given.table["repetition"].to_numpy()
+    number = np.where(np.isnan(repetition), np.arange(repetition.size), repetition)
+    table = given.table.assign(number=number)[number >= first]
+    left_out = Counter({_EARLY: int(np.sum(number < first))})
+    sets = [rows for _, rows in table.groupby([*SET_FACTS], dropna=False, sort=False)]
+    pushes = list[PushSet]()
     if loop is not None:
         sets = _fitting(sets, loop, left_out)
-    pushes = [] if loop is None else _push_sets(sets, loop, length, left_out)
+        pushes = _push_sets(sets, loop, length, left_out)
     pairs, own = _cycles(sets, loop, length, left_out)
     counts = {reason: count for reason, count in left_out.items() if count}
     if not pushes and pairs is None:
-        told = (
-            "; ".join(f"{count}: {reason}" for reason, count in counts.items()) or "it holds none"
+        told = "; ".join(f"{count}: {reason}" for reason, count in counts.items())
+        raise InvalidInput(
+            f"nothing is left of {number.size} pushes to compare with ({told or 'it holds none'})"
         )
-        raise InvalidInput(f"nothing is left of {len(table)} pushes to compare with ({told})")
     return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """The rows of one set, in the order of their numbers."""
+def _facts(rows: pandas.DataFrame) -> Row:
+    """What all pushes of a set share: texts None, numbers NaN where unknown."""
+    facts = {name: rows[name].iloc[0] for name in SET_FACTS}
+    for name in ("surface", "object"):
+        facts[name] = facts[name] if isinstance(facts[name], str) else None
+    return facts
 
-    table: pandas.DataFrame
-    number: Array
-    rows: NDArray[np.int64]
 
-    def __getitem__(self, column: str) -> Array:
-        return np.asarray(self.table[column].to_numpy()[self.rows], dtype=float)
+def _lengths(rows: pandas.DataFrame, length: float, loop: CollectionLoop) -> Array:
+    """How far the rod of a push of the loop went from its first touch (n,), m; `length` where that
+    is unknown.
 
-    def lengths(self, length: float, loop: CollectionLoop) -> Array:
-        """How far the rod of a push of the loop went from its first touch, m; `length` where that
-        is unknown.
-
-        Where it begins is told by its first place and the object's first pose, in the median of the
-        set.
-        """
-        found, theta = self["length"], self["theta0"]
-        if np.isnan(self["tip_x0"]).all():
-            return np.where(np.isnan(found), length, found)
-        push = told_push(loop.push, self.facts, loop.push.distance)
+    Where it begins is told by its first place and the object's first pose, in the median of the
+    set.
+    """
+    far = rows["length"].to_numpy()
+    if rows["tip_x0"].notna().any():
+        push = told_push(loop.push, _facts(rows), loop.push.distance)
         place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        x, y = self["tip_x0"] - self["x0"], self["tip_y0"] - self["y0"]
-        tip = np.stack(
-            [np.cos(theta) * x + np.sin(theta) * y, np.cos(theta) * y - np.sin(theta) * x], axis=-1
-        )
-        gaps = (place - tip) @ way
+        names = ["tip_x0", "tip_y0", "x0", "y0", "theta0"]
+        tip_x, tip_y, x0, y0, theta = rows[names].to_numpy().T
+        x, y, c, s = tip_x - x0, tip_y - y0, np.cos(theta), np.sin(theta)
+        gaps = (place - np.stack([c * x + s * y, c * y - s * x], axis=-1)) @ way
         gap = float(np.median(gaps[np.isfinite(gaps)])) if np.isfinite(gaps).any() else 0.0
-        found = np.where(abs(gap) < _LONGEST_GAP * found, found - gap, found)
-        return np.where(np.isnan(found), length, found)
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        first = self.table.iloc[int(self.rows[0])]
-        texts = {
-            name: first[name] if isinstance(first[name], str) else None for name in SET_FACTS[:2]
-        }
-        return {**texts, **{name: float(first[name]) for name in SET_FACTS[2:]}}
+        far = np.where(abs(gap) < _LONGEST_GAP * far, far - gap, far)
+    return np.where(np.isnan(far), length, far)
 
 
-def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) -> list[_Rows]:
+def _fitting(
+    sets: Sequence[pandas.DataFrame], loop: CollectionLoop, left_out: Counter[str]
+) -> list[pandas.DataFrame]:
     """The sets of the loop's surface and of objects whose outline is known; the others are counted
     by name.
     """
-    told = {one.facts["surface"] for one in sets} - {None}
+    told = {_facts(rows)["surface"] for rows in sets} - {None}
     words = {loop.material.name, re.split(r"[-_ ]", loop.material.name)[0]}
     own = words & (told | {*material_names()} - {"isotropic"})
     if len(told) > 1 and not own:
@@ -277,53 +254,56 @@ def _fitting(sets: list[_Rows], loop: CollectionLoop, left_out: Counter[str]) ->
             "names none of them: select one, surface=NAME"
         )
     fitting = []
-    for one in sets:
-        surface, shape = one.facts["surface"], one.facts["object"]
-        if own and surface is not None and surface not in own:
-            left_out[f"on {surface}, not {min(own, key=len)}"] += one.rows.size
-        elif shape not in (None, file_stem(loop.slider.name), *MIT_SHAPE_NAMES):
-            left_out[_NO_OUTLINE] += one.rows.size
+    for rows in sets:
+        facts = _facts(rows)
+        if own and facts["surface"] not in (None, *own):
+            left_out[f"on {facts['surface']}, not {min(own, key=len)}"] += len(rows)
+        elif facts["object"] not in (None, file_stem(loop.slider.name), *MIT_SHAPE_NAMES):
+            left_out[_NO_OUTLINE] += len(rows)
         else:
-            fitting.append(one)
+            fitting.append(rows)
     return fitting
 
 
+def _of_object(loop: CollectionLoop, name: str | None) -> CollectionLoop:
+    """The loop with the object that data name, its own where they name none."""
+    if name in (None, file_stem(loop.slider.name)):
+        return loop
+    return loop_of_session(loop, Slider.mit(name, loop.slider.hitch))
+
+
 def _push_sets(
-    sets: list[_Rows], loop: CollectionLoop, length: float, left_out: Counter[str]
+    sets: Sequence[pandas.DataFrame], loop: CollectionLoop, length: float, left_out: Counter[str]
 ) -> list[PushSet]:
     """The sets with end poses whose pushes are as long as is known, each with the pushes that the
     data tell.
     """
-    loops, made = {None: loop, file_stem(loop.slider.name): loop}, []
+    loops, made = dict[str | None, CollectionLoop](), list[PushSet]()
     for rows in sets:
-        posed = np.isfinite(rows["dtheta"]) & np.isfinite(rows["dx"])
-        facts = rows.facts
+        facts = _facts(rows)
         if facts["object"] not in loops:
-            loops[facts["object"]] = loop_of_session(
-                loop, Slider.mit(facts["object"], loop.slider.hitch)
-            )
-        loop_of_set = loops[facts["object"]]
-        far = rows.lengths(length, loop_of_set)
+            loops[facts["object"]] = _of_object(loop, facts["object"])
+        own = loops[facts["object"]]
+        posed = rows[["dtheta", "dx"]].notna().all(axis=1).to_numpy()
+        far = _lengths(rows, length, own)
         kept = posed & np.isfinite(far)
         left_out[_NO_POSES] += int(np.sum(~posed))
         left_out[NO_LENGTH] += int(np.sum(posed & ~kept))
-        if not kept.any():
-            continue
-        push = tuple(told_push(loop.push, facts, one) for one in far[kept].tolist())
-        displacement = np.stack([rows["dx"][kept], rows["dy"][kept]], axis=-1)
-        made.append(
-            PushSet(
-                facts, loop_of_set, push, rows["theta0"][kept], rows["dtheta"][kept], displacement
-            )
-        )
+        if kept.any():
+            push = tuple(told_push(loop.push, facts, distance) for distance in far[kept].tolist())
+            theta, dtheta, *moved = rows[["theta0", "dtheta", "dx", "dy"]].to_numpy()[kept].T
+            made.append(PushSet(facts, own, push, theta, dtheta, np.stack(moved, axis=-1)))
     return made
 
 
 def _cycles(
-    sets: list[_Rows], loop: CollectionLoop | None, length: float, left_out: Counter[str]
+    sets: Sequence[pandas.DataFrame],
+    loop: CollectionLoop | None,
+    length: float,
+    left_out: Counter[str],
 ) -> tuple[Theta0Pairs | None, CollectionLoop | None]:
     """The pairs of the set that has most cycles, and the loop that makes them."""
-    counts = [int(np.sum(np.isfinite(one["theta_next"]))) for one in sets]
+    counts = [int(rows["theta_next"].notna().sum()) for rows in sets]
     most = max(counts, default=0)
     if most < FEWEST_CYCLES:
         left_out[f"cycles, fewer than {FEWEST_CYCLES} of one set"] += sum(counts)
@@ -331,35 +311,41 @@ def _cycles(
     left_out[_OTHER_SET] += sum(counts) - most
     rows = sets[counts.index(most)]
     if loop is not None:
-        if rows.facts["object"] not in (None, file_stem(loop.slider.name)):
-            loop = loop_of_session(loop, Slider.mit(rows.facts["object"], loop.slider.hitch))
-        far = float(np.median(rows.lengths(length, loop)))
-        if np.isnan(far) and not np.isnan(rows["dtheta"]).all():
+        loop = _of_object(loop, _facts(rows)["object"])
+        far = float(np.median(_lengths(rows, length, loop)))
+        if math.isnan(far) and rows["dtheta"].notna().any():
             left_out[f"cycles: {NO_LENGTH}"] += most
             return None, loop
-        own, push = (
-            loop.push,
-            told_push(loop.push, rows.facts, loop.push.distance if np.isnan(far) else far),
-        )
-        # One push, but for the three decimals of a file's name and the robot's own errors, is the
-        # loop's.
-        near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
-        if push.side != own.side or not near or abs(push.distance - own.distance) > _SAME_LENGTH:
-            loop = replace(loop, push=push)
-    order = np.argsort(rows.number[rows.rows], kind="stable")
-    theta, ahead, number = (
-        rows["theta0"][order],
-        rows["theta_next"][order],
-        rows.number[rows.rows][order],
-    )
+        loop = _pushing(loop, told_push(loop.push, _facts(rows), far))
+    rows = rows.sort_values("number", kind="stable")
+    theta, ahead, number = rows[["theta0", "theta_next", "number"]].to_numpy().T
     known = np.isfinite(ahead)
-    # The longest run of pushes numbered without a gap.
-    linked = np.isfinite(ahead[:-1]) & (np.diff(number) == 1.0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], linked.astype(np.int8), [0]])))
-    path = run = None
-    if edges.size:
-        longest = int(np.argmax(edges[1::2] - edges[::2]))
-        low, high = edges[::2][longest], edges[1::2][longest]
-        path = theta[low] + np.concatenate([[0.0], np.cumsum(ahead[low:high] - theta[low:high])])
-        run = number[low : high + 1]
+    path, run = _longest_run(theta, ahead, number)
     return Theta0Pairs(theta[known], ahead[known], path, cycle=number[known], path_cycle=run), loop
+
+
+def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
+    """The loop with a push, its own where that is the same but for the three decimals of a file's
+    name and the robot's own errors.
+    """
+    own = loop.push
+    near = max(abs(push.fraction - own.fraction), abs(push.angle - own.angle)) <= _ROUNDED
+    if push.side == own.side and near and abs(push.distance - own.distance) <= _SAME_LENGTH:
+        return loop
+    return replace(loop, push=push)
+
+
+def _longest_run(
+    theta: Array, theta_next: Array, number: Array
+) -> tuple[Array | None, Array | None]:
+    """The path of the longest run of pushes numbered without a gap, and its numbers; None without
+    any.
+    """
+    linked = np.isfinite(theta_next[:-1]) & (np.diff(number) == 1.0)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], linked.astype(np.int8), [0]])))
+    if not edges.size:
+        return None, None
+    longest = int(np.argmax(edges[1::2] - edges[::2]))
+    low, high = edges[::2][longest], edges[1::2][longest]
+    steps = np.cumsum(theta_next[low:high] - theta[low:high])
+    return theta[low] + np.concatenate([[0.0], steps]), number[low : high + 1]

@@ -198,7 +198,7 @@ def compare(
         () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
     )
     wanted = 1 + int(max((np.max(one) for one in numbers), default=0.0))
-    given = prediction if loop is None else collection.loop
+    given = collection.loop or prediction
     chosen = as_prediction(
         given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
     )

@@ -44,15 +44,18 @@ from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progr
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import push_from_contact
+from cyclemap.evidence.pushes.columns import ENDS, named_column
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     DRAG_COLUMNS,
     LARGEST_TIP_ERROR,
     NO_LENGTH,
     PUSH_END_COLUMNS,
+    ROD_OFF,
     MeasuredPush,
     Place,
     RowSelection,
+    push_noise,
     pushes_of,
     read_measured_drags,
     read_measured_pushes,
@@ -65,14 +68,11 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_noise import ROD_OFF, push_noise
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
-    ENDS,
     PushTable,
     UnreadableFile,
     load_pushes,
-    named_column,
 )
 from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose

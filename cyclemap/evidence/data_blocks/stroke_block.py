@@ -33,8 +33,7 @@ from cyclemap.evidence.predicted_strokes import (
     predicted_drag_ends,
     predicted_push_ends,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.evidence.pushes.push_noise import ROD_OFF
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush, Place
 from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS

@@ -20,7 +20,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     Parameter,
     ParameterSpace,
 )
-from cyclemap.evidence.pushes.push_noise import SET_OFF
+from cyclemap.evidence.pushes.measured_strokes import SET_OFF
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]

@@ -43,7 +43,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     owned_shapes,
 )
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.evidence.pushes.push_noise import ROD_OFF
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.written import UNWRITTEN
 

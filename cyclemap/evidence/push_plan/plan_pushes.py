@@ -27,7 +27,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     sampled_beliefs,
     target_of,
 )
-from cyclemap.evidence.pushes.push_noise import push_noise
+from cyclemap.evidence.pushes.measured_strokes import push_noise
 
 MOST_PUSHES = 32
 # How far a ruler and a phone are off, m and rad.

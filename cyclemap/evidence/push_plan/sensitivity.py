@@ -27,7 +27,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
 from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.pushes.push_noise import SET_OFF
+from cyclemap.evidence.pushes.measured_strokes import SET_OFF
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 

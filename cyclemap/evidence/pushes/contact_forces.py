@@ -8,9 +8,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
 
 MIT_ROD_RADIUS = 0.00475
@@ -52,7 +53,7 @@ class ContactSamples:
 
     pressing: Array
     tangential: Array
-    touching: NDArray[np.bool_]
+    touching: Mask
     slip: Array
     window: int
 
@@ -98,10 +99,11 @@ def contact_force_ratio(
     >>> round(contact_force_ratio(PushRecord(still, tip, forces), outline), 6)
     0.1
     """
-    pressing, tangential, touching, _ = _contact_frame(push, outline, rod_radius)
-    if np.count_nonzero(touching) < FEWEST_SAMPLES:
+    contact = _contact_frame(push, outline, rod_radius)
+    force = contact.force[contact.touching]
+    if force.size < FEWEST_SAMPLES:
         return math.nan
-    return float(np.median(np.abs(tangential[touching]) / pressing[touching]))
+    return float(np.median(np.abs(force.imag) / force.real))
 
 
 def contact_samples(
@@ -113,66 +115,75 @@ def contact_samples(
     there and omega the object's rate of turning, its surface slides over the object at t . dq/dt -
     omega rod_radius.
     """
-    pressing, tangential, touching, (time, rod, tangent, angle, tip) = _contact_frame(
-        push, outline, rod_radius
-    )
-    stroke = push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]
-    travel = tip @ stroke / max(float(np.hypot(*stroke)), _SHORTEST_STROKE)
-    steps, slip, window = np.diff(travel), np.full(len(time), math.nan), _FEWEST_IN_WINDOW
+    contact = _contact_frame(push, outline, rod_radius)
+    stroke = complex(*(push.tip_pose[-1, 1:3] - push.tip_pose[0, 1:3]))
+    along_stroke = contact.tip * (stroke.conjugate() / max(abs(stroke), _SHORTEST_STROKE))
+    travel = np.asarray(along_stroke.real)
+    steps, slip, window = np.diff(travel), np.full(travel.size, math.nan), _FEWEST_IN_WINDOW
     moving = steps[steps > _MOVING * np.max(steps, initial=0.0)]
     if moving.size:
         window = max(round(SLIP_WINDOW / float(np.median(moving))) | 1, _FEWEST_IN_WINDOW)
-    if moving.size and window <= len(time):
-        # Rates are slopes of straight lines through a window of samples about each, nan at the
-        # ends.
-        views, values = (
-            np.lib.stride_tricks.sliding_window_view,
-            np.column_stack([rod, angle, travel]),
+    if moving.size and window <= travel.size:
+        rod, angle, speed = (
+            _rates(contact.time, values, window) for values in (contact.rod, contact.angle, travel)
         )
-        lever = views(time, window) - np.mean(views(time, window), axis=1, keepdims=True)
-        inner = (
-            np.einsum("ij,ikj->ik", lever, views(values, window, axis=0))
-            / np.sum(lever**2, axis=1)[:, None]
-        )
-        rates = np.full(values.shape, math.nan)
-        rates[window // 2 : window // 2 + len(inner)] = inner
-        speed = rates[:, 3]
+        # Along the tangent, a quarter turn from the normal.
+        along = (rod * contact.normal.conj()).imag
         with np.errstate(divide="ignore", invalid="ignore"):
-            slip = (np.sum(tangent * rates[:, :2], axis=1) - rod_radius * rates[:, 2]) / speed
+            slip = (along - rod_radius * angle) / speed
         slip = np.where(speed > _MOVING * np.nanmax(speed), slip, math.nan)
-    return ContactSamples(pressing, tangential, touching, slip, window)
+    return ContactSamples(contact.force.real, contact.force.imag, contact.touching, slip, window)
 
 
-def _contact_frame(
-    push: PushRecord, outline: Array, rod_radius: float
-) -> tuple[Array, Array, NDArray[np.bool_], tuple[Array, Array, Array, Array, Array]]:
-    """Normal and tangential force, contact, times with the rod's places and tangents in the
-    object's frame, its tip.
+def _rates(time: Array, values: Array, window: int) -> Array:
+    """Slopes of straight lines through a window of samples about each, NaN at the ends."""
+    times, views = (sliding_window_view(series, window) for series in (time, values))
+    lever = times - np.mean(times, axis=1, keepdims=True)
+    slopes = np.sum(lever * views, axis=1) / np.sum(lever**2, axis=1)
+    rates = np.full(values.shape, math.nan, dtype=values.dtype)
+    rates[window // 2 : window // 2 + len(slopes)] = slopes
+    return rates
+
+
+@dataclass(frozen=True, eq=False)
+class _Contact:
+    """Contact at the times of n wrenches; vectors as complex numbers, in the object's frame but for
+    the tip.
+
+    force : the normal part real, along the tangent imaginary. touching : see `contact_force_ratio`.
     """
+
+    time: Array
+    tip: Array
+    rod: Array
+    normal: Array
+    angle: Array
+    force: Array
+    touching: Mask
+
+
+def _contact_frame(push: PushRecord, outline: Array, rod_radius: float) -> _Contact:
+    """The contact of rod and object, the normal pointing into the object."""
     time, force = _within(push.ft_wrench, (push.object_pose, push.tip_pose))
     tip, centre = (
-        interpolated(time, pose[:, 0], pose[:, 1:3]) for pose in (push.tip_pose, push.object_pose)
+        np.interp(time, pose[:, 0], pose[:, 1] + 1j * pose[:, 2])
+        for pose in (push.tip_pose, push.object_pose)
     )
     angle = np.interp(time, push.object_pose[:, 0], push.object_angle)
-    rod, c, s = tip - centre, np.cos(angle), np.sin(angle)
-    # Both turned back into the object's frame.
-    rod, force = (np.stack([c * x + s * y, c * y - s * x], axis=-1) for x, y in (rod.T, -force.T))
-    offset = nearest_on_polyline(rod, outline)[0] - rod
-    distance = np.hypot(*offset.T)
+    rod = (tip - centre) * np.exp(-1j * angle)
+    nearest = nearest_on_polyline(np.stack([rod.real, rod.imag], axis=-1), outline)[0]
+    offset = nearest[:, 0] + 1j * nearest[:, 1] - rod
+    distance = np.abs(offset)
     with np.errstate(divide="ignore", invalid="ignore"):
-        normal = offset / distance[:, None]
-    tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=-1)
-    pressing, tangential = np.sum(force * normal, axis=1), np.sum(force * tangent, axis=1)
+        normal = offset / distance
+    force = -(force[:, 0] + 1j * force[:, 1]) * np.exp(-1j * angle) * normal.conj()
     # The outline is convex, its corners counter-clockwise.
-    edge, away = np.diff(outline, axis=0), rod[:, None] - outline[:-1]
-    inside = np.all(edge[:, 0] * away[..., 1] - edge[:, 1] * away[..., 0] > 0.0, axis=1)
+    corners = outline[:, 0] + 1j * outline[:, 1]
+    sides = np.diff(corners).conj() * (rod[:, None] - corners[:-1])
+    inside = np.all(sides.imag > 0.0, axis=1)
     near = ~inside & (np.abs(distance - rod_radius) <= CONTACT_SLACK)
-    return (
-        pressing,
-        tangential,
-        near & (pressing >= LEAST_PRESSING),
-        (time, rod, tangent, angle, tip),
-    )
+    touching = near & (force.real >= LEAST_PRESSING)
+    return _Contact(time, tip, rod, normal, angle, force, touching)
 
 
 def scan_forces(scan: ScanRecord) -> tuple[float, float]:

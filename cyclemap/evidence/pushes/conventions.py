@@ -11,17 +11,20 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import unknown_name
+from cyclemap.evidence.pushes.columns import COLUMNS, Kind
 from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.plain_text import plain_number
 from cyclemap.protocol.collection_file import data_table
 from cyclemap.text_files import CsvRow, CsvTable
 
-Number = TypeVar("Number", float, Any)
+Number = TypeVar("Number", float, Array)
 
 # The sense of an angle, and where its zero lies, rad: theta = sense * angle + zero.
 ANGLES: Mapping[str, tuple[float, float]] = {
@@ -43,12 +46,6 @@ _SAID = (
 _NAMED_LAST = re.compile(
     rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$"
 )
-# Columns of tables that every reader takes: pairs of places, angles and turns; in degrees where the
-# name says so.
-_PAIRS = (("x0", "y0"), ("x1", "y1"), ("x0n", "y0n"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
-_ORIENTATIONS = ("th0", "th1", "th0n", "theta0", "theta1", "theta_next")
-_DEGREES = ("theta0_deg", "theta1_deg", "theta_next_deg", "theta0_accum_deg", "theta0_mod360_deg")
-_TURNS = ("dtheta", "dtheta_to_next_deg")
 
 
 @dataclass(frozen=True)
@@ -136,16 +133,9 @@ class Convention:
 
     def words(self) -> str:
         """Return what it says, in words."""
-        angle = (
-            "counter-clockwise from x"
-            if self.angles == "counter-clockwise"
-            else f"{self.angles} from x"
-        )
-        angle = (
-            "compass headings, clockwise from y"
-            if self.angles == "compass"
-            else f"{angle}, seen from above"
-        )
+        angle = f"{self.angles} from x, seen from above"
+        if self.angles == "compass":
+            angle = "compass headings, clockwise from y"
         offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
         return f"axes {self.frame}, angles {angle}{offset}"
 
@@ -161,9 +151,9 @@ class Convention:
             return PushRecord(poses, tips, self._series(record.ft_wrench, False))
         return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
 
-    def _series(self, table: Any, posed: bool) -> Any:
+    def _series(self, table: Array, posed: bool) -> Array:
         """Rows of time, x, y and an angle, or time, two forces and a torque."""
-        time, x, y, last = np.asarray(table).T
+        time, x, y, last = table.T
         handed = 1.0 if self.frame == RIGHT_HANDED else -1.0
         return np.column_stack(
             [time, *self.place(x, y), self.theta(last) if posed else handed * last]
@@ -176,42 +166,56 @@ class Convention:
         x, y = self.place(math.cos(angle), math.sin(angle))
         return math.atan2(y, x)
 
-    def table(self, table: CsvTable) -> CsvTable:
-        """Return a table whose columns every reader takes in our convention; of other columns
-        nothing changes.
+    def columns(self, columns: Mapping[str, Array]) -> dict[str, Array]:
+        """Return columns, each by any of its names, in our convention; others as they are.
 
-        What is no number stays as it is, for its reader to refuse.
+        Of a place of which one ordinate is NaN both are.
+        """
+        ours = dict(columns)
+        for column in COLUMNS.values():
+            for name in columns.keys() & column.names.keys():
+                unit, y_name = column.names[name], name.replace("x", "y")
+                if column.kind is Kind.ANGLE:
+                    ours[name] = self.theta(unit * columns[name]) / unit
+                elif column.kind is Kind.TURN:
+                    ours[name] = self.sense * columns[name]
+                elif column.kind is Kind.PLACE and name != y_name and y_name in columns:
+                    x, y = self.place(columns[name], columns[y_name])
+                    known = np.isfinite(x) & np.isfinite(y)
+                    ours[name] = np.where(known, x, math.nan)
+                    ours[y_name] = np.where(known, y, math.nan)
+        return ours
+
+    def table(self, table: CsvTable) -> CsvTable:
+        """Return a table in our convention; what is no number stays as it is, for its reader to
+        refuse.
         """
         if self.is_ours:
             return table
-        return replace(table, rows=tuple(self._row(table, row) for row in table.rows))
-
-    def _row(self, table: CsvTable, row: CsvRow) -> CsvRow:
-        fields = dict(zip(table.header, row.fields, strict=True))
-        numbers = {name: float(text) for name, text in fields.items() if _is_number(text)}
-        for pair in _PAIRS:
-            if set(pair) <= set(numbers):
-                fields |= zip(
-                    pair, map(repr, self.place(*(numbers[name] for name in pair))), strict=True
+        columns = zip(*(row.fields for row in table.rows), strict=True)
+        texts = dict(zip(table.header, columns, strict=True))
+        numbers = {name: np.array([_number(text) for text in texts[name]]) for name in texts}
+        for name, values in self.columns(numbers).items():
+            if values is not numbers[name]:
+                texts[name] = tuple(
+                    text if math.isnan(value) else repr(value)
+                    for text, value in zip(texts[name], values.tolist(), strict=True)
                 )
-        for name in (*_ORIENTATIONS, *_DEGREES):
-            if name in numbers:
-                scale = math.degrees(1.0) if name in _DEGREES else 1.0
-                fields[name] = repr(scale * self.theta(numbers[name] / scale))
-        for name in _TURNS:
-            if name in numbers:
-                fields[name] = repr(self.sense * numbers[name])
-        return CsvRow(row.line, tuple(fields[name] for name in table.header))
+        fields = zip(*(texts[name] for name in table.header), strict=True)
+        rows = zip(table.rows, fields, strict=True)
+        return replace(table, rows=tuple(CsvRow(row.line, own) for row, own in rows))
 
 
 OURS = Convention()
 
 
-def _is_number(text: str) -> bool:
+def _number(text: str) -> float:
+    """The finite number that a field says, else NaN."""
     try:
-        return math.isfinite(float(text))
+        number = plain_number(text)
     except ValueError:
-        return False
+        return math.nan
+    return number if math.isfinite(number) else math.nan
 
 
 def as_read_name(stem: str, told: Mapping[str, object]) -> str:

@@ -78,10 +78,11 @@ def push_facts(path: str | PurePath) -> PushFacts | None:
     Names are `motion_surface=S_shape=O_a=A_v=V_i=I_s=F_t=T` with A in mm/s^2, V in mm/s and T in
     rad, and `_rep=NNNN` behind it in repeated sets.
     """
-    if (read := _read(_PUSH, path)) is None:
+    found = _PUSH.fullmatch(_bare(path))
+    if found is None:
         return None
-    side, fraction, angle = (float(read[0][letter]) for letter in "ist")
-    return PushFacts(*read[1], side, fraction, angle, read[2])
+    side, fraction, angle = (float(found[letter]) for letter in "ist")
+    return PushFacts(*_motion(found), side, fraction, angle, float(found["rep"] or "nan"))
 
 
 def scan_facts(path: str | PurePath) -> ScanFacts | None:
@@ -90,23 +91,24 @@ def scan_facts(path: str | PurePath) -> ScanFacts | None:
     Names are `record_surface=S_shape=O_a=A_v=V_deg=D_rep=RRR`; scans that also turn the object
     (`rotdeg` in the name) are another kind, and none of these.
     """
-    if (read := _read(_SCAN, path)) is None:
-        return None
-    return ScanFacts(*read[1], math.radians((float(read[0]["deg"]) + 180.0) % 360.0), read[2])
-
-
-def _read(
-    pattern: re.Pattern[str], path: str | PurePath
-) -> tuple[re.Match[str], tuple[str, str, float, float], float] | None:
-    """The match of a name, its surface, object, acceleration and speed, and its repetition."""
-    name = PurePath(path)
-    found = pattern.fullmatch(name.stem if _SUFFIX.fullmatch(name.suffix) else name.name)
+    found = _SCAN.fullmatch(_bare(path))
     if found is None:
         return None
+    direction = math.radians((float(found["deg"]) + 180.0) % 360.0)
+    return ScanFacts(*_motion(found), direction, float(found["rep"] or "nan"))
+
+
+def _bare(path: str | PurePath) -> str:
+    """The name of a file without its suffix."""
+    name = PurePath(path)
+    return name.stem if _SUFFIX.fullmatch(name.suffix) else name.name
+
+
+def _motion(found: re.Match[str]) -> tuple[str, str, float, float]:
+    """Surface, object, acceleration and speed."""
     # The numbers nearest to a thousandth of the text's.
     acceleration, speed = (float(f"{found[letter]}e-3") for letter in "av")
-    motion = acceleration, speed if speed >= 0.0 else math.nan
-    return found, (found["surface"], found["object"], *motion), float(found["rep"] or "nan")
+    return found["surface"], found["object"], acceleration, speed if speed >= 0.0 else math.nan
 
 
 def push_name(facts: PushFacts) -> str:
@@ -155,14 +157,13 @@ def _name(
     read: Callable[[str], PushFacts | ScanFacts | None],
 ) -> str:
     """The name of a file; InvalidInput where reading it gives other facts."""
-    motion = (
-        f"a={_decimal('acceleration', facts.acceleration, 3)}_v={_decimal('speed', facts.speed, 3)}"
+    motion = "_".join(
+        f"{letter}={_decimal(fact, getattr(facts, fact), 3)}"
+        for letter, fact in (("a", "acceleration"), ("v", "speed"))
     )
-    name, repetition = (
-        f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}",
-        facts.repetition,
-    )
-    if not math.isnan(repetition):
+    name = f"{kind}_surface={facts.surface}_shape={facts.object}_{motion}_{place}"
+    if not math.isnan(facts.repetition):
+        repetition = facts.repetition
         number = int(repetition) if float(repetition).is_integer() else repetition
         name += f"_rep={whole_number('repetition', number, 0):0{digits}d}"
     seen = read(name)

@@ -8,115 +8,61 @@ pushes by its episodes, or by its rests.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from importlib import import_module
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cyclemap.arrays import Array, Mask
 from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.pushes.columns import (
+    COLUMNS,
+    ENDS,
+    PLACES,
+    QUATERNION,
+    RODS,
+    UNIT_WORDS,
+    UNITS,
+    UNITS_OF,
+    Kind,
+    meaning_of,
+    unit_of,
+)
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
 from cyclemap.evidence.pushes.own_files import (
     BAGS,
     EXCEL,
     JSON_LINES,
     PARQUET,
-    QUATERNION,
     Columns,
     raw_columns,
 )
 from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
 from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
+from cyclemap.file_text import located
 from cyclemap.plain_text import json_value
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
-_ANGLES = ("theta0", "theta1", "theta_next", "theta")
-_PAIRS = (("x0", "y0"), ("x1", "y1"), ("x", "y"), ("tip_x0", "tip_y0"), ("tip_x1", "tip_y1"))
-_PLACES = tuple(name for pair in _PAIRS for name in pair)
-_LENGTHS = (*_PLACES, "length")
-_TEXTS = ("surface", "object")
-_OTHERS = ("t", "episode", "repetition", "side", "fraction", "angle", *_TEXTS)
-_KNOWN = (*_ANGLES, *_LENGTHS, *_OTHERS, *QUATERNION)
-_ANGLE_UNITS = {"deg": math.pi / 180.0, "rad": 1.0, "turn": 2.0 * math.pi}
-_LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
-_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_UNITS = _ANGLE_UNITS | _LENGTH_UNITS | _TIME_UNITS
-_UNITS_OF = (
-    dict.fromkeys(_ANGLES, _ANGLE_UNITS)
-    | dict.fromkeys(_LENGTHS, _LENGTH_UNITS)
-    | {"t": _TIME_UNITS}
-)
-
-_ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
-_BEFORE, _AFTER = (
-    r"(?:0|before|start|initial|init|pre|vorher|first)",
-    r"(?:1|after|end|final|post|nachher|last)",
-)
-_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)"
-_MEANING = {
-    "theta0": (rf"{_ANGLE}_?{_BEFORE}", rf"{_BEFORE}_{_ANGLE}"),
-    "theta1": (rf"{_ANGLE}_?{_AFTER}", rf"{_AFTER}_{_ANGLE}"),
-    "theta_next": (rf"(?:{_ANGLE}_next|next_{_ANGLE}|th0n)(?:_?0)?",),
-    "theta": (rf"{_ANGLE}",),
-    **{
-        f"{axis}{end}": (rf"(?:pos_?)?{axis}_?{words}", rf"{words}_(?:pos_)?{axis}")
-        for axis in "xy"
-        for end, words in (("0", _BEFORE), ("1", _AFTER))
-    },
-    "x": (r"(?:pos(?:ition)?_)?x",),
-    "y": (r"(?:pos(?:ition)?_)?y",),
-    "t": (r"t|time|timestamp|stamp|secs?|seconds|zeit",),
-    "episode": (r"episode(?:_index|_id)?|trial|push_id",),
-    "repetition": (r"rep|repetition|push(?:_(?:nr|no|number|index))?|cycle|nr|no|number|id|index",),
-    "length": (r"push_?length|push_?distance|push(?=_mm)|push",),
-    "side": (r"side",),
-    "fraction": (r"fraction",),
-    "surface": (r"surface",),
-    "object": (r"object|shape",),
-    **{
-        f"tip_{axis}{end}": (rf"{_ROD}_{axis}_?{words}", rf"{_ROD}_{words}_{axis}")
-        for axis in "xy"
-        for end, words in (("0", _BEFORE), ("1", _AFTER))
-    },
-    **{
-        name: (
-            rf"(?:orientation_|quat(?:ernion)?_)?{name}",
-            rf"(?:orientation|quat(?:ernion)?)_{name[1]}",
-        )
-        for name in QUATERNION
-    },
-}
-_UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    "radians": "rad",
-    "metres": "m",
-    "meters": "m",
-    **dict.fromkeys(("in", "inches"), "inch"),
-    **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
-}
+# What may be told of a table: the angle of pushes goes by no name of its own.
+_READ = [name for name, column in COLUMNS.items() if column.patterns]
+_KNOWN = (*_READ, "angle", "pose")
+# What is taken of a table of poses.
+_FACTS = ("side", "fraction", "angle", "length")
+_POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS, *RODS)
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
-_POSES = {"x0", "y0", "x1", "y1"}
 _OURS = (
     {"theta0_deg"},
     {"theta0_accum_deg"},
-    _POSES,
+    PLACES,
     {"x1", "y1", "x0n", "y0n"},
     {"fx", "fy", "vx", "vy"},
 )
 # Seconds from row to row: up to this many rows follow a moving object.
 _STREAM_STEP = 0.4
 _LONGEST_HEADER = 100_000
-# Angles beyond this are no radians, not even where they go on past a turn; places beyond this no
-# metres of a table.
-_NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
-# So many angles that fill so much of one and no more are turns as likely as radians.
-_TELLING, _MOST_OF_A_TURN = 8, 0.7
-# Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
-# on.
-_AN_EPOCH = 1e8
+# Fewer rows than this may follow each other as they like.
+_TELLING = 8
 # Pairs from which on it is told that they look random: 96 % of random ones do.
 _FEWEST_AT_RANDOM = 20
 # No reset turns an object alike to this (rad).
@@ -137,9 +83,14 @@ class OwnTable:
     guessed: bool
     segments: Segments | None = None
 
+    def then(self, columns: Mapping[str, Array], *words: str) -> OwnTable:
+        """The table with other columns, after what was said these words."""
+        return replace(self, columns=columns, words=(*self.words, *words))
+
     def csv_text(self) -> str:
         """The table as a CSV file that every reader of pushes takes."""
-        pandas: Any = import_module("pandas")
+        import pandas
+
         columns = self.columns
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
@@ -208,17 +159,16 @@ def read_own_table(
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)
-    found, words, guessed, segments = _understood(
-        Path(path), dict(columns or {}), units, convention
-    )
-    pushes, more_words = _cleaned(Path(path), found)
-    return OwnTable(pushes, (*words, *more_words, _assumed(pushes, convention)), guessed, segments)
+    table = _understood(Path(path), columns or {}, units, convention)
+    with located(str(path), DataFileError):
+        table = _cleaned(table)
+    return table.then(table.columns, _assumed(set(table.columns) >= PLACES, convention))
 
 
-def _assumed(pushes: Columns, convention: Convention) -> str:
+def _assumed(posed: bool, convention: Convention) -> str:
     """What is said of the convention:
     orientations alone cannot tell whether it is the right one."""
-    if set(pushes) >= _POSES:
+    if posed:
         return f"read with {convention.words()}"
     angles = convention.words().partition("angles ")[2]
     return (
@@ -241,12 +191,11 @@ def read_orientations(
         also where rows to come could change what earlier ones mean: a stream of poses, or a unit
         that would be guessed.
     """
-    found, words, guessed, _ = _understood(
-        Path(path), dict(columns or {}), units, convention, growing
-    )
-    known = np.isfinite(found["theta0"])
-    said = (*words, *_without_orientation(known), _assumed({}, convention))
-    return OwnTable({"theta0": found["theta0"][known]}, said, guessed)
+    table = _understood(Path(path), columns or {}, units, convention, growing)
+    theta = table.columns["theta0"]
+    known = np.isfinite(theta)
+    words = (*_without_orientation(known), _assumed(False, convention))
+    return table.then({"theta0": theta[known]}, *words)
 
 
 def _without_orientation(known: Mask) -> list[str]:
@@ -256,333 +205,237 @@ def _without_orientation(known: Mask) -> list[str]:
 
 def _understood(
     place: Path,
-    told: dict[str, str],
+    told: Mapping[str, str],
     units: Sequence[str],
     convention: Convention,
     growing: bool = False,
-) -> tuple[Columns, list[str], bool, Segments | None]:
-    """The columns in SI units and our convention by our names, what was read as what, whether any
-    of that is a guess, and how a stream was cut.
-    """
-    units = [_UNIT_WORDS.get(unit, unit) for unit in units]
+) -> OwnTable:
+    """The columns in SI units and our convention by our names, a row a push in their order."""
+    units = [UNIT_WORDS.get(unit, unit) for unit in units]
+    _refuse_unknown(told, units)
     if growing and place.suffix.lower() not in TEXTS:
         raise DataFileError(
             f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
             "grows"
         )
-    for name in told:
-        if name not in (*_KNOWN, "pose"):
-            raise InvalidInput(f"--columns {name}=...: know {', '.join((*_KNOWN, 'pose'))}")
-    for unit in units:
-        if unit not in _UNITS:
-            raise InvalidInput(f"--units {unit}: know {', '.join(_UNITS)}")
     raw = raw_columns(place, told, growing)
-    meaning = _meaning(place, raw, told)
-    if growing and "theta0" not in meaning and ({"t", "episode", "qw"} & set(meaning)):
-        raise DataFileError(
-            f"{place}: a stream of poses is cut into pushes once it is whole: without --follow"
-        )
-    words = [f"{place.name}: {len(next(iter(raw.values())))} rows"]
-    found: Columns = {}
-    for name, column in meaning.items():
-        if name in _TEXTS:
-            found[name] = raw[column]
-            continue
-        factor, said = _factor(name, meaning, raw, units)
-        if growing and name in _ANGLES and "guessed" in said:
-            raise DataFileError(
-                f"{place}: later rows may tell another unit of {column}: say it, --units deg or rad"
+    with located(str(place), DataFileError):
+        meaning = meaning_of(raw, told)
+        if growing and "theta0" not in meaning and {"t", "episode", "qw"} & set(meaning):
+            raise InvalidInput(
+                "a stream of poses is cut into pushes once it is whole: without --follow"
             )
-        found[name] = factor * raw[column]
+        columns, words, guessed = _in_si_units(raw, meaning, units, growing)
+        if "qw" in columns:
+            columns["theta"] = _heading(*(columns.pop(name) for name in QUATERNION))
+        rows = f"{place.name}: {len(next(iter(raw.values())))} rows"
+        table = OwnTable(
+            convention.columns(columns), (rows, *words), len(meaning) > len(told) or not units
+        )
+        if "theta" in columns and "theta0" not in columns:
+            if _is_stream(columns, "t" in guessed):
+                return _pushes(place, table)
+            table = _a_row_a_push(table)
+        elif "theta1" not in columns:
+            _refuse_a_stream(columns, meaning)
+        return table if growing else _ordered(table)
+
+
+def _refuse_unknown(told: Mapping[str, str], units: Sequence[str]) -> None:
+    """Refuse columns and units that nobody knows."""
+    for name in told:
+        if name not in _KNOWN:
+            raise InvalidInput(f"--columns {name}=...: know {', '.join(_KNOWN)}")
+    for unit in units:
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+
+
+def _in_si_units(
+    raw: Columns, meaning: Mapping[str, str], units: Sequence[str], growing: bool
+) -> tuple[Columns, list[str], set[str]]:
+    """The columns by our names, what is said of them, and whose unit is a guess."""
+    columns, words, guessed = Columns(), list[str](), set[str]()
+    for name, column in meaning.items():
+        kind, said = COLUMNS[name].kind, ""
+        columns[name] = raw[column]
+        if kind is Kind.TEXT:
+            continue
+        if kind in UNITS_OF:
+            unit, said = unit_of(name, meaning, raw, units)
+            columns[name] = UNITS[unit] * raw[column]
+        if "guessed" in said:
+            guessed.add(name)
+            if growing and kind is Kind.ANGLE:
+                raise InvalidInput(
+                    f"later rows may tell another unit of {column}: say it, --units deg or rad"
+                )
         words.append(f"{column} read as {name}{said}")
-    if unread := [column for column in raw if column not in meaning.values()]:
+    unread = [column for column in raw if column not in meaning.values()]
+    if unread:
         words.append(f"not read: {', '.join(unread)[:400]}")
-    if "qw" in found:
-        x, y, z, w = (found.pop(name) for name in QUATERNION)
-        size = x * x + y * y + z * z + w * w
-        found["theta"] = np.arctan2(
-            2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size
-        )
-    for name in set(_ANGLES) & set(found):
-        found[name] = convention.theta(found[name])
-    for pair in _PAIRS:
-        if set(pair) <= set(found):
-            found |= dict(zip(pair, convention.place(*(found[name] for name in pair)), strict=True))
-    segments, sure = None, len(meaning) > len(told) or not units
-    if "theta" in found and "theta0" not in found:
-        if _is_stream(place, found, any(" as t in s, guessed" in line for line in words)):
-            found, more, segments = _pushes(place, found)
-            return found, [*words, *more], sure, segments
-        found["theta0"] = found.pop("theta")
-        if "t" in found or "episode" in found:
-            words.append("a row a push: its orientation the one before the push")
-    if "t" in found and len(found["t"]) > _TELLING and "theta1" not in found:
-        step = float(np.median(np.abs(np.diff(found["t"]))))
-        if 0.0 < step <= _STREAM_STEP:
-            line = f"{place}: {step:.2g} s from row to row, so that many rows follow one push"
-            mend = (
-                f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
-                "leave the times out"
-            )
-            raise DataFileError(f"{line}: {mend}")
-    if not growing:
-        found, more = _ordered(found)
-        words += more
-    return found, words, sure, segments
+    return columns, words, guessed
 
 
-def _ordered(found: Columns) -> tuple[Columns, list[str]]:
-    """Rows a push in the order of their numbers, else of their times, and what was done."""
-    for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
-        numbers = found.get(name)
-        if numbers is None:
-            continue
-        if not np.isfinite(numbers).all() or np.unique(numbers).size < numbers.size:
-            # Of a push that is there twice, or has no number, nobody knows the place.
-            if name == "repetition":
-                found.pop(name)
-                return found, [
-                    f"{what} of pushes are missing or there twice: rows are taken in their own "
-                    "order"
-                ]
-            continue
-        if (np.diff(numbers) < 0.0).any():
-            order = np.argsort(numbers, kind="stable")
-            return {one: column[order] for one, column in found.items()}, [
-                f"rows put in the order of their {what}"
-            ]
-        return found, []
-    return found, []
-
-
-def _bare(column: str) -> tuple[str, str]:
-    """A column's name without its unit, and the unit; both in small letters."""
-    name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
-    # One bracket, not a run of them: the search takes no longer than the name is.
-    found = re.search(
-        r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|in|inch|inches|turns?|revs?|revolutions|s|ms|us|ns)[\])]*$",
-        name,
-    )
-    told = name[: found.start()].rstrip("_[(") if found else ""
-    if found and told:
-        return told.strip("_"), _UNIT_WORDS.get(found.group(1), found.group(1))
-    return name.strip("_"), ""
-
-
-def _meaning(path: Path, raw: Columns, told: Mapping[str, str]) -> dict[str, str]:
-    """The file's column for each name that is told or recognised."""
-    have = ", ".join(list(raw)[:20])
-    meaning = {name: column for name, column in told.items() if name != "pose"}
-    for name, column in meaning.items():
-        if column not in raw:
-            raise DataFileError(f"{path}: no column {column} for {name}; it has {have}")
-    for name, patterns in _MEANING.items():
-        if name in meaning:
-            continue
-        free = [column for column in raw if column not in meaning.values()]
-        hits = [
-            column
-            for column in free
-            if any(re.fullmatch(one, _bare(column)[0]) for one in patterns)
-        ]
-        if len(hits) > 1:
-            both = f"{' and '.join(hits)} may both be {name}"
-            raise DataFileError(f"{path}: {both}: say which, --columns {name}={hits[0]}")
-        if hits:
-            meaning[name] = hits[0]
-    if "theta1" in meaning and "theta1" not in told and not set(meaning) >= _POSES:
-        after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}"
-        raise DataFileError(
-            f"{path}: is {after} the orientation after the push, or before the next one? {told_by}"
-        )
-    quaternion = set(QUATERNION) & set(meaning)
-    if quaternion and quaternion != set(QUATERNION):
-        raise DataFileError(
-            f"{path}: of a quaternion all of qx, qy, qz, qw are wanted; it has {have}"
-        )
-    if not {"theta0", "theta", "qw"} & set(meaning):
-        # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
-        one = "theta" if {"t", "episode"} & set(meaning) else "theta0"
-        mend = f"say which, --columns {one}=NAME"
-        raise DataFileError(
-            f"{path}: no column of the object's orientation before each push: {mend}; it has {have}"
-        )
-    return meaning
-
-
-def _factor(
-    name: str, meaning: Mapping[str, str], raw: Columns, units: Sequence[str]
-) -> tuple[float, str]:
-    """SI units of one unit of a column, and how that is said. All angles, and all places, are
-    guessed to be alike.
-    """
-    alike = _ANGLES if name in _ANGLES else _PLACES if name in _PLACES else (name,)
-    kinds = (
-        _ANGLE_UNITS
-        if name in _ANGLES
-        else _LENGTH_UNITS
-        if name in _LENGTHS
-        else _TIME_UNITS
-        if name == "t"
-        else {}
-    )
-    if not kinds:
-        return 1.0, ""
-    told = next((unit for unit in units if unit in kinds), None)
-    if told is not None:
-        return _UNITS[told], f" in {told}"
-    named = {one: _bare(meaning[one])[1] for one in alike if one in meaning}
-    if named[name] in kinds:
-        return _UNITS[named[name]], f" in {named[name]}, by its name"
-    others = {unit for unit in named.values() if unit in kinds}
-    if len(others) == 1:
-        return _UNITS[unit := others.pop()], f" in {unit}, as its like"
-    values = [raw[meaning[one]] for one, unit in named.items() if unit not in kinds]
-    reaches = [float(np.abs(column[np.isfinite(column)]).max(initial=0.0)) for column in values]
-    least, most = min(reaches), max(reaches)
-    if name == "t" and most > _AN_EPOCH:
-        # A count since 1970: its size tells the unit.
-        unit = list(_TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return _UNITS[unit], f" in {unit} since 1970"
-    if name == "t":
-        unit = "s"
-    elif name in _ANGLES:
-        turns = values[0][np.isfinite(values[0])]
-        if most <= 1.0 and turns.size >= _TELLING and float(np.ptp(turns)) > _MOST_OF_A_TURN:
-            told = f"{meaning[name]} runs from {turns.min():.3g} to {turns.max():.3g}"
-            raise DataFileError(
-                f"{told}: are these turns, or radians? Say --units turn or --units rad"
-            )
-        unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
-    else:
-        unit = "m" if most <= _NO_METRES else "mm"
-    return _UNITS[
-        unit
-    ], f" in {unit}, guessed: {'they reach' if len(values) > 1 else 'it reaches'} {most:.4g}"
+def _heading(x: Array, y: Array, z: Array, w: Array) -> Array:
+    """The turn about the upright axis (n,), rad, of quaternions of any length."""
+    size = x * x + y * y + z * z + w * w
+    return np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
 
 
 # -- from streams and rows to pushes
 # ---------------------------------------------------------------------------------
 
 
-def _is_stream(path: Path, found: Columns, guessed: bool) -> bool:
+def _a_row_a_push(table: OwnTable) -> OwnTable:
+    """Orientations of a moving object that are those before pushes."""
+    columns = dict(table.columns)
+    columns["theta0"] = columns.pop("theta")
+    if not {"t", "episode"} & set(columns):
+        return table.then(columns)
+    return table.then(columns, "a row a push: its orientation the one before the push")
+
+
+def _refuse_a_stream(columns: Columns, meaning: Mapping[str, str]) -> None:
+    """Refuse orientations before pushes that come too fast to be that."""
+    if "t" not in columns or len(columns["t"]) <= _TELLING:
+        return
+    step = float(np.median(np.abs(np.diff(columns["t"]))))
+    if 0.0 < step <= _STREAM_STEP:
+        line = f"{step:.2g} s from row to row, so that many rows follow one push"
+        mend = (
+            f"say --columns theta={meaning.get('theta0', 'NAME')} in place of theta0, or "
+            "leave the times out"
+        )
+        raise InvalidInput(f"{line}: {mend}")
+
+
+def _ordered(table: OwnTable) -> OwnTable:
+    """Rows a push in the order of their numbers, else of their times."""
+    columns = dict(table.columns)
+    for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
+        if name not in columns:
+            continue
+        numbers = columns[name]
+        if np.isfinite(numbers).all() and np.unique(numbers).size == numbers.size:
+            if (np.diff(numbers) > 0.0).all():
+                return table
+            order = np.argsort(numbers, kind="stable")
+            columns = {column: values[order] for column, values in columns.items()}
+            return table.then(columns, f"rows put in the order of their {what}")
+        if name == "repetition":
+            # Of a push that is there twice, or has no number, nobody knows the place.
+            del columns[name]
+            said = f"{what} of pushes are missing or there twice: rows are taken in their own order"
+            return table.then(columns, said)
+    return table
+
+
+def _is_stream(columns: Columns, guessed: bool) -> bool:
     """Whether rows follow a moving object, several to a push; `guessed`:
     the unit of its times is."""
-    if "episode" in found:
-        return bool((np.diff(found["episode"]) == 0.0).any())
-    if "t" not in found:
+    if "episode" in columns:
+        return bool((np.diff(columns["episode"]) == 0.0).any())
+    if "t" not in columns:
         return False
-    step = (
-        float(np.median(np.diff(np.sort(found["t"][np.isfinite(found["t"])]))))
-        if found["t"].size > 1
-        else 0.0
-    )
+    t = columns["t"]
+    step = float(np.median(np.diff(np.sort(t[np.isfinite(t)])))) if t.size > 1 else 0.0
     if not step > 0.0:
-        raise DataFileError(
-            f"{path}: its times do not rise from row to row; mend them, or say --columns "
-            "theta0=NAME"
+        raise InvalidInput(
+            "its times do not rise from row to row; mend them, or say --columns theta0=NAME"
         )
-    if _STREAM_STEP < step < _A_CYCLE or (
-        guessed and step >= _A_CYCLE and (found["t"] % 1.0 == 0.0).all()
-    ):
-        raise DataFileError(
-            f"{path}: {step:g} s from row to row: do several rows follow one push, or is each a "
-            "push of its own? Say the unit of its times, --units s or ms; where each row is a "
-            "push, leave the times out"
+    is_whole = guessed and step >= _A_CYCLE and (t % 1.0 == 0.0).all()
+    if is_whole or _STREAM_STEP < step < _A_CYCLE:
+        raise InvalidInput(
+            f"{step:g} s from row to row: do several rows follow one push, or is each a push of "
+            "its own? Say the unit of its times, --units s or ms; where each row is a push, leave "
+            "the times out"
         )
     return step <= _STREAM_STEP
 
 
-def _pushes(path: Path, stream: Columns) -> tuple[Columns, list[str], Segments | None]:
+def _pushes(path: Path, table: OwnTable) -> OwnTable:
     """The pushes of a stream of poses: one an episode, else what its rests and its ring's place
     tell.
     """
-    good = np.isfinite(stream["theta"])
-    for name in ("t", "x", "y"):
-        good &= np.isfinite(stream.get(name, stream["theta"]))
-    lost = (
-        [f"left out for want of a pose: {int((~good).sum())} of {good.size} rows"]
-        if not good.all()
-        else []
-    )
+    stream, words = table.columns, list[str]()
+    known = {"theta", "t", "x", "y"} & set(stream)
+    good = np.all([np.isfinite(stream[name]) for name in known], axis=0)
+    if not good.all():
+        words.append(f"left out for want of a pose: {int((~good).sum())} of {good.size} rows")
     stream = {name: values[good] for name, values in stream.items()}
-    if "episode" not in stream:
-        order = np.argsort(stream["t"], kind="stable")
-        if (np.diff(stream["t"]) < 0.0).any():
-            lost.append("rows put in the order of their times")
-        moving = {name: values[order] for name, values in stream.items()}
-        found, seen = cut_stream(path, moving)
-        return found, [*lost, seen.words], seen
+    if "episode" in stream:
+        pushes = _episodes(stream)
+        return table.then(pushes, *words, f"{pushes['theta0'].size} pushes, one an episode")
+    if (np.diff(stream["t"]) < 0.0).any():
+        words.append("rows put in the order of their times")
+    order = np.argsort(stream["t"], kind="stable")
+    pushes, seen = cut_stream(path, {name: values[order] for name, values in stream.items()})
+    return replace(table.then(pushes, *words, seen.words), segments=seen)
+
+
+def _episodes(stream: Columns) -> Columns:
+    """The first and the last pose of each episode."""
     known = np.isfinite(stream["episode"])
     stream = {name: values[known] for name, values in stream.items()}
     cuts = np.flatnonzero(np.diff(stream["episode"])) + 1
-    parts = np.split(np.arange(stream["theta"].size), cuts)
-    spans = [(int(one[0]), int(one[-1])) for one in parts if one.size > 1]
-    if not spans:
-        raise DataFileError(f"{path}: no push in it: no episode has two rows")
-    theta = np.concatenate(
-        [np.unwrap(stream["theta"][a : b + 1])[[0, -1]] for a, b in spans]
-    ).reshape(-1, 2)
-    pushes: Columns = {"theta0": theta[:, 0], "theta1": theta[:, 1]}
-    ends = np.array(spans)
-    for axis in ("x", "y"):
-        place = stream.get(axis, np.zeros(stream["theta"].size))
-        pushes |= {f"{axis}{end}": place[ends[:, end]] for end in (0, 1)}
-    return pushes, [*lost, f"{len(spans)} pushes, one an episode"], None
+    rows = [own for own in np.split(np.arange(stream["theta"].size), cuts) if own.size > 1]
+    if not rows:
+        raise InvalidInput("no push in it: no episode has two rows")
+    theta = np.array([np.unwrap(stream["theta"][own])[[0, -1]] for own in rows])
+    pushes: Columns = {}
+    for end, place in (("0", 0), ("1", -1)):
+        pushes[f"theta{end}"] = theta[:, place]
+        ends = [own[place] for own in rows]
+        for axis in ("x", "y"):
+            pushes[f"{axis}{end}"] = stream.get(axis, np.zeros(known.size))[ends]
+    return pushes
 
 
-def _cleaned(path: Path, found: Columns) -> tuple[Columns, list[str]]:
+def _cleaned(table: OwnTable) -> OwnTable:
     """Rows with an orientation, and with it the next one's where that follows; what was left out is
     told.
     """
-    known = np.isfinite(found["theta0"])
-    words, posed = _without_orientation(known), set(found) >= {"theta1", *_POSES}
-    number, at_random = found.get("repetition", np.arange(known.size, dtype=float)), False
-    if (
-        "theta_next" not in found
-        and not posed
-        and known.all()
-        and (np.diff(number) == 1.0).all()
-        and known.size > 1
-    ):
-        return {"theta0": found["theta0"]}, words
-    if "theta_next" not in found:
-        following = np.append(found["theta0"][1:], math.nan)
-        follows = np.append(np.diff(number) == 1.0, False)
-        found["theta_next"] = np.where(follows, following, math.nan)
-        if not follows[:-1].all():
-            words.insert(
-                0, f"no pair across gaps in the numbers of the pushes: {int((~follows[:-1]).sum())}"
-            )
-        pairs = np.isfinite(found["theta0"]) & np.isfinite(found["theta_next"])
-        now, later = found["theta0"][pairs], found["theta_next"][pairs]
-        # Where a reset makes them they gather somewhere, or turns have a mean.
-        gather = max(
-            (abs(np.exp(1j * angle).mean()) for angle in (later, later - now) if now.size),
-            default=1.0,
-        )
-        at_random = posed and now.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(now.size)
-        even = posed and now.size > 2 and float(np.ptp(later - now)) < _EVENLY
-        if at_random or even:
-            how = (
-                "are evenly spaced: taken as set one by one"
-                if even
-                else "go with nothing: taken as set at random"
-            )
-            words.append(f"orientations before pushes {how}, no cycle among them")
-            at_random = True
-            del found["theta_next"]
-    wanted = ("theta1", *_POSES) if posed else ("theta_next",)
-    kept = known & np.all([np.isfinite(found[name]) for name in wanted], axis=0)
+    columns = dict(table.columns)
+    theta = columns["theta0"]
+    known, posed = np.isfinite(theta), set(columns) >= {"theta1", *PLACES}
+    number = columns.get("repetition", np.arange(known.size, dtype=float))
+    follows = np.append(np.diff(number) == 1.0, False)
+    gaps = int((~follows[:-1]).sum())
+    words, how = _without_orientation(known), None
+    if "theta_next" not in columns:
+        if not posed and known.all() and not gaps and known.size > 1:
+            return table.then({"theta0": theta}, *words)
+        if gaps:
+            words = [f"no pair across gaps in the numbers of the pushes: {gaps}", *words]
+        columns["theta_next"] = np.where(follows, np.append(theta[1:], math.nan), math.nan)
+        how = _how_set(theta, columns["theta_next"]) if posed else None
+    columns["repetition"] = number
+    named: tuple[str, ...] = _POSED if posed else ("theta0", "theta_next")
+    if how is not None:
+        words.append(f"orientations before pushes {how}, no cycle among them")
+        named = tuple(name for name in named if name not in ("theta_next", "repetition"))
+    wanted = ENDS if posed else ("theta0", "theta_next")
+    kept = np.all([np.isfinite(columns[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
-        raise DataFileError(f"{path}: {told}; two or more are wanted")
-    ends = ("x0", "y0", "theta0", "x1", "y1", "theta1", "theta_next", "repetition")
-    poses = (*_TEXTS, *ends, "side", "fraction", "angle", "length", *_PLACES[-4:])
-    if at_random:
-        found.pop("repetition", None)
-    elif posed:
-        found["repetition"] = number
-    named = [name for name in (poses if posed else ("theta0", "theta_next")) if name in found]
-    return {name: found[name][kept] for name in named}, words
+        raise InvalidInput(f"{told}; two or more are wanted")
+    pushes = {name: columns[name][kept] for name in named if name in columns}
+    return table.then(pushes, *words)
+
+
+def _how_set(theta: Array, theta_next: Array) -> str | None:
+    """How orientations (n,), rad, before pushes were set, if not by a reset; `theta_next`: NaN
+    where none follows.
+    """
+    pairs = np.isfinite(theta) & np.isfinite(theta_next)
+    later, turn = theta_next[pairs], (theta_next - theta)[pairs]
+    if turn.size > 2 and float(np.ptp(turn)) < _EVENLY:
+        return "are evenly spaced: taken as set one by one"
+    # Where a reset makes them they gather somewhere, or turns have a mean.
+    gather = max(
+        (abs(np.exp(1j * angle).mean()) for angle in (later, turn) if turn.size), default=1.0
+    )
+    if turn.size >= _FEWEST_AT_RANDOM and gather < 2.0 / math.sqrt(turn.size):
+        return "go with nothing: taken as set at random"
+    return None

@@ -9,13 +9,13 @@ frame makes the table readable without the object.
 
 from __future__ import annotations
 
+import cmath
 import io
 import math
 import warnings
 from collections.abc import Sequence
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -155,170 +155,159 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
             f"{path}: the table has lost its column {missing[0]}: leave all that were planned as "
             "they are"
         )
-    count, rows = len(columns["push"]), []
-    with_drag, by_robot = 0, 0
-    swapped = list[str]()
-    for row in range(count):
-        states = {state: _measured_pose(path, columns, row, state) for state in _STATES}
-        start, end, back = (states[state] for state in _STATES)
-        if start is None or end is None:
-            continue
-        rod = _rod(path, columns, row, start)
-        by_robot += not math.isnan(_numbers(columns, row, ROD)[0])
-        filled = [
-            start.x,
-            start.y,
-            start.theta,
-            end.x,
-            end.y,
-            start.theta + shorter_way(end.theta - start.theta),
-            *rod,
-        ]
-        filled += [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
-        with_drag += back is not None
-        if _lies_half_turned(columns, row, start):
-            swapped.append(_place(path, columns, row))
-        filled += _errors(path, columns, row)
-        rows.append([str(columns["object"][row]), columns["push"][row], *filled])
-    if not rows:
+    planned = [_Row(path, columns, index) for index in range(len(columns["push"]))]
+    filled = [row for row in planned if row.pose("0") and row.pose("1")]
+    if not filled:
         raise DataFileError(
             f"{path}: no push is filled in: measure the object before and after each, and write "
             "it down"
         )
+    swapped = [row for row in filled if row.lies_half_turned]
     if swapped:
         lay = (
-            f"{swapped[0]}: the object lay half a turn from set_theta_deg, as in {len(swapped)} of "
-            f"{len(rows)} pushes"
+            f"{swapped[0].name}: the object lay half a turn from set_theta_deg, as in "
+            f"{len(swapped)} of {len(filled)} pushes"
         )
         mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
         warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
     names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
-    pandas: Any = import_module("pandas")
-    frame = pandas.DataFrame(rows, columns=names)
-    if not by_robot:
+    import pandas
+
+    frame = pandas.DataFrame([row.told() for row in filled], columns=names)
+    if np.isnan([row.numbers(ROD)[0] for row in filled]).all():
         frame[FRAMES_AGREE] = 1
     # Without drags and errors the table tells of none.
     text = str(frame.dropna(axis="columns", how="all").to_csv(index=False, lineterminator="\n"))
+    with_drag = sum(row.pose("2") is not None for row in filled)
     return text, [
-        f"{path.name}: {len(rows)} of {count} planned pushes filled in, {with_drag} with their "
-        "drag back"
+        f"{path.name}: {len(filled)} of {len(planned)} planned pushes filled in, {with_drag} with "
+        "their drag back"
     ]
 
 
-def _numbers(columns: Columns, row: int, names: Sequence[str]) -> list[float]:
-    return [float(columns[name][row]) if name in columns else math.nan for name in names]
+@dataclass(frozen=True, eq=False)
+class _Row:
+    """A planned push as it was filled in."""
 
+    path: Path
+    columns: Columns
+    index: int
 
-def _place(path: Path, columns: Columns, row: int) -> str:
-    """How a row is called: by the number of its push, where that is not lost."""
-    push = columns["push"][row]
-    return (
-        f"{path}, push {push:g}"
-        if math.isfinite(push)
-        else f"{path}, row {row + 1} below the header"
-    )
+    @property
+    def name(self) -> str:
+        """How it is called: by the number of the push, where that is not lost."""
+        push = self.columns["push"][self.index]
+        known = math.isfinite(push)
+        what = f"push {push:g}" if known else f"row {self.index + 1} below the header"
+        return f"{self.path}, {what}"
 
+    def error(self, words: str) -> DataFileError:
+        """What is wrong with it."""
+        return DataFileError(f"{self.name}: {words}")
 
-def _planned(path: Path, columns: Columns, row: int, names: Sequence[str]) -> list[float]:
-    """What a row has in columns that were planned; DataFileError where that was lost."""
-    values = _numbers(columns, row, names)
-    for name, value in zip(names, values, strict=True):
-        if not math.isfinite(value):
-            raise DataFileError(
-                f"{_place(path, columns, row)}: {name} is no number: leave what was planned as "
-                "it was"
-            )
-    return values
+    def numbers(self, names: Sequence[str]) -> list[float]:
+        """What it has in columns; NaN where there is none."""
+        return [
+            float(self.columns[name][self.index]) if name in self.columns else math.nan
+            for name in names
+        ]
 
+    def planned(self, names: Sequence[str]) -> list[float]:
+        """What it has in columns that were planned; DataFileError where that was lost."""
+        values = self.numbers(names)
+        for name, value in zip(names, values, strict=True):
+            if not math.isfinite(value):
+                raise self.error(f"{name} is no number: leave what was planned as it was")
+        return values
 
-def _errors(path: Path, columns: Columns, row: int) -> list[float]:
-    """How far off readings are, mm and degrees; NaN where nothing is said."""
-    errors = _numbers(columns, row, ERRORS)
-    for name, error in zip(ERRORS, errors, strict=True):
-        if error < 0.0 or math.isinf(error):
-            raise DataFileError(
-                f"{_place(path, columns, row)}: {name} is {error:g}: give 0 or more, or nothing"
-            )
-    return errors
+    def told(self) -> list[object]:
+        """What it tells, m and rad: its object and number, poses and rod of the push, the pose
+        after the drag, and how far off readings are.
+        """
+        start, end, back = (self.pose(state) for state in _STATES)
+        assert start is not None and end is not None
+        turned = start.theta + shorter_way(end.theta - start.theta)
+        rod = self._rod(start)
+        dragged = [math.nan] * 3 if back is None else [back.x, back.y, back.theta]
+        errors = self.numbers(ERRORS)
+        for name, error in zip(ERRORS, errors, strict=True):
+            if error < 0.0 or math.isinf(error):
+                raise self.error(f"{name} is {error:g}: give 0 or more, or nothing")
+        called = [str(self.columns["object"][self.index]), self.columns["push"][self.index]]
+        poses = [start.x, start.y, start.theta, end.x, end.y, turned]
+        return [*called, *poses, *rod, *dragged, *errors]
 
+    def pose(self, state: str) -> Pose | None:
+        """The object's pose in a state, m and rad, by its pose or by its marks; None where neither
+        is filled in.
+        """
+        x, y, theta = self._measured(state, pose_columns(state))
+        seen = np.reshape(self._measured(state, mark_columns(state)), (2, 2))
+        written = None if math.isnan(x) else Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
+        if np.isnan(seen).any():
+            return written
+        marks = np.reshape(self.planned(IN_OBJECT[4:]), (2, 2))
+        reading, reading_turn = np.nan_to_num(self.numbers(ERRORS)).tolist()
+        allowed = max(_MISTAKEN, 4.0 * reading)
+        if written is not None:
+            by_pose = 1e3 * np.array([written.to_world(*mark) for mark in (1e-3 * marks).tolist()])
+            off = float(np.max(np.hypot(*(seen - by_pose).T)))
+            reach = float(np.max(np.hypot(*marks.T)))
+            if off > allowed + 4.0 * math.radians(reading_turn) * reach:
+                words = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
+                raise self.error(f"{words}: leave one of them empty")
+            return written
+        apart, measured = (complex(*(ends[1] - ends[0])) for ends in (marks, seen))
+        if abs(abs(measured) - abs(apart)) > allowed:
+            words = f"{_WHEN[state]} marks a and b are {abs(measured):.1f} mm apart, on the object"
+            mend = "measure them again, or leave the row empty"
+            raise self.error(f"{words} {abs(apart):.1f} mm: {mend}")
+        turned = cmath.phase(measured) - cmath.phase(apart)
+        middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
+        place = 1e-3 * (seen.mean(axis=0) - middle)
+        return Pose(float(place[0]), float(place[1]), turned)
 
-def _measured_pose(path: Path, columns: Columns, row: int, state: str) -> Pose | None:
-    """The object's pose in a state, m and rad, by its pose or by its marks; None where neither is
-    filled in.
-    """
-    x, y, theta = pose = _numbers(columns, row, pose_columns(state))
-    places = _numbers(columns, row, mark_columns(state))
-    where = _place(path, columns, row)
-    for given, names in ((pose, pose_columns(state)), (places, mark_columns(state))):
-        empty = [name for name, value in zip(names, given, strict=True) if math.isnan(value)]
+    def _measured(self, state: str, names: Sequence[str]) -> list[float]:
+        """What it has in columns that are filled in together, or not at all."""
+        values = self.numbers(names)
+        empty = [name for name, value in zip(names, values, strict=True) if math.isnan(value)]
         if 0 < len(empty) < len(names):
-            raise DataFileError(
-                f"{where}: {_WHEN[state]} {empty[0]} is no number; fill in {', '.join(names)}, "
-                "or none"
-            )
-    written = None if math.isnan(x) else Pose(1e-3 * x, 1e-3 * y, math.radians(theta))
-    if math.isnan(places[0]):
-        return written
-    marks = np.reshape(_planned(path, columns, row, IN_OBJECT[4:]), (2, 2))
-    seen = np.reshape(places, (2, 2))
-    reading, reading_turn = np.nan_to_num(_numbers(columns, row, ERRORS))
-    allowed = max(_MISTAKEN, 4.0 * float(reading))
-    if written is not None:
-        by_pose = 1e3 * np.array([written.to_world(*mark) for mark in (1e-3 * marks).tolist()])
-        off = float(np.max(np.hypot(*(seen - by_pose).T)))
-        reach = float(np.max(np.hypot(*marks.T)))
-        if off > allowed + 4.0 * math.radians(float(reading_turn)) * reach:
-            contradiction = f"{_WHEN[state]} marks and pose contradict each other by {off:.1f} mm"
-            raise DataFileError(f"{where}: {contradiction}: leave one of them empty")
-        return written
-    apart, measured = (float(np.hypot(*(ends[1] - ends[0]))) for ends in (marks, seen))
-    if abs(measured - apart) > allowed:
-        distance = (
-            f"{_WHEN[state]} marks a and b are {measured:.1f} mm apart, on the object "
-            f"{apart:.1f} mm"
-        )
-        raise DataFileError(f"{where}: {distance}: measure them again, or leave the row empty")
-    turned = math.atan2(*(seen[1] - seen[0])[::-1]) - math.atan2(*(marks[1] - marks[0])[::-1])
-    middle = Pose(theta=turned).to_world(*marks.mean(axis=0).tolist())
-    place = 1e-3 * (seen.mean(axis=0) - middle)
-    return Pose(float(place[0]), float(place[1]), turned)
+            mend = f"fill in {', '.join(names)}, or none"
+            raise self.error(f"{_WHEN[state]} {empty[0]} is no number; {mend}")
+        return values
 
+    @property
+    def lies_half_turned(self) -> bool:
+        """Whether marks say that the object lay half a turn from how it was to be set; a robot's
+        poses have any frame.
+        """
+        start = self.pose("0")
+        if start is None or not math.isnan(self.numbers(pose_columns("0"))[0]):
+            return False
+        planned = math.radians(self.numbers(("set_theta_deg",))[0])
+        return math.pi - abs(math.remainder(start.theta - planned, 2.0 * math.pi)) < _SWAPPED
 
-def _lies_half_turned(columns: Columns, row: int, start: Pose) -> bool:
-    """Whether marks say that an object lay half a turn from how it was to be set; a robot's poses
-    have any frame.
-    """
-    if not math.isnan(_numbers(columns, row, pose_columns("0"))[0]):
-        return False
-    turned = math.remainder(
-        start.theta - math.radians(_numbers(columns, row, ("set_theta_deg",))[0]), 2.0 * math.pi
-    )
-    return math.pi - abs(turned) < _SWAPPED
-
-
-def _rod(path: Path, columns: Columns, row: int, start: Pose) -> list[float]:
-    """Where the rod's centre was before and after a push, m: as a robot says, else as planned from
-    where it lay.
-    """
-    places = _numbers(columns, row, ROD)
-    if not np.isnan(places).any():
-        return [1e-3 * place for place in places]
-    if not np.isnan(places).all():
-        advice = f"fill in all of {', '.join(ROD)}, or none"
-        raise DataFileError(f"{_place(path, columns, row)}: {advice}")
-    length, *touch = _planned(path, columns, row, ("push_mm", *IN_OBJECT[:4]))
-    if length <= 0.0:
-        raise DataFileError(
-            f"{_place(path, columns, row)}: push_mm is {length:g}: a push is longer than nothing"
-        )
-    first = 1e-3 * np.array(touch[:2])
-    last = first + 1e-3 * length * np.array(touch[2:])
-    return [*start.to_world(*first.tolist()), *start.to_world(*last.tolist())]
+    def _rod(self, start: Pose) -> list[float]:
+        """Where the rod's centre was before and after a push, m: as a robot says, else as planned
+        from where it lay.
+        """
+        places = self.numbers(ROD)
+        if not np.isnan(places).any():
+            return [1e-3 * place for place in places]
+        if not np.isnan(places).all():
+            raise self.error(f"fill in all of {', '.join(ROD)}, or none")
+        length, *touch = self.planned(("push_mm", *IN_OBJECT[:4]))
+        if length <= 0.0:
+            raise self.error(f"push_mm is {length:g}: a push is longer than nothing")
+        first = 1e-3 * np.array(touch[:2])
+        last = first + 1e-3 * length * np.array(touch[2:])
+        return [*start.to_world(*first.tolist()), *start.to_world(*last.tolist())]
 
 
 def table_bytes(header: Sequence[str], rows: Sequence[Sequence[object]], excel: bool) -> bytes:
     """Return a table as a CSV or an Excel file."""
-    pandas: Any = import_module("pandas")
+    import pandas
+
     frame = pandas.DataFrame(list(rows), columns=list(header))
     if not excel:
         return str(frame.to_csv(index=False, lineterminator="\n")).encode()

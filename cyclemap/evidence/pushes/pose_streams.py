@@ -10,14 +10,15 @@ none.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from cyclemap.arrays import Array, Mask
+from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.errors import DataFileError
 
 # Half windows, s, in which poses are averaged before and after a moment: the shortest that noise
@@ -81,10 +82,10 @@ class Segments:
     x: Array
     y: Array
     theta: Array
-    rests: Array
-    pushes: Array
+    rests: Whole
+    pushes: Whole
     numbers: Array
-    unclear: Array
+    unclear: Whole
     words: str
 
 
@@ -97,58 +98,59 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
         no telling one from the other.
     """
     t, theta = stream["t"], np.unwrap(stream["theta"])
-    zero = np.zeros(t.size)
-    x, y = stream.get("x", zero), stream.get("y", zero)
-    rests, noise = _rests(path, t, x, y, theta)
-    poses = np.array([_mean_pose(t, x, y, theta, rest) for rest in rests])
+    x, y = (stream.get(name, np.zeros(t.size)) for name in ("x", "y"))
+    course = np.array([x, y, theta])
+    rests, noise = _rests(path, t, course)
     if len(rests) < 2:
         raise DataFileError(f"{path}: no push in it: its object never moves, or never rests")
+    poses = np.array([_mean_pose(t, course, *rest) for rest in rests.tolist()])
     counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
-    errors = noise / np.sqrt(counts)
-    cut, unclear, number, words = _cycles(poses, errors)
-    found = Segments(t, x, y, theta, rests, cut, number, unclear, words)
-    if len(cut) < 2 or len(unclear) > _MOST_UNCLEAR * (len(cut) + len(unclear)):
-        listed = ", ".join(
-            f"{t[rests[a][1]]:.4g} to {t[rests[b][0]]:.4g} s" for a, b in unclear[:3]
-        )
-        told = (
-            f"{len(rests) - 1} motions between rests, {len(cut)} of them pushes and "
-            f"{len(unclear)} stretches unclear"
-        )
-        mend = (
-            "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
-        )
-        raise UnclearStream(f"{path}: {told}{f' ({listed})' if listed else ''}: {mend}", found)
-    columns = {"repetition": number.astype(float)}
+    cycles = _cycles(poses, noise / np.sqrt(counts))
+    found = Segments(t, x, y, theta, rests, *cycles)
+    pushes, unclear = len(found.pushes), len(found.unclear)
+    if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
+        raise UnclearStream(f"{path}: {_unclear_words(found)}", found)
+    columns = {"repetition": found.numbers.astype(float)}
     for end in (0, 1):
-        columns |= dict(
-            zip((f"x{end}", f"y{end}", f"theta{end}"), poses[cut[:, end]].T, strict=True)
-        )
+        names = f"x{end}", f"y{end}", f"theta{end}"
+        columns |= zip(names, poses[found.pushes[:, end]].T, strict=True)
     return columns, found
 
 
-def _mean_pose(t: Array, x: Array, y: Array, theta: Array, rest: Array) -> Array:
+def _unclear_words(found: Segments) -> str:
+    """What was seen of a stream that does not come apart, and what mends it."""
+    begins, ends = found.t[found.rests[:, 0]], found.t[found.rests[:, 1]]
+    listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in found.unclear[:3])
+    told = (
+        f"{len(found.rests) - 1} motions between rests, {len(found.pushes)} of them pushes and "
+        f"{len(found.unclear)} stretches unclear"
+    )
+    mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
+    return f"{told}{f' ({listed})' if listed else ''}: {mend}"
+
+
+def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
     """The mean pose of a rest in its middle: at its ends motion may hide in the noise."""
-    first, last = int(rest[0]), int(rest[1]) + 1
-    middle = 0.5 * (t[first] + t[last - 1])
-    near = np.abs(t[first:last] - middle) <= min(_AVERAGED, _MIDDLE * (t[last - 1] - t[first]))
+    own = t[first : last + 1]
+    reach = min(_AVERAGED, _MIDDLE * (own[-1] - own[0]))
+    near = np.abs(own - 0.5 * (own[0] + own[-1])) <= reach
     near = near if near.any() else np.ones(near.size, dtype=bool)
-    return np.array([one[first:last][near].mean() for one in (x, y, theta)])
+    return np.asarray(course[:, first : last + 1][:, near].mean(axis=1))
 
 
 # -- rests
 # ----------------------------------------------------------------------------------------------
 
 
-def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Array, float]:
+def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
     """First and last sample of each rest, and the noise of a pose (m, turns by the lever)."""
-    courses = np.stack([x, y, _LEVER * theta])
+    lengths = course * [[1.0], [1.0], [_LEVER]]
     # Second differences see no steady motion; their median absolute deviation sees no jump.
-    noise = max(_LEAST_NOISE, _noise(courses))
+    noise = max(_LEAST_NOISE, _noise(lengths))
     rate = 1.0 / max(float(np.median(np.diff(t))), 1e-6)
     for window in _WINDOWS:
         half = max(1, round(window * rate))
-        change = _change(courses, half)
+        change = _change(lengths, half)
         moves = float(np.quantile(change, 0.8))
         seen = _SEEN * noise * math.sqrt(2.0 / half)
         if moves > _CLEAR * seen:
@@ -160,9 +162,13 @@ def _rests(path: Path, t: Array, x: Array, y: Array, theta: Array) -> tuple[Arra
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
     moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], (~moving).astype(np.int8), [0]])))
-    rests = np.stack([edges[::2], edges[1::2] - 1], axis=-1)
-    return _joined(np.asarray(rests), t, x, y, theta), noise
+    return _joined(_stretches(~moving), t, course), noise
+
+
+def _stretches(mask: Mask) -> list[list[int]]:
+    """First and last place of each stretch in which a mask holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
+    return [[int(first), int(end) - 1] for first, end in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _noise(courses: Array) -> float:
@@ -189,79 +195,64 @@ def _change(courses: Array, half: int) -> Array:
 
 def _hysteresis(change: Array, high: float, low: float) -> Mask:
     """Where a stretch above `low` is above `high` somewhere."""
-    above = change > low
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], above.astype(np.int8), [0]])))
     found = np.zeros(change.size, dtype=bool)
-    for first, last in zip(edges[::2], edges[1::2], strict=True):
-        found[first:last] = bool((change[first:last] > high).any())
+    for first, last in _stretches(change > low):
+        found[first : last + 1] = bool((change[first : last + 1] > high).any())
     return found
 
 
-def _joined(rests: Array, t: Array, x: Array, y: Array, theta: Array) -> Array:
+def _joined(rests: list[list[int]], t: Array, course: Array) -> Whole:
     """The rests, those between which nothing moved made one."""
     kept: list[list[int]] = []
-    before: Array | None = None
     for rest in rests:
-        pose = _mean_pose(t, x, y, theta, rest)
-        if before is not None:
-            moved = math.hypot(*(pose - before)[:2], _LEVER * float((pose - before)[2]))
-            if moved < _LEAST_MOTION:
-                kept[-1][1] = int(rest[1])
-                before = _mean_pose(t, x, y, theta, np.array(kept[-1]))
+        if kept:
+            moved = _mean_pose(t, course, *rest) - _mean_pose(t, course, *kept[-1])
+            if math.hypot(moved[0], moved[1], _LEVER * moved[2]) < _LEAST_MOTION:
+                kept[-1][1] = rest[1]
                 continue
-        kept.append([int(rest[0]), int(rest[1])])
-        before = pose
-    return np.array(kept, dtype=int).reshape(-1, 2)
+        kept.append(rest)
+    return _pairs(kept)
+
+
+def _pairs(rows: Sequence[Sequence[int]]) -> Whole:
+    """Pairs (n, 2) of whole numbers, n may be 0."""
+    return np.array(rows, dtype=np.int64).reshape(-1, 2)
 
 
 # -- cycles
 # ----------------------------------------------------------------------------------------------
 
 
-def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
-    """Pushes as pairs of rests, unclear stretches likewise, the numbers of the pushes, and what was
-    seen, in words.
+def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
+    """Pushes as pairs of rests, their numbers, unclear stretches likewise, and what was seen, in
+    words.
     """
     home, sense = _home(poses, errors)
     if home is None:
         return _in_turn(poses)
-    where = np.flatnonzero(home)
-    spans = [
-        (int(a), int(b)) for a, b in zip(where, [*where[1:], len(poses) - 1], strict=True) if b > a
-    ]
-    last_is_open = not home[-1]
-    if not last_is_open:
-        spans = [span for span in spans if home[span[1]]]
-    motions = {
-        span: _motion(poses, *span, sense)
-        for a, b in spans
-        for span in [(a, k) for k in range(a + 1, b + 1)]
-    }
-    clean = np.array([motions[(a, a + 1)] for a, b in spans if b == a + 2 and home[b]])
-    if not len(clean):
-        return (
-            np.zeros((0, 2), dtype=int),
-            np.array(spans, dtype=int).reshape(-1, 2),
-            np.zeros(0),
-            "no push is clear",
-        )
-    usual = np.median(clean, axis=0)
-    backs = np.array([_motion(poses, a + 1, b, sense) for a, b in spans if b == a + 2 and home[b]])
-    back, limit, limit_back = np.median(backs, axis=0), _spread(clean), _spread(backs)
+    where = [*np.flatnonzero(home).tolist(), *([] if home[-1] else [len(poses) - 1])]
+    spans = list(pairwise(where))
+    closed = [(first, last) for first, last in spans if last == first + 2 and home[last]]
+    if not closed:
+        return _pairs([]), np.zeros(0), _pairs(spans), "no push is clear"
+    clean = np.array([_motion(poses, first, first + 1, sense) for first, _ in closed])
+    backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
+    usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
+    limit, limit_back = _spread(clean), _spread(backs)
     pushes, unclear, numbers, paused = [], [], [], 0
     # What is unclear is a number left out, so that nothing is taken to follow across it.
     for number, (first, last) in enumerate(spans):
-        open_end = last == len(poses) - 1 and last_is_open
-        ends = range(first + 1, last + (1 if open_end else 0))
-        away = {end: float(np.linalg.norm(motions[(first, end)] - usual)) for end in ends}
-        end = min(away, key=lambda rest: away[rest], default=0)
+        is_open = not home[last]
+        ends = range(first + 1, last + is_open)
+        away = {end: _apart(_motion(poses, first, end, sense), usual) for end in ends}
+        end = min(away, key=lambda rest: away[rest], default=first)
         # Two cycles with an unseen rest between them begin with a push, too.
-        closed = open_end or np.linalg.norm(_motion(poses, end, last, sense) - back) <= limit_back
-        if away and away[end] <= limit and closed:
+        closes = is_open or _apart(_motion(poses, end, last, sense), back) <= limit_back
+        if away and away[end] <= limit and closes:
             pushes.append((first, end))
             numbers.append(number)
             paused += last - first > 2
-        elif not open_end:
+        elif not is_open:
             unclear.append((first, last))
     words = (
         f"{len(poses) - 1} motions between rests: {len(pushes)} pushes, each from where the "
@@ -269,12 +260,11 @@ def _cycles(poses: Array, errors: Array) -> tuple[Array, Array, Array, str]:
     )
     words += f", {paused} of them or of their drags with a pause" if paused else ""
     words += f"; left out, as neither push nor drag: {len(unclear)} stretches" if unclear else ""
-    return (
-        np.array(pushes, dtype=int).reshape(-1, 2),
-        np.array(unclear, dtype=int).reshape(-1, 2),
-        np.array(numbers),
-        words,
-    )
+    return _pairs(pushes), np.array(numbers), _pairs(unclear), words
+
+
+def _apart(motion: Array, other: Array) -> float:
+    return float(np.linalg.norm(motion - other))
 
 
 def _spread(motions: Array) -> float:
@@ -308,41 +298,38 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     """
     if len(poses) < 5:
         return None, 1.0
-    generator, found = np.random.default_rng(0), []
-    limit = np.maximum(_AGREE * errors, _AGREE_LEAST)
-    for sense in (1.0, -1.0):
-        angle = sense * poses[:, 2]
-        rows = np.zeros((len(poses), 2, 4))
-        rows[:, 0, 0], rows[:, 0, 1], rows[:, 1, 0], rows[:, 1, 1] = (
-            np.cos(angle),
-            -np.sin(angle),
-            np.sin(angle),
-            np.cos(angle),
-        )
-        rows[:, 0, 2] = rows[:, 1, 3] = -1.0
-        for _ in range(400):
-            pair = generator.choice(len(poses), 2, replace=False)
-            solved, *_ = np.linalg.lstsq(
-                rows[pair].reshape(4, 4), -poses[pair, :2].ravel(), rcond=None
-            )
-            agree = np.hypot(*(np.einsum("nij,j->ni", rows, solved) + poses[:, :2]).T) < limit
-            if agree.sum() >= max(3, _FEWEST_HOME * len(poses)):
-                again, *_ = np.linalg.lstsq(
-                    rows[agree].reshape(-1, 4), -poses[agree, :2].ravel(), rcond=None
-                )
-                agree = np.hypot(*(np.einsum("nij,j->ni", rows, again) + poses[:, :2]).T) < limit
-                found.append((int(agree.sum()), -math.hypot(*again[:2]), agree, sense))
+    generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
+    found = [
+        (int(agree.sum()), round(radius, 3), agree, sense)
+        for sense in (1.0, -1.0)
+        for agree, radius in _rings(poses, limit, sense, generator)
+    ]
     if not found:
         return None, 1.0
     most = max(count for count, *_ in found)
     # Of those that explain nearly as many the ring nearest to the centre.
     near = [entry for entry in found if entry[0] >= 0.7 * most]
-    home, sense = max(near, key=lambda entry: (round(entry[1], 3), entry[0]))[2:]
+    home, sense = min(near, key=lambda entry: (entry[1], -entry[0]))[2:]
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken
         # as a push's begin.
         return _like_the_first(poses), sense
     return home, sense
+
+
+def _rings(
+    poses: Array, limit: Array, sense: float, generator: np.random.Generator
+) -> Iterator[tuple[Mask, float]]:
+    """Which rests agree with a ring that two of them tell, and how far it is from the centre, m."""
+    place, way = poses[:, 0] + 1j * poses[:, 1], np.exp(1j * sense * poses[:, 2])
+    rows = np.stack([way, np.full(len(poses), -1.0)], axis=-1)
+    for _ in range(400):
+        chosen = generator.choice(len(poses), 2, replace=False)
+        solved, *_ = np.linalg.lstsq(rows[chosen], -place[chosen], rcond=None)
+        agree = np.abs(rows @ solved + place) < limit
+        if agree.sum() >= max(3, _FEWEST_HOME * len(poses)):
+            solved, *_ = np.linalg.lstsq(rows[agree], -place[agree], rcond=None)
+            yield np.abs(rows @ solved + place) < limit, float(abs(solved[0]))
 
 
 def _like_the_first(poses: Array) -> Mask:
@@ -356,28 +343,23 @@ def _like_the_first(poses: Array) -> Mask:
     return np.asarray(off < _NEAR_THE_FIRST * np.median(off[off > 0.5 * off.max()]))
 
 
-def _in_turn(poses: Array) -> tuple[Array, Array, Array, str]:
+def _in_turn(poses: Array) -> tuple[Whole, Array, Whole, str]:
     """Every other motion a push, where the two kinds separate; else none."""
     motions = np.array([_motion(poses, number, number + 1) for number in range(len(poses) - 1)])
-    kinds = motions[::2], motions[1::2]
-    nobody = np.zeros((0, 2), dtype=int)
     if len(motions) < 2:
-        return nobody, nobody, np.zeros(0), "one motion"
+        return _pairs([]), np.zeros(0), _pairs([]), "one motion"
+    kinds = motions[::2], motions[1::2]
     medians = [np.median(kind, axis=0) for kind in kinds]
-    apart = float(np.linalg.norm(medians[0] - medians[1]))
     off = [
-        np.linalg.norm(kind - middle, axis=1) for kind, middle in zip(kinds, medians, strict=True)
+        float(np.linalg.norm(kind - middle, axis=1).max())
+        for kind, middle in zip(kinds, medians, strict=True)
     ]
-    if max(float(one.max()) for one in off) > 0.5 * apart:
-        return (
-            nobody,
-            np.array([(0, len(poses) - 1)]),
-            np.zeros(0),
-            "motions do not come in two kinds",
-        )
+    if max(off) > 0.5 * _apart(*medians):
+        whole = _pairs([(0, len(poses) - 1)])
+        return _pairs([]), np.zeros(0), whole, "motions do not come in two kinds"
     first = np.arange(0, len(motions), 2)
     words = (
         f"{len(motions)} motions between rests, of two kinds in turn: the first and every "
         "other one a push"
     )
-    return np.stack([first, first + 1], axis=-1), nobody, np.arange(float(first.size)), words
+    return np.stack([first, first + 1], axis=-1), np.arange(float(first.size)), _pairs([]), words

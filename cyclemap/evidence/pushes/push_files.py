@@ -10,7 +10,7 @@ import zlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import scan_facts
 from cyclemap.mechanics.slider import Pose
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
+
+if TYPE_CHECKING:
+    import h5py
 
 HDF5_SUFFIXES = (".h5", ".hdf5")
 SUFFIXES = (*HDF5_SUFFIXES, ".json")
@@ -291,7 +294,7 @@ def _tables(path: Path) -> dict[str, Any]:
         raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
 
 
-def _hdf5_table(file: Any, name: str) -> Any:
+def _hdf5_table(file: h5py.File, name: str) -> Array:
     import h5py
 
     if not isinstance(file.get(name, getlink=True), h5py.HardLink):
@@ -319,10 +322,10 @@ def _hdf5_table(file: Any, name: str) -> Any:
         )
     if table.chunks:
         _refuse_false_packing(name, table, chunk * table.dtype.itemsize)
-    return table[()]
+    return np.asarray(table[()])
 
 
-def _refuse_false_packing(name: str, table: Any, room: int) -> None:
+def _refuse_false_packing(name: str, table: h5py.Dataset, room: int) -> None:
     """Raise InvalidInput where a chunk would unpack to more than its `room` (bytes): HDF5 unpacks
     whatever there is.
     """
@@ -335,7 +338,7 @@ def _refuse_false_packing(name: str, table: Any, room: int) -> None:
     if _GZIP not in filters:
         return
 
-    def false(chunk: Any) -> bool | None:
+    def false(chunk: h5py.h5d.StoreInfo) -> bool | None:
         """True ends the walk through the chunks."""
         if chunk.filter_mask & (1 << filters.index(_GZIP)):
             return None

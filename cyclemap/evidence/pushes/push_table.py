@@ -7,17 +7,25 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
+from cyclemap.evidence.pushes.columns import (
+    COLUMNS,
+    ENDS,
+    RODS,
+    Row,
+    column_value,
+    named_column,
+)
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
@@ -26,6 +34,7 @@ from cyclemap.evidence.pushes.push_files import (
     LARGEST_POSITION,
     SUFFIXES,
     PushRecord,
+    ScanRecord,
     read_push_file,
 )
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
@@ -35,36 +44,13 @@ from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_tabl
 if TYPE_CHECKING:
     import pandas
 
-# A column of the push table, the names it goes by in a file, and the factor to SI units; None: a
-# text.
-COLUMN_NAMES: dict[str, dict[str, float | None]] = {
-    "surface": {"surface": None},
-    "object": {"object": None, "shape": None},
-    "acceleration": {"acceleration": 1.0, "a_mm_s2": 1e-3},
-    "speed": {"speed": 1.0, "v_mm_s": 1e-3},
-    "side": {"side": 1.0, "i": 1.0},
-    "fraction": {"fraction": 1.0, "s": 1.0},
-    "angle": {"angle": 1.0, "t": 1.0},
-    "repetition": {"repetition": 1.0, "rep": 1.0},
-    "length": {"length": 1.0, "push_mm": 1e-3},
-    **{
-        name: {name: 1.0}
-        for name in ("tip_x0", "tip_y0", "tip_x1", "tip_y1", "x0", "y0", "x1", "y1")
-    },
-    **{name: {name: 1.0} for name in ("dtheta", "force_ratio")},
-    "theta0": {"theta0": 1.0, "th0": 1.0, "theta0_deg": math.pi / 180.0},
-    "theta1": {"theta1": 1.0, "th1": 1.0, "theta1_deg": math.pi / 180.0},
-    "theta_next": {"theta_next": 1.0, "th0n": 1.0},
-}
-ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
-_RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # What stands in a field without a number; the share of rows that may have no pose; m, beyond which
 # no push goes.
 _NOTHING, _MOST_LOST, _LONGEST_PUSH = ("", "nan", "na", "null", "none"), 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = ("tip_x0", "tip_y0", "tip_x1", "tip_y1", *ENDS, "dx", "dy", "dtheta")
+_POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
     *SET_FACTS,
     "repetition",
@@ -78,32 +64,12 @@ PUSH_COLUMNS = (
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
+# What a table of poses may tell.
+_READ = tuple(name for name in PUSH_COLUMNS if name in COLUMNS)
 _TEXT = ("surface", "object", "path")
 
 
-def named_column(table: CsvTable, column: str) -> str | None:
-    """The first of the names of a column of the push table that a file's header has;
-    None without."""
-    return next((name for name in COLUMN_NAMES[column] if name in table.header), None)
-
-
-def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
-    """What a row of a file tells for a column of the push table, SI units; NaN, of texts None,
-    where it does not.
-    """
-    name = named_column(table, column)
-    text = table.text(row, name) if name is not None else ""
-    factor = (
-        COLUMN_NAMES[column][name]
-        if name is not None
-        else next(iter(COLUMN_NAMES[column].values()))
-    )
-    if factor is None:
-        return text or None
-    return factor * table.number(row, name) if name is not None and text else math.nan
-
-
-def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[str, Any]]:
+def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
     """Read a CSV file of pushes: a list of rows with the columns of `PushTable.table`, in the order
     of the file.
 
@@ -130,73 +96,66 @@ def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[dict[
         )
         return [unknown | _pose_row(table, row) for row in _posed_rows(table)]
     pairs = read_theta0_pairs(table.path, convention=convention)
-    number = pairs.cycle if "theta0_accum_deg" in table.header else None
-    numbers = np.full(pairs.theta.size, math.nan) if number is None else number
-    columns = zip(numbers.tolist(), pairs.theta.tolist(), pairs.theta_next.tolist(), strict=True)
-    return [
-        unknown | {"repetition": rep, "theta0": now, "theta_next": later}
-        for rep, now, later in columns
-    ]
+    numbers = np.full(pairs.theta.size, math.nan)
+    if "theta0_accum_deg" in table.header and pairs.cycle is not None:
+        numbers = pairs.cycle
+    names = ("repetition", "theta0", "theta_next")
+    columns = np.transpose([numbers, pairs.theta, pairs.theta_next]).tolist()
+    return [unknown | dict(zip(names, row, strict=True)) for row in columns]
 
 
 def _posed_rows(table: CsvTable) -> list[CsvRow]:
     """The rows that have both poses; those without are warned of."""
-    names = [named_column(table, column) or "" for column in ENDS]
-    lost = [
-        row
-        for row in table.rows
-        if any(table.text(row, name).lower() in _NOTHING for name in names)
-    ]
+    names = [str(named_column(table, column)) for column in ENDS]
+    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
+    for row in table.rows:
+        lacks = next((name for name in names if table.text(row, name).lower() in _NOTHING), None)
+        if lacks is None:
+            kept.append(row)
+        else:
+            lost.append((row, lacks))
     if not lost:
-        return list(table.rows)
+        return kept
+    first, name = lost[0]
     if len(lost) >= _MOST_LOST * len(table.rows):
-        name, text = next(
-            (name, table.text(lost[0], name))
-            for name in names
-            if table.text(lost[0], name).lower() in _NOTHING
-        )
-        told = (
-            f"{name} is '{text}'; it must be a number, and {len(lost)} of {len(table.rows)} "
-            "rows lack one"
-        )
-        raise table.error(lost[0].line, told)
-    told = (
-        f"{table.path}: {len(lost)} of {len(table.rows)} rows left out for want of a pose, "
-        "the first in line"
+        told = f"{name} is '{table.text(first, name)}'; it must be a number, and {len(lost)}"
+        raise table.error(first.line, f"{told} of {len(table.rows)} rows lack one")
+    told = f"{len(lost)} of {len(table.rows)} rows left out for want of a pose"
+    warnings.warn(
+        f"{table.path}: {told}, the first in line {first.line}", DoubtfulInput, stacklevel=4
     )
-    warnings.warn(f"{told} {lost[0].line}", DoubtfulInput, stacklevel=4)
-    gone = {row.line for row in lost}
-    return [row for row in table.rows if row.line not in gone]
+    return kept
 
 
-def _pose_row(table: CsvTable, row: CsvRow) -> dict[str, Any]:
-    found = {column: column_value(table, row, column) for column in COLUMN_NAMES}
+def _pose_row(table: CsvTable, row: CsvRow) -> Row:
+    found = {column: column_value(table, row, column) for column in _READ}
+    _refuse_other_units(table, row, found)
+    tips = [found[name] for name in RODS]
+    if not any(map(math.isnan, tips)):
+        found["length"] = math.dist(tips[:2], tips[2:])
+    if math.isnan(found["dtheta"]):
+        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
+    found["theta1"] = found["theta0"] + found["dtheta"]
+    following = shorter_way(found["theta_next"] - found["theta1"])
+    found["theta_next"] = found["theta1"] + float(following)
+    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
+    return found | {"dx": dx, "dy": dy}
+
+
+def _refuse_other_units(table: CsvTable, row: CsvRow, found: Mapping[str, float]) -> None:
+    """Refuse poses that no table top holds."""
     for column in ENDS:
-        limit = LARGEST_ANGLE if column.startswith("theta") else LARGEST_POSITION
+        turns = column.startswith("theta")
+        limit, unit = (LARGEST_ANGLE, "deg") if turns else (LARGEST_POSITION, "mm")
         if not abs(found[column]) <= limit:
-            value, unit = (
-                f"{column} is {found[column]:g}",
-                "deg" if column.startswith("theta") else "mm",
+            bound = (
+                f"{column} is {found[column]:g}; it must be a number within {limit:g} (SI units)"
             )
-            bound = f"it must be a number within {limit:g} (SI units)"
-            raise table.error(
-                row.line, f"{value}; {bound}: is it in other units? Say them, --units {unit}"
-            )
+            raise table.error(row.line, f"{bound}: is it in other units? Say them, --units {unit}")
     far = math.hypot(found["x1"] - found["x0"], found["y1"] - found["y0"])
     if far > _LONGEST_PUSH:
         told = f"the push moves the object by {far:.4g} m: are its places in millimetres?"
         raise table.error(row.line, f"{told} Say so, --units mm,rad")
-    if all(name in table.header and table.text(row, name) for name in _RODS):
-        x0, y0, x1, y1 = (table.number(row, name) for name in _RODS)
-        found["length"] = math.hypot(x1 - x0, y1 - y0)
-    if math.isnan(found["dtheta"]):
-        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
-    found["theta1"] = found["theta0"] + found["dtheta"]
-    found["theta_next"] = found["theta1"] + float(
-        shorter_way(found["theta_next"] - found["theta1"])
-    )
-    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
-    return found | {"dx": dx, "dy": dy}
 
 
 @dataclass(frozen=True)
@@ -343,48 +302,50 @@ def load_pushes(
     files, unreadable = _files(Path(path))
     convention = convention_of(path, angles, frame, offset_deg)
     report = progress or (lambda fraction: None)
-    pushes: list[dict[str, Any]] = []
-    scans: list[dict[str, Any]] = []
+    pushes: list[Row] = []
+    scans: list[Row] = []
     for done, file in enumerate(files, 1):
         try:
             found = _rows(file, convention)
         except DataFileError as error:
-            unreadable.append(
-                UnreadableFile(file, str(error).removeprefix(f"{file}").lstrip(":, "))
-            )
+            reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+            unreadable.append(UnreadableFile(file, reason))
         else:
             pushes += found[0]
             scans += found[1]
         report(done / len(files))
     table = _sorted_frame(pushes, PUSH_COLUMNS, (*SET_FACTS, "repetition", "path"))
-    # The start of the next repetition of each push's set, on the lift nearest to its end.
-    homes = [
-        path if path.lower().endswith(CSV_SUFFIX) else os.path.split(path)[0]
-        for path in table["path"]
-    ]
-    sets = [
-        tuple(map(str, facts))
-        for facts in zip(homes, *(table[name] for name in SET_FACTS), strict=True)
-    ]
-    starts: dict[tuple[tuple[str, ...], float], float] = {}
-    for key, number, start in zip(sets, table["repetition"], table["theta0"], strict=True):
-        starts.setdefault((key, number), start)
-    ahead = [
-        starts.get((key, number + 1.0), math.nan)
-        for key, number in zip(sets, table["repetition"], strict=True)
-    ]
-    end = table["theta1"].to_numpy()
-    table["theta_next"] = table["theta_next"].fillna(
-        table["theta1"] + shorter_way(np.array(ahead) - end)
-    )
-    unreadable.sort(key=lambda entry: entry.path)
+    table["theta_next"] = table["theta_next"].fillna(_next_start(table))
     scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
+    unreadable.sort(key=lambda entry: entry.path)
     if convention.is_ours:
         # Of a table that was brought to ours before its name tells in which it was.
         convention, all_told = written_convention(path)
     else:
         all_told = angles is not None and frame is not None
     return PushTable(table, scan_table, tuple(unreadable), convention, all_told)
+
+
+def homes(table: pandas.DataFrame) -> pandas.Series:
+    """Return the folder, or the CSV table, of each push."""
+    paths = table["path"]
+    return paths.where(in_csv(paths), paths.map(os.path.dirname))
+
+
+def in_csv(paths: pandas.Series) -> pandas.Series:
+    """Return which paths are of CSV tables."""
+    return paths.str.lower().str.endswith(CSV_SUFFIX)
+
+
+def _next_start(table: pandas.DataFrame) -> pandas.Series:
+    """The orientation before the next repetition of each push's set, on the lift nearest to its
+    end.
+    """
+    sets = table.groupby([homes(table), *SET_FACTS], dropna=False, sort=False).ngroup()
+    keys = list(zip(sets, table["repetition"], strict=True))
+    starts = dict(zip(reversed(keys), reversed(table["theta0"].tolist()), strict=True))
+    ahead = [starts.get((own, number + 1.0), math.nan) for own, number in keys]
+    return table["theta1"] + shorter_way(np.array(ahead) - table["theta1"].to_numpy())
 
 
 def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
@@ -412,46 +373,46 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
     ]
 
 
-def _rows(path: Path, convention: Convention) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+def _rows(path: Path, convention: Convention) -> tuple[list[Row], list[Row]]:
     """The rows of pushes and of scans that a file holds."""
     if path.suffix.lower() == CSV_SUFFIX:
         if not path.is_file():
             raise DataFileError(f"{path}: there is no such file; check the path")
         return read_push_csv(path, convention), []
     record = convention.record(read_push_file(path))
-    if not isinstance(record, PushRecord):
-        along, across = scan_forces(record)
-        forces = {
-            "force_along": along,
-            "force_across": across,
-            "ratio": across / along if along else math.nan,
-        }
-        rest = {"samples": len(record.ft_wrench), "path": str(path)}
-        scan = scan_facts(path) or ScanFacts()
-        scan = (
-            scan
-            if convention.is_ours
-            else replace(scan, direction=convention.direction(scan.direction))
-        )
-        return [], [asdict(scan) | forces | rest]
+    if isinstance(record, PushRecord):
+        return [_push_row(path, record)], []
+    return [], [_scan_row(path, record, convention)]
+
+
+def _push_row(path: Path, record: PushRecord) -> Row:
     facts = push_facts(path) or PushFacts()
     outline = _mit_outline(facts.object)
-    ratio = math.nan if outline is None else contact_force_ratio(record, outline)
     tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
-    poses = dict(
-        zip(
-            _POSES,
-            (*tips, *record.start, *record.end, *record.displacement, record.turn),
-            strict=True,
-        )
-    )
-    rest = {
+    poses = (*tips, *record.start, *record.end, *record.displacement, record.turn)
+    return {
+        **asdict(facts),
+        **dict(zip(_POSES, poses, strict=True)),
         "length": record.length,
-        "force_ratio": ratio,
+        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
         "samples": len(record.object_pose),
         "path": str(path),
     }
-    return [asdict(facts) | poses | rest], []
+
+
+def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
+    along, across = scan_forces(record)
+    facts = scan_facts(path) or ScanFacts()
+    if not convention.is_ours:
+        facts = replace(facts, direction=convention.direction(facts.direction))
+    return {
+        **asdict(facts),
+        "force_along": along,
+        "force_across": across,
+        "ratio": across / along if along else math.nan,
+        "samples": len(record.ft_wrench),
+        "path": str(path),
+    }
 
 
 @cache
@@ -461,7 +422,7 @@ def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
 
 
 def _sorted_frame(
-    rows: list[dict[str, Any]], columns: tuple[str, ...], order: tuple[str, ...]
+    rows: list[Row], columns: tuple[str, ...], order: tuple[str, ...]
 ) -> pandas.DataFrame:
     import pandas
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
@@ -29,7 +29,7 @@ PAIR_COLUMNS = ("theta0_deg", "theta_next_deg")
 # They are read as radians where they come near a turn, and, but for rounding, not beyond.
 _TELLING, _NEARLY_A_TURN, _HALF_A_TURN = 8, 5.0, 1.001 * math.pi
 # Figures in a staircase file are rounded to 0.001 degrees, three of them enter each comparison.
-_CONSISTENT_DEG = 0.005
+_CONSISTENT = math.radians(0.005)
 # Pairs are in order where their usual gap is less than this part of what turns vary by; gaps beyond
 # so many are told.
 _ENOUGH, _SMALL_GAP, _LARGE_GAP = 20, 0.2, 8.0
@@ -142,7 +142,7 @@ class Theta0Pairs:
         known = np.isin(self.cycle + 1.0, self.path_cycle)
         if not known.any():
             return self
-        gap = _shorter_way(np.rad2deg(self.path[ahead[known]] - self.theta_next[known]))
+        gap = shorter_way(self.path[ahead[known]] - self.theta_next[known])
         by_hand = np.searchsorted(self.path_cycle, np.array(self.moved) + 1.0)
         broken = np.union1d(ahead[known][_is_large(gap)], by_hand).astype(np.int64)
         ends = np.concatenate([[0], broken, [self.path.size]])
@@ -151,11 +151,11 @@ class Theta0Pairs:
         return replace(self, path=self.path[stretch], path_cycle=self.path_cycle[stretch])
 
 
-def _is_large(gap_deg: Array) -> NDArray[np.bool_]:
+def _is_large(gap: Array) -> Mask:
     """Which gaps are no mere error of measured orientations: the object was moved, or an
     orientation misread.
     """
-    return np.abs(gap_deg) > max(_CONSISTENT_DEG, _LARGE_GAP * float(np.median(np.abs(gap_deg))))
+    return np.abs(gap) > max(_CONSISTENT, _LARGE_GAP * float(np.median(np.abs(gap))))
 
 
 def read_theta0_pairs(
@@ -219,6 +219,11 @@ def read_theta0_pairs(
         return _from_staircase(table)
     if "theta_next_deg" in table.header:
         return _from_pairs(table)
+    return _from_orientations(table)
+
+
+def _from_orientations(table: CsvTable) -> Theta0Pairs:
+    """Orientations in order; turns by hand make no pair."""
     ordered, ahead = PAIR_COLUMNS
     if ordered not in table.header:
         layouts = f"{','.join(STAIRCASE_COLUMNS)} or {','.join(PAIR_COLUMNS)} or {ordered} alone"
@@ -230,28 +235,27 @@ def read_theta0_pairs(
                 "θ0 in degrees"
             )
             raise table.error(1, f"{told}, or leave it out")
-    theta = _column(table, ordered)
+    theta = np.deg2rad(table.numbers(ordered))
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
-    course = np.deg2rad(theta[0] + np.concatenate([[0.0], np.cumsum(_shorter_way(np.diff(theta)))]))
-    number = np.arange(float(course.size))
-    by_hand = moved_by_hand(course[:-1], np.diff(course))
-    moved = tuple(np.flatnonzero(by_hand).astype(float).tolist())
+    turn = shorter_way(np.diff(theta))
+    path = theta[0] + np.concatenate([[0.0], np.cumsum(turn)])
+    number, kept = np.arange(float(path.size)), ~moved_by_hand(path[:-1], turn)
+    moved = tuple(number[:-1][~kept].tolist())
     if moved:
-        where = ", ".join(f"{one:.0f}" for one in moved[:6])
+        where = ", ".join(f"{push:.0f}" for push in moved[:6])
         line = (
             f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
             "moved by hand, left out"
         )
-        warnings.warn(line, DoubtfulInput, stacklevel=2)
+        warnings.warn(line, DoubtfulInput, stacklevel=3)
     dropped = {"moved by hand": len(moved)} if moved else {}
-    kept = ~by_hand
     return Theta0Pairs(
-        course[:-1][kept], course[1:][kept], course, dropped, number[:-1][kept], number, moved
+        path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
     )
 
 
-def moved_by_hand(theta: Array, turn: Array) -> NDArray[np.bool_]:
+def moved_by_hand(theta: Array, turn: Array) -> Mask:
     """Which turns (n,), rad, of cycles from orientations (n,), rad, are a hand's: few, and unlike
     those from nearby.
 
@@ -260,31 +264,23 @@ def moved_by_hand(theta: Array, turn: Array) -> NDArray[np.bool_]:
     least. Where many are far, or cycles are few, none is a hand's.
     """
     none, off = np.zeros(turn.size, dtype=bool), np.full(turn.size, np.nan)
-    if turn.size < _ENOUGH:
-        return none
     order = np.argsort(np.mod(theta, TWO_PI), kind="stable")
     places = np.mod(theta, TWO_PI)[order]
     around = np.concatenate([places - TWO_PI, places, places + TWO_PI])
     turns = np.tile(turn[order], 3)
     low, high = (np.searchsorted(around, places + side * _NEARBY) for side in (-1.0, 1.0))
-    for number, row in enumerate(order.tolist()):
-        # A thousand neighbours tell as much as all.
-        every = max(1, (high[number] - low[number]) // 1000)
-        others = turns[low[number] : high[number] : every]
-        if high[number] - low[number] > _FEWEST_NEARBY:
+    for row, first, last in zip(order, low, high, strict=True):
+        if last - first > _FEWEST_NEARBY:
+            # A thousand neighbours tell as much as all.
+            others = turns[first : last : max(1, (last - first) // 1000)]
             # The shorter way: of a hand's turn nobody knows the whole turns.
             off[row] = math.remainder(turn[row] - float(np.median(others)), TWO_PI)
     known = np.isfinite(off)
-    if not known.any():
+    if turn.size < _ENOUGH or not known.any():
         return none
     scale = 1.4826 * float(np.median(np.abs(off[known])))
-    far = np.zeros(turn.size, dtype=bool)
-    far[known] = np.abs(off[known]) > max(_FAR_OFF * scale, _LEAST_BY_HAND)
+    far = np.abs(off) > max(_FAR_OFF * scale, _LEAST_BY_HAND)
     return far if far.sum() <= _MOST_BY_HAND * turn.size else none
-
-
-def _column(table: CsvTable, name: str) -> Array:
-    return np.array([table.number(row, name) for row in table.rows])
 
 
 def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
@@ -305,55 +301,45 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
 
 
 def _from_staircase(table: CsvTable) -> Theta0Pairs:
+    """A staircase whose columns agree; flagged rows make no pair."""
     require_columns(table, STAIRCASE_COLUMNS)
-    number, path, wrapped = (_column(table, name) for name in STAIRCASE_COLUMNS[:3])
+    number, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
     # Empty where there is no next one.
-    column = "dtheta_to_next_deg"
-    turns = np.array(
-        [table.number(row, column) if table.text(row, column) else np.nan for row in table.rows]
-    )
-    if not np.isnan(turns[-1]):
-        last = table.rows[-1].line
+    turn = table.numbers("dtheta_to_next_deg", blank=True)
+    last = table.rows[-1].line
+    if not np.isnan(turn[-1]):
         raise table.error(
             last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
         )
-    for index in np.flatnonzero(np.abs(_shorter_way(path - wrapped)) > _CONSISTENT_DEG)[:1]:
+    for index in np.flatnonzero(np.abs(shorter_way(np.deg2rad(path - wrapped))) > _CONSISTENT)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
         raise table.error(
             table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
         )
-    off_next = (np.diff(number) == 1) & (np.abs(np.diff(path) - turns[:-1]) > _CONSISTENT_DEG)
+    off = np.abs(np.deg2rad(np.diff(path) - turn[:-1])) > _CONSISTENT
+    off_next = (np.diff(number) == 1) & off
     for index in np.flatnonzero(off_next)[:1]:
-        values = f"{turns[index]:g}, the next row says {path[index + 1] - path[index]:g}"
+        values = f"{turn[index]:g}, the next row says {path[index + 1] - path[index]:g}"
         raise table.error(
             table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
         )
     flags = np.array([table.text(row, "flag") for row in table.rows])
-    kept = (flags == "") & ~np.isnan(turns)
+    kept = (flags == "") & ~np.isnan(turn)
     if not kept.any():
-        raise table.error(
-            table.rows[-1].line, "no row without a flag has a next θ0; nothing to compare with"
-        )
-    theta = np.deg2rad(path[kept])
+        raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
+    path, turn = np.deg2rad(path), np.deg2rad(turn[kept])
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    return Theta0Pairs(
-        theta, theta + np.deg2rad(turns[kept]), np.deg2rad(path), dropped, number[kept], number
-    )
+    return Theta0Pairs(path[kept], path[kept] + turn, path, dropped, number[kept], number)
 
 
 def _from_pairs(table: CsvTable) -> Theta0Pairs:
+    """Pairs, in order where each begins where the one before ended."""
     require_columns(table, PAIR_COLUMNS)
-    theta, theta_next = (_column(table, name) for name in PAIR_COLUMNS)
-    turn = _shorter_way(theta_next - theta)
-    gap = _shorter_way(theta[1:] - theta_next[:-1])
-    usual, varied = (
-        np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1) if gap.size else (0.0, 0.0)
-    )
-    exact = bool((np.abs(gap) <= _CONSISTENT_DEG).all())
-    # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as
-    # turns.
-    if not gap.size or not (exact or (theta.size >= _ENOUGH and usual <= _SMALL_GAP * varied)):
-        return Theta0Pairs(np.deg2rad(theta), np.deg2rad(theta + turn))
+    theta, theta_next = (np.deg2rad(table.numbers(name)) for name in PAIR_COLUMNS)
+    turn = shorter_way(theta_next - theta)
+    gap = shorter_way(theta[1:] - theta_next[:-1])
+    if not _is_in_order(gap, turn):
+        return Theta0Pairs(theta, theta + turn)
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
         told = (
@@ -363,16 +349,21 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
         told += "taken to be in order, and staircases are of the longest run without such a pair"
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
-    number, steps = (
-        np.arange(float(path.size)),
-        (np.deg2rad(path[:-1]), np.deg2rad(path[:-1] + turn)),
-    )
-    return Theta0Pairs(*steps, np.deg2rad(path), cycle=number[:-1], path_cycle=number)
+    number, start = np.arange(float(path.size)), path[:-1]
+    return Theta0Pairs(start, start + turn, path, cycle=number[:-1], path_cycle=number)
 
 
-def _shorter_way(turn_deg: Array) -> Array:
-    """The same turns in degrees, taken the shorter way round: in [-180, 180)."""
-    return (turn_deg + 180.0) % 360.0 - 180.0
+def _is_in_order(gap: Array, turn: Array) -> bool:
+    """Whether pairs whose turns are (n,) and which begin by `gap` (n - 1,) beside where the one
+    before ended follow each other.
+    """
+    if not gap.size:
+        return False
+    # A sweep over θ0 begins near where the pair before ended, too: but then gaps vary as much as
+    # turns.
+    usual, varied = np.median(np.abs([gap, turn[1:] - np.median(turn)]), axis=1)
+    exact = bool((np.abs(gap) <= _CONSISTENT).all())
+    return exact or (turn.size >= _ENOUGH and bool(usual <= _SMALL_GAP * varied))
 
 
 def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:

@@ -15,6 +15,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
+from cyclemap.evidence.pushes.columns import column_value
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     FACTS,
@@ -28,7 +29,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
 from cyclemap.evidence.replay.replay_push import Replay, replay_push
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon

@@ -4,17 +4,17 @@ differ.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable
+from cyclemap.evidence.pushes.columns import Row
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 
 if TYPE_CHECKING:
@@ -24,6 +24,13 @@ if TYPE_CHECKING:
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
 SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
+_LETTERS = {
+    "acceleration": ("a", 1e3),
+    "speed": ("v", 1e3),
+    "side": ("i", 1.0),
+    "fraction": ("s", 1.0),
+    "angle": ("t", 1.0),
+}
 QUANTITIES = ("dtheta", "dx", "dy")
 # Two values have a spread; nobody should quote that of fewer than this many.
 _FEWEST_FOR_SPREAD = 5
@@ -69,7 +76,7 @@ class PushSet:
 
     name: str
     source: Path
-    facts: Mapping[str, Any]
+    facts: Row
     contacts: int
     theta: Array
     dtheta: Array
@@ -130,31 +137,22 @@ def push_sets(
     ('slate', 24, False)
     """
     table = selected_pushes(pushes.table, select or {})
-    homes = [
-        path if path.lower().endswith(CSV_SUFFIX) else str(Path(path).parent)
-        for path in table["path"]
-    ]
-    gathered: list[tuple[Path, dict[str, Any], pandas.DataFrame]] = []
-    for home in dict.fromkeys(homes):
-        rows, parts = table[[other == home for other in homes]], list[Any]()
-        for columns in ([*SET_FACTS], [*SURROUNDINGS]):
-            parts = [part for _, part in rows.groupby(columns, dropna=False, sort=False)]
-            if any(len(part) >= FEWEST for part in parts):
+    gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
+    for home, rows in table.groupby(homes(table), sort=False):
+        for columns in (SET_FACTS, SURROUNDINGS):
+            sets = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
+            if any(len(own) >= FEWEST for own in sets):
                 break
-        for part in parts:
-            shared = {
-                name: part[name].iloc[0]
-                for name in SET_FACTS
-                if part[name].nunique(dropna=False) == 1
-            }
-            known = {
-                name: one
-                for name, one in shared.items()
-                if isinstance(one, str) or not math.isnan(one)
-            }
-            gathered.append((Path(home), known, part))
+        gathered += [(Path(home), _shared(own), own) for own in sets]
     names = _names([(home, facts) for home, facts, _ in gathered])
     return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
+
+
+def _shared(rows: pandas.DataFrame) -> Row:
+    """The facts that are known and the same for all rows."""
+    facts = rows[[*SET_FACTS]]
+    alike = facts.nunique(dropna=False) == 1
+    return dict(facts.iloc[0][alike & facts.iloc[0].notna()])
 
 
 def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
@@ -189,73 +187,59 @@ def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) 
     return table[kept]
 
 
-def _push_set(name: str, home: Path, facts: dict[str, Any], rows: pandas.DataFrame) -> PushSet:
+def _push_set(name: str, home: Path, facts: Row, rows: pandas.DataFrame) -> PushSet:
     contacts = rows.groupby([*CONTACT], dropna=False).ngroups
-    repetition = rows["repetition"].to_numpy()
-    ordered = (
-        contacts == 1
-        and np.isfinite(repetition).all()
-        and np.unique(repetition).size == repetition.size
-    )
+    ordered = contacts == 1 and rows["repetition"].notna().all() and rows["repetition"].is_unique
     if ordered:
-        rows = rows.iloc[np.argsort(repetition, kind="stable")]
-    motion = {column: rows[column].to_numpy() for column in ("dtheta", "dx", "dy")}
-    bare = home.suffix.lower() == CSV_SUFFIX and not np.isfinite(motion["dtheta"]).any()
-    theta, theta_next = rows["theta0"].to_numpy(), rows["theta_next"].to_numpy()
-    known, pairs = np.isfinite(theta_next), None
-    if bare:
-        pairs = read_theta0_pairs(home)
-    elif known.any() and not ordered:
-        pairs = Theta0Pairs(theta[known], theta_next[known])
-    elif known.any():
-        # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-        number = rows["repetition"].to_numpy()
-        follows = known[:-1] & (np.diff(number) == 1.0)
-        turns = np.where(follows, theta_next[:-1] - theta[:-1], shorter_way(np.diff(theta)))
-        path = theta[0] + np.concatenate([[0.0], np.cumsum(turns)])
-        pairs = Theta0Pairs(
-            path[known], path[known] + (theta_next - theta)[known], path, {}, number[known], number
+        rows = rows.sort_values("repetition", kind="stable")
+    theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
+    if home.suffix.lower() == CSV_SUFFIX and not np.isfinite(dtheta).any():
+        pairs: Theta0Pairs | None = read_theta0_pairs(home)
+    else:
+        pairs = _pairs(
+            theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
         )
-    return PushSet(name, home, facts, contacts, theta, **motion, pairs=pairs)
+    return PushSet(name, home, facts, contacts, theta, dtheta, dx, dy, pairs)
 
 
-def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
+def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) -> Theta0Pairs | None:
+    """The steps of pushes, in order where they are numbered; None without any."""
+    known = np.isfinite(theta_next)
+    if not known.any():
+        return None
+    if repetition is None:
+        return Theta0Pairs(theta[known], theta_next[known])
+    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
+    number = repetition.to_numpy()
+    turn = theta_next - theta
+    follows = known[:-1] & (np.diff(number) == 1.0)
+    steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
+    path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    start = path[known]
+    return Theta0Pairs(start, start + turn[known], path, {}, number[known], number)
+
+
+def _names(sets: list[tuple[Path, Row]]) -> list[str]:
     """The shortest names that tell the sets apart: surface and object, then all facts, then the
     source too.
 
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
-    units = {
-        "acceleration": ("a", 1e3),
-        "speed": ("v", 1e3),
-        "side": ("i", 1),
-        "fraction": ("s", 1),
-        "angle": ("t", 1),
-    }
-    longer = []
-    for _, facts in sets:
-        told = {letter: facts[key] * unit for key, (letter, unit) in units.items() if key in facts}
-        longer.append(
-            " ".join(
-                f"{letter}={value:g}" for letter, value in told.items() if letter != "a" or value
-            )
-        )
-    candidates = [
-        [
-            " ".join(str(facts[key]) for key in _TEXT if key in facts) or home.stem
-            for home, facts in sets
+    candidates: list[list[str]] = [[], [], [], []]
+    for number, (home, facts) in enumerate(sets, 1):
+        short = " ".join(facts[key] for key in _TEXT if key in facts) or home.stem
+        told = [
+            f"{letter}={facts[key] * unit:g}"
+            for key, (letter, unit) in _LETTERS.items()
+            if key in facts and (letter != "a" or facts[key])
         ]
-    ]
-    candidates.append(
-        [" ".join(filter(None, pair)) for pair in zip(candidates[0], longer, strict=True)]
-    )
-    candidates.append(
-        [f"{home.stem} {name}" for (home, _), name in zip(sets, candidates[1], strict=True)]
-    )
-    candidates.append([f"{name} {number}" for number, name in enumerate(candidates[2], 1)])
+        long = " ".join([short, *told])
+        levels = (short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}")
+        for names, name in zip(candidates, levels, strict=True):
+            names.append(name)
     return [
-        next(level[k] for level in candidates if level.count(level[k]) == 1)
-        for k in range(len(sets))
+        next(names[place] for names in candidates if names.count(names[place]) == 1)
+        for place in range(len(sets))
     ]
 
 

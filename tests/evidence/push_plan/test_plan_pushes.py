@@ -25,7 +25,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     push_sensitivity,
     target_of,
 )
-from cyclemap.evidence.pushes.push_noise import SET_OFF, push_noise
+from cyclemap.evidence.pushes.measured_strokes import SET_OFF, push_noise
 from cyclemap.mechanics import Pose, Slider
 
 NOISE = push_noise((1e-3, math.radians(1.0)))

@@ -17,6 +17,7 @@ from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_table import empty_table
+from cyclemap.evidence.pushes.measured_strokes import push_noise
 from cyclemap.evidence.pushes.planned_table import (
     filled_text,
     is_planned,
@@ -25,7 +26,6 @@ from cyclemap.evidence.pushes.planned_table import (
     pose_columns,
     table_bytes,
 )
-from cyclemap.evidence.pushes.push_noise import push_noise
 from cyclemap.mechanics import Pose, Slider
 
 PLATE = replace(Slider.mit("tri1"), name="wedge")
