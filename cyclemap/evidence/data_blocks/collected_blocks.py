@@ -210,8 +210,6 @@ class _Collected:
     loop: CollectionLoop = field(init=False)
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
-    tip_errors: dict[str, float] = field(default_factory=dict)
-    pushes: dict[str, dict[str, list[MeasuredPush]]] = field(default_factory=dict)
     filled: dict[tuple[str, ...], str] = field(default_factory=dict)
     rods_set: int = 0
     notes: list[tuple[str, str]] = field(default_factory=list)
@@ -277,14 +275,21 @@ class _Collected:
         if count > 0:
             self._note(f"{count} left out: {reason}")
 
-    def _add(self, block: DataBlock, words: str, noise: Mapping[str, float] | None = None) -> None:
+    def _add(
+        self,
+        block: DataBlock,
+        words: str,
+        noise: Mapping[str, float] | None = None,
+        pushes: Sequence[MeasuredPush] = (),
+        strayed: float | None = None,
+    ) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
-        data tell it.
+        data tell it. pushes, strayed : see `SessionBlock`.
         """
         for kind in set(block.kinds.tolist()):
             size = math.inf if noise is None else noise[kind]
             self.noise[kind] = max(size, self.noise.get(kind, 0.0))
-        self.blocks.append(SessionBlock(block, self.plate, self.session))
+        self.blocks.append(SessionBlock(block, self.plate, self.session, pushes, strayed))
         self._note(f"{words} of {self.plate}")
 
     def _add_pushes(self, pushes: PushTable, sort: str, progress: Progress) -> None:
@@ -393,16 +398,16 @@ class _Collected:
         pushes: Sequence[MeasuredPush],
         noise: Mapping[str, float] | None = None,
         set_by_marks: bool = False,
+        strayed: float | None = None,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if not kept:
             return
-        sessions = self.pushes.setdefault(self.plate, {})
-        sessions.setdefault(self.session, _thinned(pushes, _MOST_TURNS))
         first_set = self.rods_set + 1 if set_by_marks else None
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
         self.rods_set += len(kept) if set_by_marks else 0
-        self._add(block, f"{_counted(kept, pushes)} push ends", noise)
+        words = f"{_counted(kept, pushes)} push ends"
+        self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
@@ -427,11 +432,12 @@ class _Collected:
             pushes = read_measured_pushes(table, rows)
             errors = [tip_error(table, row) for row in rows]
             small = [error for error in errors if error <= LARGEST_TIP_ERROR]
-            self.tip_errors[self.session] = float(np.mean(small)) if small else 0.0
+            strayed = float(np.mean(small)) if small else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
-            self._add_push_ends(pushes, _told_noise(table, rows), FRAMES_AGREE in table.header)
+            by_marks = FRAMES_AGREE in table.header
+            self._add_push_ends(pushes, _told_noise(table, rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
             kept = _thinned(drags, self.most)
@@ -453,7 +459,7 @@ class _Collected:
 
     def named(self, population: bool) -> tuple[DataBlock, ...]:
         """Return the blocks of all files, with notes on odd sessions; see `named_blocks`."""
-        odd, open_ones = odd_sessions(self.given, self.tip_errors, self.pushes)
+        odd, open_ones = odd_sessions(self.given, self.blocks)
         for session, reason in open_ones.items():
             self.notes.append((session, f"{reason}; nothing tells which of the two is odd"))
         for session, reason in odd.items():

@@ -29,7 +29,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile, column_value
-from cyclemap.evidence.replay.replay_push import Replay, replay_push
+from cyclemap.evidence.replay.replay_push import TOLD, Replay, replay_push
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -93,13 +93,7 @@ REPLAY_COLUMNS = (
     "measured_turn",
     "predicted_turn",
     "shift",
-    "start_gap",
-    "straightness",
-    "strokes",
-    "touched",
-    "left",
-    "touch_agrees",
-    "leaving_agrees",
+    *TOLD,
     "path",
 )
 
