@@ -640,12 +640,9 @@ def collected_blocks(
     """
     whole_number("first cycle", first, least=0)
     chosen = dict(select or {})
-    wanted, objects = chosen.get("object"), MIT_SHAPE_NAMES
-    if isinstance(wanted, str):
-        loop, objects = loop_of_plate(loop, wanted), (wanted,)
-    elif loop.slider.name not in MIT_SHAPE_NAMES:
-        objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
-    selection = RowSelection(objects, chosen)
+    if isinstance(chosen.get("object"), str):
+        loop = loop_of_plate(loop, str(chosen["object"]))
+    selection = RowSelection(_known_objects(loop, chosen), chosen)
     length = math.nan if push_length is None else push_length
     collected = _Collected(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
@@ -665,26 +662,47 @@ def collected_blocks(
         listed = ", ".join(sorted(shapes))
         raise InvalidInput(f"the data are of several objects: {listed}; select one")
     if not collected.blocks:
-        others = [(str(file.path), file.reason) for file in unused]
-        reasons = joined_notes([*collected.notes, *others])
-        listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
-        facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
-        if facts and not unused:
-            raise InvalidInput(f"no such {facts}; {listed}")
-        raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+        reasons = joined_notes([*collected.notes, *_told(unused)]) or tuple(map(str, paths))
+        raise _nothing(reasons, loop, chosen, bool(unused))
+    others = [(about, f"not used: {reason}") for about, reason in _told(unused)]
     blocks = collected.named(population)
     plates = {own.plate for own in collected.blocks}
     return CollectedBlocks(
         blocks,
-        joined_notes(
-            [*collected.notes, *((str(file.path), f"not used: {file.reason}") for file in unused)]
-        ),
+        joined_notes([*collected.notes, *others]),
         next(iter(surfaces), None),
         loop if len(plates) > 1 else loop_of_plate(loop, *plates),
         np.concatenate(collected.scans) if collected.scans else None,
         collected.last_cycle,
         {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
     )
+
+
+def _told(files: Sequence[UnreadableFile]) -> list[tuple[str, str]]:
+    return [(str(file.path), file.reason) for file in files]
+
+
+def _nothing(
+    notes: Sequence[str], loop: CollectionLoop, chosen: Mapping[str, str | float], is_told: bool
+) -> InvalidInput:
+    """What is said where nothing is left of the data; is_told : whether the notes tell of files of
+    no use.
+    """
+    listed = "; ".join(notes)
+    facts = [f"{name}: {value}" for name, value in chosen.items() if name != "object"]
+    if facts and not is_told:
+        return InvalidInput(f"no such {', '.join(facts)}; {listed}")
+    return InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+
+
+def _known_objects(loop: CollectionLoop, chosen: Mapping[str, str | float]) -> tuple[str, ...]:
+    """The objects whose rows are kept; () where it is not told which is the loop's."""
+    if isinstance(chosen.get("object"), str):
+        return (str(chosen["object"]),)
+    name = loop.slider.name
+    if name in MIT_SHAPE_NAMES:
+        return MIT_SHAPE_NAMES
+    return () if name == OWN_OUTLINE else (file_stem(name),)
 
 
 def telling_parameters(
