@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
@@ -140,7 +140,7 @@ def check_orientations(
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
     if theta.size < FEWEST or not isinstance(loop, CollectionLoop):
         return said
-    chosen = np.unique(np.linspace(0, theta.size - 1, min(theta.size, _MOST)).round().astype(int))
+    chosen = evenly_spread(theta.size, _MOST)
     coarse, off = replace(loop, accuracy=1e-6), {}
     for name, (sense, zero) in ANGLES.items():
         before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
@@ -244,9 +244,7 @@ def check_motion(
     rows = table[np.isfinite(table[_POSES].astype(float)).all(axis=1)]
     if len(rows) < FEWEST:
         return None
-    rows = rows.iloc[
-        np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST)).round().astype(int))
-    ]
+    rows = rows.iloc[evenly_spread(len(rows), _MOST)]
     written, taken = _Written.of(rows, convention), _Reading(convention)
     test = _Alike(written) if loop is None else _prediction(written, loop)
     if test is None or test.count < FEWEST:

@@ -79,8 +79,7 @@ def cycle_agreement(
     """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted
     map.
     """
-    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-    (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
+    (predicted, *sampled), best = prediction.turns(pairs.theta, pairs.numbers), None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
@@ -135,5 +135,4 @@ def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
     if posterior is None:
         return []
-    picked = np.linspace(0, len(posterior) - 1, min(SAMPLES, len(posterior))).round().astype(int)
-    return [sampled_loop(loop, number) for number in picked.tolist()]
+    return [sampled_loop(loop, index) for index in evenly_spread(len(posterior), SAMPLES)]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
@@ -320,8 +320,7 @@ class _Collected:
         """Add the cycles of a set of pushes that were repeated at one contact."""
         pairs = rows.pairs
         assert pairs is not None
-        number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-        late = number >= self.first
+        late = pairs.numbers >= self.first
         count = int(np.sum(late))
         self._leave_out(f"cycles before {self.first}", late.size - count)
         for reason, dropped in pairs.dropped.items():
@@ -331,7 +330,7 @@ class _Collected:
             return
         place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
         loop = replace(self.loop, push=replace(self.loop.push, **place))
-        since = number[late] - self.first
+        since = pairs.numbers[late] - self.first
         share = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
         block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
@@ -523,8 +522,7 @@ def _cycle_groups(count: int) -> Labels:
 
 def _thinned(rows: Sequence[T], most: int) -> list[T]:
     """At most so many of the rows, evenly spread."""
-    places = np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int)
-    return [rows[place] for place in np.unique(places)]
+    return [rows[place] for place in evenly_spread(len(rows), most)]
 
 
 def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
