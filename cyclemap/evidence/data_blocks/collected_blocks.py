@@ -567,74 +567,68 @@ def collected_blocks(
 ) -> CollectedBlocks:
     """Return the blocks of all data in files, folders and trees.
 
-        Parameters
-        ----------
-        paths : sequence of str or Path
-            Files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles
-            where they are repeated), CSV tables of push ends with the tip's places or without (then
-            it went as the loop's does, from its first touch on), of drag-backs, of orientations, of
-            wrenches and twists.
-        loop : CollectionLoop
-            Who is pushed where, with which rod and ring.
-        select : mapping of str to str or float or None, optional
-            Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are
-            all those of the MIT dataset that the data name, or the selected one; of an outline of
-            the loop's own, that one alone.
-        first : int, default 0
-            The first cycle (repetition) used.
-        wear : bool, default False
-            Let the surface of the cycles wear.
-        most : int, optional
-            Strokes of one sort in a session, at most: beyond, every so many-th is taken.
-    <<<<<<< HEAD
-    =======
-        nodes : int, optional
-            See `cycle_pair_block`; with 9 the ring's lever comes out 3 % short on a map with strong
-            second harmonics, with 15 it does not.
-        push_length : float or None, optional
-            How far the rod of pushes went from its first touch, m, where tables of poses do not
-            tell; None leaves the ends of such pushes out.
-        population : bool, default False
-            Whether the floor is known from other sessions, so that a single one is one of several.
-        target : tuple[float, float] or None, optional
-            (x, y), m, in the frame of the data, where resets end: how the floor's shape varies with
-            the place about it is then an unknown of pushes and drags.
-        progress : callable, optional
-            Called with the fraction done.
-    >>>>>>> main
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        Files of the MIT layout (friction scans; pushes: their ends, their forces, and cycles
+        where they are repeated), CSV tables of push ends with the tip's places or without (then
+        it went as the loop's does, from its first touch on), of drag-backs, of orientations, of
+        wrenches and twists.
+    loop : CollectionLoop
+        Who is pushed where, with which rod and ring.
+    select : mapping of str to str or float or None, optional
+        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Objects are
+        all those of the MIT dataset that the data name, or the selected one; of an outline of
+        the loop's own, that one alone.
+    first : int, default 0
+        The first cycle (repetition) used.
+    wear : bool, default False
+        Let the surface of the cycles wear.
+    most : int, optional
+        Strokes of one sort in a session, at most: beyond, every so many-th is taken.
+    push_length : float or None, optional
+        How far the rod of pushes went from its first touch, m, where tables of poses do not
+        tell; None leaves the ends of such pushes out.
+    population : bool, default False
+        Whether the floor is known from other sessions, so that a single one is one of several.
+    target : tuple[float, float] or None, optional
+        (x, y), m, in the frame of the data, where resets end: how the floor's shape varies with
+        the place about it is then an unknown of pushes and drags.
+    progress : callable, optional
+        Called with the fraction done.
 
-        Returns
-        -------
-        CollectedBlocks
-            The blocks, and what was made of each path.
+    Returns
+    -------
+    CollectedBlocks
+        The blocks, and what was made of each path.
 
-        Raises
-        ------
-        InvalidInput
-            Where nothing is recognised, naming what each path was, where the data are of several
-            surfaces or of several objects of unknown outline, and for a number that does not fit.
+    Raises
+    ------
+    InvalidInput
+        Where nothing is recognised, naming what each path was, where the data are of several
+        surfaces or of several objects of unknown outline, and for a number that does not fit.
 
-        Notes
-        -----
-        What one file tells of one plate at one speed is a session, in which the floor has a shape
-        of its own; drags count to the session of pushes of that plate and speed, and what tells no
-        speed to the first session of its plate. A push of a repeated set tells its end and its
-        cycle's end: their errors are taken as independent.
+    Notes
+    -----
+    What one file tells of one plate at one speed is a session, in which the floor has a shape
+    of its own; drags count to the session of pushes of that plate and speed, and what tells no
+    speed to the first session of its plate. A push of a repeated set tells its end and its
+    cycle's end: their errors are taken as independent.
 
-        Examples
-        --------
-        >>> import tempfile
-        >>> from cyclemap.collection import CollectionLoop
-        >>> loop = CollectionLoop.mit("plywood")
-        >>> theta = [0.0]
-        >>> for cycle in range(30):
-        ...     theta.append(float(loop.cycle(theta[-1]).theta_next) + 0.5)
-        >>> with tempfile.TemporaryDirectory() as place:
-        ...     text = "theta0_deg\\n" + "".join(f"{np.degrees(angle):.3f}\\n" for angle in theta)
-        ...     count = Path(place, "mine.csv").write_text(text)
-        ...     collected = collected_blocks([f"{place}/mine.csv"], loop)
-        >>> [block.name for block in collected.blocks]
-        ['cycles']
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.collection import CollectionLoop
+    >>> loop = CollectionLoop.mit("plywood")
+    >>> theta = [0.0]
+    >>> for cycle in range(30):
+    ...     theta.append(float(loop.cycle(theta[-1]).theta_next) + 0.5)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{np.degrees(angle):.3f}\\n" for angle in theta)
+    ...     count = Path(place, "mine.csv").write_text(text)
+    ...     collected = collected_blocks([f"{place}/mine.csv"], loop)
+    >>> [block.name for block in collected.blocks]
+    ['cycles']
     """
     whole_number("first cycle", first, least=0)
     chosen = dict(select or {})
