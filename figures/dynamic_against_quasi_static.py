@@ -17,7 +17,7 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views import style
-from cyclemap.views.dynamics_page import draw_place_differences, draw_turn_differences, largest
+from cyclemap.views.experiment_page import draw_place_differences, draw_turn_differences, largest
 
 from .catalogue import MeasuredFolder
 
@@ -77,9 +77,11 @@ def compute(
 @style.picture_style()
 def draw(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
-    figure = style.new_figure(11.0, 4.2)
+    figure = style.new_figure(11.0, 4.5)
     foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
-    turns, places, fall = style.panels(figure, "abc", style.write_page(figure, "", foot=foot))
+    turns, places, fall = style.panels(
+        figure, "abc", style.write_page(figure, "", foot=foot), keys=2
+    )
     draw_turn_differences(turns, study.material, study.isotropic)
     draw_place_differences(places, study.material, study.isotropic)
     speeds = 1e3 * study.speeds

@@ -131,7 +131,7 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
 def draw(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
     figure = style.new_figure(10.5, 7.2)
-    turns, harmonics = style.panels(figure, "ab", (0.46, 1.0), width_ratios=(2.2, 1.0))
+    turns, harmonics = style.panels(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
     around = np.append(result.theta, 2.0 * np.pi)
     looks = [style.FOURTH, style.SECOND, style.LINE, style.THIRD]
     curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}

@@ -106,7 +106,7 @@ def _draw_law(axes: Axes) -> None:
     tangent = np.stack([traction - 0.25 * along, traction + 0.1 * along])
     axes.plot(*tangent.T, color=QUIET, linewidth=1.2, linestyle=":")
     axes.plot(*centre, "o", color=PREDICTED, markersize=4)
-    axes.plot(0.0, 0.0, "+", color=INK, markersize=9, markeredgewidth=1.5)
+    style.cross(axes, colour=INK, markeredgewidth=1.5)
     head = traction + 0.13 * velocity
     style.arrow(axes, np.zeros(2), traction, FORCE, 2.2, 6, mutation_scale=14.0)
     style.arrow(axes, traction, head, INK, 2.2, 6, mutation_scale=14.0)

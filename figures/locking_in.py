@@ -24,7 +24,7 @@ from cyclemap.maps import Orbit, fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
 from cyclemap.views import style
 from cyclemap.views.map_panels import draw_cobweb
-from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod
+from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
 
 from .catalogue import Frame, MeasuredFolder
 
@@ -197,7 +197,9 @@ def frames(result: LockingIn) -> Iterator[Frame]:
 def _drawn(result: LockingIn, moment: Moment) -> Figure:
     """The table from above, the cobweb up to here, and θ0 over the cycles."""
     figure = style.new_figure(*INCHES)
-    table, stairs, course = style.panels(figure, "ab;ac", height_ratios=(1.55, 1.0))
+    table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
+    ratios: style.Look = {"width_ratios": (1.3, 1.0), "height_ratios": (1.4, 1.0)}
+    stairs, course = style.panels(figure, ".a;.b", keys=0, **ratios)
     theta = result.theta[: moment.cycle + 1]
     _draw_table(table, result, moment)
     doing = "push" if moment.pushing else "drag back"
@@ -227,13 +229,13 @@ def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", anchor="W")
     axes.set(xticks=[], yticks=[], facecolor=TABLE_COLOUR)
     axes.spines[:].set_visible(False)
-    axes.plot(0, 0, "+", color=style.QUIET, markersize=10, zorder=1)
+    style.cross(axes, zorder=1)
     draw_object(axes, moment.outline)
     side: style.Look = {"color": style.PREDICTED, "linewidth": 4.5, "solid_capstyle": "butt"}
-    axes.plot(*(MM * moment.side).T, zorder=3, **side)
+    draw_way(axes, moment.side, zorder=3, **side)
     draw_ring(axes, moment.ring, edgecolor=style.PREDICTED, linewidth=1.6)
     dash = "-" if moment.pushing else ":"
-    axes.plot(*(MM * moment.rod_path).T, dash, color=style.INK, linewidth=1.2, zorder=4)
+    draw_way(axes, moment.rod_path, dash, color=style.INK, linewidth=1.2, zorder=4)
     draw_rod(axes, moment.rod, result.rod_radius)
     x, y = (low + 14.0).tolist()
     axes.plot([x, x + 50.0], [y, y], color=style.INK, linewidth=2.0)

@@ -32,7 +32,7 @@ def draw_materials(
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
     figure = style.new_figure(width * columns, height * rows)
-    places = style.panels(figure, style.rows_of(*(columns,) * rows))
+    places = style.panels(figure, style.rows_of(*(columns,) * rows), keys=2)
     for axes, name, one in zip(places, names, panels, strict=False):
         draw_one(axes, one)
         style.entitle(axes, name)

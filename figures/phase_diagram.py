@@ -19,7 +19,7 @@ from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views import style
-from cyclemap.views.object_page import draw_object
+from cyclemap.views.object_page import draw_object, draw_way
 from cyclemap.views.rotation_panels import draw_shades
 from cyclemap.views.style import INK, PREDICTED, QUIET
 
@@ -225,8 +225,8 @@ def _draw_object(axes: Axes, result: PhaseDiagram, star: style.Look) -> None:
     outline = CollectionLoop.mit("plywood").slider.outline.points(4)
     draw_object(axes, outline, facecolor="#f4f4f4", edgecolor=QUIET)
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
-    axes.plot(*(MM * np.outer(RADII, way)).T, color=PREDICTED, linewidth=1.0, zorder=3)
-    axes.plot(0.0, 0.0, "+", color=INK, markersize=6, zorder=3)
+    draw_way(axes, np.outer(RADII, way), color=PREDICTED, linewidth=1.0, zorder=3)
+    style.cross(axes, colour=INK)
     axes.plot(*(MM * result.mit * way), **star)
     axes.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
     axes.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")

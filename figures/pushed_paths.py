@@ -23,8 +23,8 @@ from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
+from cyclemap.views import style
 from cyclemap.views.sentences import listed
-from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .measured_sets import (
@@ -266,7 +266,7 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
         list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75
     )
     axes.add_collection(collection)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=8)
+    style.cross(axes)
     axes.set_aspect("equal")
 
 

@@ -55,7 +55,7 @@ def draw(result: SetupAndCycles) -> Figure:
     """Draw the set-up in the object's frame on the left,
     the two cycles in the world on the right."""
     figure = style.new_figure(11.0, 5.9)
-    setup, cycles = style.panels(figure, "ab")
+    setup, cycles = style.panels(figure, "ab", keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)
     _draw_cycles(cycles, result)

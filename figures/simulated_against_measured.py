@@ -114,7 +114,7 @@ def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> Simu
 def draw(result: SimulatedAgainstMeasured) -> Figure:
     """Draw Δθ of the push on the left, the turn of the whole cycle on the right."""
     figure = style.new_figure(12.2, 5.0)
-    push, cycle = style.panels(figure, "ab")
+    push, cycle = style.panels(figure, "ab", keys=2)
     if result.cycles:
         draw_measured_turns(cycle, result.cycles[0].pairs, result.cycles[0].bins)
     draw_curves(push, _CURVE, {one.name: one.push.turn(_CURVE) for one in result.simulated})

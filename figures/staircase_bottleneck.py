@@ -169,8 +169,8 @@ def draw(result: StaircaseBottleneck) -> Figure:
     Each shows map, directions, staircase, lengths of visits.
     """
     shown = [one for one in (result.computed, result.measured) if one is not None]
-    figure = style.new_figure(13.6, 3.5 * len(shown))
-    panels = style.panels(figure, style.rows_of(*(4,) * len(shown)))
+    figure = style.new_figure(13.6, 3.7 * len(shown))
+    panels = style.panels(figure, style.rows_of(*(4,) * len(shown)), keys=3)
     for row, one in enumerate(shown):
         turn, directions, path, lengths = panels[4 * row : 4 * row + 4]
         _draw_turn(turn, one)

@@ -13,7 +13,7 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.collection.loop import Cycles
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.dynamics_page import difference_sentence, dynamics_page
+from cyclemap.views.experiment_page import difference_sentence, dynamics_page
 from cyclemap.written import MILLIMETRES, Json, degrees, rows, written
 
 COLUMNS = (

@@ -387,7 +387,7 @@ def change_curve(
     turn = float(exact.next_theta(change.theta)) - change.theta
     kind = change.kind.replace(" ", "-")
     winding = round(turn / TWO_PI)
-    start = Bifurcation(kind, value, np.array([change.theta]), 1, winding, slope, slope, False, 0.0)
+    start = Bifurcation(kind, value, np.array([change.theta]), 1, winding, slope, slope, False)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)
         return follow_bifurcation(family, start, at / units[1], first, second)

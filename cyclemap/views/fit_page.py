@@ -80,7 +80,8 @@ def _cycle_panels(found: MeasuredCycleMap | None) -> list[Panel]:
         return []
     told: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
     if (forecast := found.forecast) is not None:
-        told.append(("Directions", partial(draw_directions, forecast=forecast)))
+        histograms = forecast.measured_histogram, forecast.histogram
+        told.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
         told.append(("Staircase", partial(draw_worn_staircase, forecast=forecast)))
         if forecast.pace.measured.size:
             told.append(("Turns", partial(draw_pace, pace=forecast.pace)))
@@ -131,11 +132,6 @@ def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     axes.stairs(histogram.law_alone, edges, label=told, **{**SECOND, "linewidth": 0.9})
     axes.set(xlabel=OUTCOMES["dtheta"][1], ylabel="pushes")
     axes.set_ylim(0.0, 1.08 * min(max(top, alone), 1.5 * top))
-
-
-def draw_directions(axes: Axes, forecast: WornForecast) -> None:
-    """How often each orientation was recorded, and how often the worn map's paths come by."""
-    draw_recorded(axes, forecast.measured_histogram, forecast.histogram)
 
 
 def draw_worn_staircase(axes: Axes, forecast: WornForecast) -> None:

@@ -74,14 +74,14 @@ def identify_page(
     rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
     placed = style.panels(figure, style.rows_of(*rows), room)
     intervals = placed.pop(columns - 1)
-    _draw_intervals(figure, intervals, found)
+    _draw_intervals(intervals, found)
     for axes, (name, draw) in zip(placed, panels, strict=False):
         draw(axes)
         style.entitle(axes, name)
     return figure
 
 
-def _draw_intervals(figure: Figure, place: Axes, found: Identification) -> None:
+def _draw_intervals(place: Axes, found: Identification) -> None:
     """The intervals of the parameters one above the other, in the place of a panel."""
     shared = tuple(one for one in found.lasting if "[" not in one.name)
     estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
@@ -115,7 +115,7 @@ def draw_ellipses(axes: Axes, ellipses: Mapping[str, Array], measured: Array | N
         axes.plot(*measured.T, label="friction scans", **style.DOTS)
     for (name, ellipse), look in zip(ellipses.items(), style.LINES, strict=False):
         axes.plot(*ellipse.T, label=name, **look)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    style.cross(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
@@ -123,17 +123,12 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
     line each.
     """
     names = list(shapes)[::-1]
-    for height, name in enumerate(names):
-        shape = shapes[name]
-        axes.plot(
-            [shape.dome - shape.bow, shape.dome + shape.bow],
-            [height, height],
-            color=PREDICTED,
-            linewidth=3.0,
-        )
-        axes.plot(shape.dome, height, "o", color=INK, markersize=4)
-    axes.axvline(0.0, color=QUIET, linewidth=0.9)
-    axes.set_yticks(range(len(names)), names, fontsize=7)
+    dome, bow = np.array([(shapes[name].dome, shapes[name].bow) for name in names]).T
+    heights = np.arange(len(names))
+    axes.hlines(heights, dome - bow, dome + bow, color=PREDICTED, linewidth=3.0)
+    axes.plot(dome, heights, "o", color=INK, markersize=4)
+    axes.axvline(0.0, **style.ZERO)
+    axes.set_yticks(heights, names, fontsize=7)
     axes.set(xlabel="bends across to along its axis (kPa at 50 mm)", ylim=(-0.6, len(names) - 0.4))
 
 
@@ -151,7 +146,7 @@ def draw_places(axes: Axes, errors: Array) -> None:
     axes.plot(x, y, label="pushes", **style.DOTS)
     around = half * np.stack([np.cos(map_panels.CIRCLE), np.sin(map_panels.CIRCLE)])
     axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
-    axes.plot(0.0, 0.0, "+", color=QUIET, markersize=9, zorder=3)
+    style.cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
 

@@ -45,7 +45,7 @@ def object_page(checked: CheckedCollection) -> Figure:
     figure = style.new_figure(11.0, 6.2 + 0.2 * len(words))
     name = "Collection" if loop is None else loop.slider.name
     room = style.write_page(figure, f"{name}, to scale", words)
-    setup, cycle = style.panels(figure, "ab", room)
+    setup, cycle = style.panels(figure, "ab", room, keys=2)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)
@@ -69,6 +69,11 @@ def draw_rod(axes: Axes, place: Array, radius: float, **look: Any) -> None:
     axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
 
 
+def draw_way(axes: Axes, places: Array, *mark: str, **look: Any) -> None:
+    """A way, or marks of Matplotlib's, at places (n, 2), m, in millimetres."""
+    axes.plot(*(MM * places).T, *mark, **look)
+
+
 def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     """Draw the object in its own frame: its sides by number, the rod at its first touch, its way,
     the ring.
@@ -80,7 +85,7 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
         style.arrow(axes, np.zeros(2), tip, QUIET)
         style.name_tag(axes, 1.25 * tip[0], 1.25 * tip[1], name, color=QUIET)
     centre = MM * np.array(loop.slider.centre_of_mass)
-    axes.plot(*centre, "+", color=INK, markersize=8, label="centre of mass", zorder=5)
+    style.cross(axes, centre, INK, label="centre of mass")
     number_sides(axes, MM * outline, 0.1)
     rod, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
     end = rod + loop.push.distance * way
@@ -103,21 +108,13 @@ def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
     """Write the number of each side of a closed outline (m, 2), `out` of half its size off it."""
     middle, reach = outline[:-1].mean(axis=0), 0.5 * float(np.ptp(outline, axis=0).max())
     if len(outline) - 1 > _MOST_NUMBERS:
-        axes.text(
-            middle[0],
-            middle[1] - 0.5 * reach,
-            "one curve: side 0",
-            ha="center",
-            color=QUIET,
-            fontsize=8,
-        )
+        style.name_tag(axes, middle[0], middle[1] - 0.5 * reach, "one curve: side 0")
         return
     edge = np.diff(outline, axis=0)
     outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
-    for number, (x, y) in enumerate(
-        (0.5 * (outline[:-1] + outline[1:]) + out * reach * outward).tolist()
-    ):
-        name = f"side {number}" if number == 0 and out > 0.0 else str(number)
+    places = 0.5 * (outline[:-1] + outline[1:]) + out * reach * outward
+    for side, (x, y) in enumerate(places.tolist()):
+        name = f"side {side}" if side == 0 and out > 0.0 else str(side)
         axes.text(x, y, name, ha="center", va="center", **{"fontsize": 8, **look})
 
 
@@ -132,7 +129,7 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
     draw_object(axes, scene.push.before, label="before the push")
     draw_object(axes, scene.push.after, label="after it", **{**LATER, "edgecolor": PREDICTED})
     draw_object(axes, scene.drag.after, label="after the drag back", **{**LATER, "linestyle": "-"})
-    axes.plot(*(MM * scene.push.rod).T, color=FORCE, linewidth=1.6, label="way of the rod")
+    draw_way(axes, scene.push.rod, color=FORCE, linewidth=1.6, label="way of the rod")
     style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     mark_target(axes)
@@ -168,15 +165,14 @@ def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
     """
     draw_object(axes, stroke.before, **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
     draw_object(axes, stroke.after, alpha=0.75)
-    axes.plot(*(MM * stroke.centre).T, color=QUIET, linewidth=0.9, zorder=3)
-    axes.plot(*(MM * stroke.centre[0]), "+", color=QUIET, markersize=7, zorder=3)
-    axes.plot(*(MM * stroke.centre[-1]), "+", color=PREDICTED, markersize=7, zorder=4)
+    draw_way(axes, stroke.centre, color=QUIET, linewidth=0.9, zorder=3)
+    style.cross(axes, MM * stroke.centre[0])
+    style.cross(axes, MM * stroke.centre[-1], PREDICTED)
     draw_ring(axes, stroke.ring_before, edgecolor=QUIET, linestyle="--")
     draw_ring(axes, stroke.ring_after, edgecolor=PREDICTED)
-    path = MM * stroke.rod
-    axes.plot(*path.T, color=INK, linewidth=1.0, linestyle=":", zorder=5)
-    sticking = np.where(stroke.sliding[:, None], np.nan, path)
-    axes.plot(*sticking.T, color=INK, linewidth=1.8, zorder=5)
+    draw_way(axes, stroke.rod, color=INK, linewidth=1.0, linestyle=":", zorder=5)
+    sticking = np.where(stroke.sliding[:, None], np.nan, stroke.rod)
+    draw_way(axes, sticking, color=INK, linewidth=1.8, zorder=5)
     draw_rod(axes, stroke.rod[0], stroke.rod_radius, facecolor="white")
     draw_rod(axes, stroke.rod[-1], stroke.rod_radius)
 

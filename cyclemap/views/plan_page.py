@@ -14,7 +14,7 @@ from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
 from cyclemap.views import style
-from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring
+from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_way
 from cyclemap.views.sentences import angle, uncertainty_sentence
 from cyclemap.views.style import FORCE, MEASURED_EDGE
 
@@ -117,9 +117,9 @@ def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
     draw_ring(axes, placed(pose, np.array(slider.hitch)))
     marks = np.array(marks_of(slider))
     inside = 0.78 * marks + 0.22 * np.array(slider.outline.centroid)
-    axes.plot(*(MM * placed(pose, marks)).T, ".", color=MEASURED_EDGE, markersize=6)
+    draw_way(axes, placed(pose, marks), ".", color=MEASURED_EDGE, markersize=6)
     for name, (x, y) in zip("ab", (MM * placed(pose, inside)).tolist(), strict=True):
-        axes.text(x, y, name, ha="center", va="center", color=MEASURED_EDGE, fontsize=8)
+        style.name_tag(axes, x, y, name, color=MEASURED_EDGE)
     axes.set(xlim=(0.0, MM * plan.room[0]), ylim=(0.0, MM * plan.room[1]), aspect="equal")
     axes.tick_params(labelsize=6)
     slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""

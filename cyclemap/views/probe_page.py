@@ -43,17 +43,19 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
     else:
         low, high = (angle(turn) for turn in found.turns)
         locks = f"nowhere: a cycle turns it by {low} to {high}"
+    depend = (
+        f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, "
+        f"{len(found.theta)} pushes)."
+    )
     if found.ratio.lower > MOST_RATIO:
         return (
-            f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, "
-            f"{len(found.theta)} pushes).",
+            depend,
             f"A friction ellipse would need axes {found.ratio.value:.3g} : 1, and no floor that was "
             "measured has them beyond 1.7 : 1: this cannot be friction. Look at object, push, "
             "units and --angles of the data.",
         )
     return (
-        f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, "
-        f"{len(found.theta)} pushes).",
+        depend,
         f"A friction ellipse with axes {found.ratio.value:.4g} : 1 ({found.ratio.lower:.4g} to "
         f"{found.ratio.upper:.4g}), longer along {angle(found.anisotropy.ellipse_direction)}, its "
         f"centre {found.offset.value:.2g} of the mean radius off ({found.offset.lower:.2g} to "

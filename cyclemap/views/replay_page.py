@@ -12,7 +12,7 @@ from cyclemap.collection.cycle_scene import placed
 from cyclemap.evidence.replay.replay_push import Replay
 from cyclemap.evidence.replay.replay_table import ReplayedPushes
 from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.object_page import MM, draw_way
 from cyclemap.views.style import FORCE, PREDICTED
 
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a
@@ -50,7 +50,7 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     title = f"Replayed on {material}"
     room = style.write_page(figure, title, [replay_headline(replayed)], foot)
     layout = style.rows_of(4, len(_SHARES))
-    places, distances, turns, angles, *courses = style.panels(figure, layout, room)
+    places, distances, turns, angles, *courses = style.panels(figure, layout, room, keys=2)
     _draw_whole(places, distances, replayed, "motion")
     _draw_whole(turns, angles, replayed, "turn")
     order = np.argsort(replayed.table["error"].to_numpy(), kind="stable")
@@ -69,13 +69,13 @@ def _draw_course(axes: Axes, replay: Replay) -> None:
     its ways.
     """
     before = placed(replay.measured[0], replay.outline)
-    axes.plot(*(MM * before).T, label="before", **style.EVEN)
+    draw_way(axes, before, label="before", **style.EVEN)
     ways = (("measured", replay.measured, style.PATH), ("predicted", replay.predicted, style.LINE))
     for name, poses, look in ways:
-        axes.plot(*(MM * placed(poses[-1], replay.outline)).T, label=name, **look)
-        axes.plot(*(MM * poses[:, :2]).T, **look)
+        draw_way(axes, placed(poses[-1], replay.outline), label=name, **look)
+        draw_way(axes, poses[:, :2], **look)
     way: style.Look = {"color": FORCE, "marker": "o", "markersize": 4.0, "markevery": [0]}
-    axes.plot(*(MM * replay.tip).T, linewidth=1.5, label="rod's way", **way)
+    draw_way(axes, replay.tip, linewidth=1.5, label="rod's way", **way)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
 

@@ -2,65 +2,53 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from cyclemap.arrays import Array
 from cyclemap.evidence.pushes.pose_streams import Segments
-from cyclemap.views.style import FORCE, INK, PREDICTED_FILL, QUIET, new_figure, picture_style
+from cyclemap.views import style
+from cyclemap.views.style import FORCE, INK, PREDICTED_FILL
 
 # Samples drawn, and pushes shown: the first ones tell what was taken for what.
 _MOST_SAMPLES, _MOST_PUSHES = 4000, 12
 
 
-@picture_style()
+@style.picture_style()
 def stream_page(seen: Segments) -> Figure:
     """Draw place and orientation over time, pushes shaded, rests marked below, and what is unclear
     hatched.
     """
-    figure = new_figure(13.333, 6.0)
-    above, below = figure.subplots(2, 1, sharex=True)
-    figure.subplots_adjust(left=0.07, right=0.98, top=0.86, bottom=0.1, hspace=0.12)
-    begin = max(0.0, float(seen.t[0]))
-    shown = [*seen.pushes[:_MOST_PUSHES], *seen.unclear[:_MOST_PUSHES]]
-    last = max(
-        (int(seen.rests[b][1]) for _, b in shown), default=min(_MOST_SAMPLES, seen.t.size) - 1
-    )
+    figure = style.new_figure(13.333, 6.4)
+    foot = "shaded: pushes; bars: rests; hatched: neither a push nor a drag"
+    room = style.write_page(figure, seen.words, (), foot)
+    above, below = style.panels(figure, "a;b", room, sharex=True)
+    pushes, unclear = seen.pushes[:_MOST_PUSHES], seen.unclear[:_MOST_PUSHES]
+    ends = [int(seen.rests[end][1]) for _, end in (*pushes, *unclear)]
+    last = max(ends, default=min(_MOST_SAMPLES, seen.t.size) - 1)
     every = slice(0, last + 1, max(1, (last + 1) // _MOST_SAMPLES))
-    t = seen.t[every]
-    above.plot(t, 1e3 * (seen.x[every] - seen.x[0]), color=INK, linewidth=0.9, label="x (mm)")
-    above.plot(t, 1e3 * (seen.y[every] - seen.y[0]), color=QUIET, linewidth=0.9, label="y (mm)")
-    below.plot(t, np.degrees(seen.theta[every]), color=INK, linewidth=0.9)
+    for name, place, look in (("x (mm)", seen.x, style.LINE), ("y (mm)", seen.y, style.FOURTH)):
+        above.plot(seen.t[every], 1e3 * (place[every] - place[0]), label=name, **look)
+    below.plot(seen.t[every], np.degrees(seen.theta[every]), **style.LINE)
     above.set_ylabel("place from the first (mm)")
-    below.set(ylabel="orientation (°)", xlabel="time (s)", xlim=(begin, float(seen.t[last])))
+    below.set(ylabel="orientation (°)", xlabel="time (s)")
+    below.set_xlim(max(0.0, float(seen.t[0])), float(seen.t[last]))
     for axes in (above, below):
-        for first, end in seen.pushes[:_MOST_PUSHES]:
-            axes.axvspan(
-                seen.t[seen.rests[first][1]],
-                seen.t[seen.rests[end][0]],
-                color=PREDICTED_FILL,
-                zorder=0,
-            )
-        for first, end in seen.unclear[:_MOST_PUSHES]:
-            axes.axvspan(
-                seen.t[seen.rests[first][1]],
-                seen.t[seen.rests[end][0]],
-                facecolor="none",
-                edgecolor=FORCE,
-                hatch="//",
-            )
+        _shade(axes, seen, pushes, color=PREDICTED_FILL, zorder=0)
+        _shade(axes, seen, unclear, facecolor="none", edgecolor=FORCE, hatch="//")
     floor = below.get_ylim()[0]
+    bar: style.Look = {"color": INK, "linewidth": 4, "solid_capstyle": "butt"}
     for first, end in seen.rests:
         if seen.t[first] <= seen.t[last]:
-            below.plot(
-                seen.t[[first, end]], [floor, floor], color=INK, linewidth=4, solid_capstyle="butt"
-            )
-    above.legend(loc="upper right", ncols=2)
-    figure.text(0.02, 0.95, seen.words, fontsize=13, fontweight="bold", va="center")
-    figure.text(
-        0.02,
-        0.9,
-        "shaded: pushes; bars: rests; hatched: neither a push nor a drag",
-        color=QUIET,
-        va="center",
-    )
+            below.plot(seen.t[[first, end]], [floor, floor], **bar)
+    style.legend_above(above)
     return figure
+
+
+def _shade(axes: Axes, seen: Segments, spans: Array, **look: Any) -> None:
+    """Shade the times between the rests of each pair."""
+    for first, end in spans:
+        axes.axvspan(seen.t[seen.rests[first][1]], seen.t[seen.rests[end][0]], **look)

@@ -128,10 +128,11 @@ OPEN: Look = {"markerfacecolor": UNSTABLE, "markeredgecolor": INK, "linestyle": 
 BAND: Look = {"color": PREDICTED_FILL, "linewidth": 0.0, "zorder": 1}
 ZERO: Look = {"color": QUIET, "linewidth": 0.9, "zorder": 1}
 EVEN: Look = {"color": QUIET, "linewidth": 1.0, "linestyle": ":", "zorder": 2}
-# Inches at the left of a panel, at its right, below and above it, for labels, title and legend.
-_LEFT, _RIGHT, _BELOW, _ABOVE = 0.8, 0.2, 0.5, 0.6
+# Inches at the left of a panel, at its right, below it for labels, above it for the title, and for
+# each row of a legend.
+_LEFT, _RIGHT, _BELOW, _ABOVE, _KEYS = 0.8, 0.2, 0.5, 0.33, 0.18
 # Letters an inch of sentences, of the foot, of titles of one point; and sizes of titles, points.
-_LETTERS, _FOOT_LETTERS, _TITLE_LETTERS = 13.1, 15.0, 113.0
+_LETTERS, _FOOT_LETTERS, _TITLE_LETTERS = 13.1, 15.6, 113.0
 _TITLE, _SMALL_TITLE = 18.0, 13.0
 _FOOT: Look = {"fontsize": 8, "color": QUIET, "linespacing": 1.35}
 # Fonts of legends and titles; points that a legend's key takes, and a row of it.
@@ -179,24 +180,30 @@ def write_page(
 
 
 def panels(
-    figure: Figure, layout: str, room: Room = (0.0, 0.985), polar: str = "", **options: Any
+    figure: Figure,
+    layout: str,
+    room: Room = (0.0, 0.985),
+    keys: int = 1,
+    polar: str = "",
+    **options: Any,
 ) -> list[Axes]:
     """The panels of a layout, "ab;cc" for two above a wide one, in the order of their letters.
 
-    room : of the page's height, as `write_page` leaves it. polar : the panels that are round.
+    room : of the page's height, as `write_page` leaves it. keys : rows of the longest legend. polar : the
+    panels that are round.
     options : of Matplotlib's `subplot_mosaic`.
     """
     width, height = figure.get_size_inches().tolist()
-    rows = layout.split(";")
+    rows, above = layout.split(";"), _ABOVE + _KEYS * keys
     ends = {
         "left": _LEFT / width,
         "right": 1.0 - _RIGHT / width,
         "bottom": room[0] + _BELOW / height,
-        "top": room[1] - _ABOVE / height,
+        "top": room[1] - above / height,
     }
     wide, tall = (ends["right"] - ends["left"]) * width, (ends["top"] - ends["bottom"]) * height
     ends["wspace"] = _share(_LEFT + _RIGHT, wide, len(rows[0]))
-    ends["hspace"] = _share(_BELOW + _ABOVE, tall, len(rows))
+    ends["hspace"] = _share(_BELOW + above, tall, len(rows))
     made = figure.subplot_mosaic(
         layout,
         gridspec_kw=ends,
@@ -396,6 +403,11 @@ def arrow(
         **look,
     }
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
+
+
+def cross(axes: Axes, place: Any = (0.0, 0.0), colour: str = QUIET, **look: Any) -> None:
+    """A cross at a place of the data, (2,): a centre, or the origin."""
+    axes.plot(*place, "+", **{"color": colour, "markersize": 8.0, "zorder": 5, **look})
 
 
 def say(axes: Axes, words: str) -> None:

@@ -19,7 +19,7 @@ from tests.bounds.bound_study import BoundStudy
 from tests.bounds.random_families import LONG, RandomFamily, random_family, root
 
 _RESOLUTION = 6
-_CURVES = 1  # of a family that are followed
+_FOLLOWED = 0.5  # of the families: that one of their curves is followed
 _POINTS = 4  # of a curve that are judged
 _ROUNDING = 1e-14  # of an orbit's equations: what curves are said to be correct to
 
@@ -52,15 +52,15 @@ def _judge(found: BoundStudy, family: RandomFamily, where: str, rng: np.random.G
     )
     for start in starts:
         _judge_start(found, family, start, height, where)
-    if family.sampled:
-        return  # their curves are those of the samples
     chosen = [start for start in starts if start.kind != "branch point"]
-    for index in rng.permutation(len(chosen))[:_CURVES]:
-        curve = follow_bifurcation(family, chosen[index], height, family.first, family.second)
-        for place in rng.integers(0, curve.first.size, _POINTS):
-            _judge_point(found, family, curve, int(place), where)
-        for special in curve.special:
-            _judge_special(found, family, curve, special, where)
+    if family.sampled or not chosen or rng.uniform() > _FOLLOWED:
+        return  # the curves of a sampled family are those of the samples
+    start = chosen[rng.integers(len(chosen))]
+    curve = follow_bifurcation(family, start, height, family.first, family.second)
+    for place in rng.integers(0, curve.first.size, _POINTS):
+        _judge_point(found, family, curve, int(place), where)
+    for special in curve.special:
+        _judge_special(found, family, curve, special, where)
 
 
 def _judge_start(

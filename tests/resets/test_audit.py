@@ -7,8 +7,8 @@ import pytest
 from refusals import refused
 
 from cyclemap.resets.monitor.audit import audit
-from cyclemap.views.audit_page import audit_headline, audit_page, audit_paragraph
 from cyclemap.views.style import render
+from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
 
 
 def table(tmp_path, theta_deg, turn_deg=None):

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
@@ -59,8 +59,8 @@ class ParametricLift:
 
     lift: ParametricFunction
     derivative: ParametricFunction | None = None
-    breaks: Any = ()
-    nondecreasing: Callable[..., Any] | None = None
+    breaks: ArrayLike = ()
+    nondecreasing: Callable[..., ArrayLike] | None = None
     circle_map: Callable[..., CircleMap] | None = None
     max_error: float = 0.0
 
@@ -86,7 +86,7 @@ class ParametricLift:
             partial(_at, self.lift, values), slope, self.breaks, max_error=self.max_error
         )
 
-    def rises(self, *parameters: Any) -> Mask:
+    def rises(self, *parameters: ArrayLike) -> Mask:
         """Where F never falls, by ``nondecreasing`` or at 65 angles; parameters of shape (n,) each,
         result (n,).
         """
@@ -108,7 +108,7 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
     return function(theta, *values)
 
 
-def _sine_lift(theta: Array, omega: Any, K: Any) -> Array:
+def _sine_lift(theta: Array, omega: Array | float, K: Array | float) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
     return np.asarray(image + TWO_PI * omega)
@@ -133,7 +133,7 @@ MOEBIUS_FAMILY = ParametricLift(
 """The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
 
 
-def parametric_form(family: Any) -> ParametricLift | None:
+def parametric_form(family: Family) -> ParametricLift | None:
     """The formula for many parameters at once that a family is known by, or None."""
     if isinstance(family, ParametricLift):
         return family
@@ -157,7 +157,7 @@ def family_member(family: Family, *parameters: float) -> CircleMap:
     return member
 
 
-def parameter_range(name: str, ends: Any) -> Range:
+def parameter_range(name: str, ends: Range) -> Range:
     """A range (low, high) of a parameter as two floats with low < high, or InvalidInput."""
     try:
         low, high = ends
@@ -200,7 +200,7 @@ class ParameterTangent:
     motions: tuple[Array, ...]
     break_rates: Array
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """∂F/∂p at ``theta`` (radians)."""
         base = np.mod(np.asarray(theta, dtype=np.float64), TWO_PI)
         total = np.zeros_like(base)

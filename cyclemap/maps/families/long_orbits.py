@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, family_member, parametric_form
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
@@ -71,7 +71,12 @@ class LyapunovExponents:
 
 
 def orbit_diagram(
-    family: Family, values: Any, *, cycles: int = 200, transient: int = 500, start: float = _START
+    family: Family,
+    values: ArrayLike,
+    *,
+    cycles: int = 200,
+    transient: int = 500,
+    start: float = _START,
 ) -> OrbitDiagram:
     """Where the orbit of each member of a family is, after cycles that are left out.
 
@@ -119,7 +124,7 @@ def orbit_diagram(
 
 def lyapunov_exponents(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,
@@ -276,8 +281,7 @@ def lyapunov_exponent(
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     skipped = whole_number("transient", transient, least=0)
     # Refused before thousands of iterates are made: a lift that is nowhere smooth.
     slope, error = circle_map.derivative_and_error(_EVERYWHERE)

@@ -253,8 +253,6 @@ class Bifurcation:
         the break.
     jump : bool
         Whether the break met is a jump of the map, where the branch ends, and not a kink.
-    residual : float
-        The largest residual of the equations of the orbit and of the condition.
 
     Examples
     --------
@@ -272,7 +270,6 @@ class Bifurcation:
     multiplier: float
     left_multiplier: float
     jump: bool
-    residual: float
 
     @property
     def theta(self) -> float:
@@ -400,7 +397,6 @@ def recorded(
         equations.winding,
         *(multipliers or (at.multiplier, at.multiplier)),
         jump,
-        float(np.max(np.abs(residual))),
     )
 
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number
@@ -96,11 +96,7 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
         )
     near, far = (parameter_tangent(family, p, share, (low, high)) for share in (_STEP, 2.0 * _STEP))
     operator = transfer_operator(near.member, noise)
-    if not isinstance(operator.discretisation, FourierDiscretisation):
-        raise InvalidInput(
-            f"the noise is {noise!r}: its law has steps, which move; take a smooth noise"
-        )
-    return Response(operator, near, far)
+    return Response(operator, operator.law.smooth_basis, near, far)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +107,8 @@ class Response:
     ----------
     operator : TransferOperator
         At the parameter.
+    basis : FourierDiscretisation
+        Its basis.
     near, far : ParameterTangent
         ∂F/∂p by differences over a step and over two.
 
@@ -123,21 +121,15 @@ class Response:
     """
 
     operator: TransferOperator
+    basis: FourierDiscretisation
     near: ParameterTangent
     far: ParameterTangent
 
-    @property
-    def _basis(self) -> FourierDiscretisation:
-        basis = self.operator.discretisation
-        assert isinstance(basis, FourierDiscretisation)
-        return basis
-
     @one_thread
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """d/dp of the stationary density at ``theta``, any shape, per radian and unit of p."""
         angles = finite_array("theta", theta)
-        basis = self._basis
-        moved, _ = self._moved(FourierLaw(basis), basis.evaluate(angles.ravel()).T)
+        moved, _ = self._moved(FourierLaw(self.basis), self.basis.evaluate(angles.ravel()).T)
         return moved.reshape(angles.shape)
 
     @one_thread
@@ -212,9 +204,8 @@ class Response:
     def _estimated(
         self, moments: Callable[[FourierDiscretisation], Array], direct: float
     ) -> Estimate:
-        basis = self._basis
-        value, changed = self._moved(FourierLaw(basis), moments(basis), direct)
-        fine = basis.refined()
+        value, changed = self._moved(FourierLaw(self.basis), moments(self.basis), direct)
+        fine = self.basis.refined()
         again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
         rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
         return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)

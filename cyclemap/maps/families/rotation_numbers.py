@@ -13,6 +13,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
@@ -70,7 +71,7 @@ class RotationNumbers:
 
 def rotation_numbers(
     family: Callable[..., CircleMap],
-    *parameters: Any,
+    *parameters: ArrayLike,
     tolerance: float = 1e-3,
     threads: int | None = None,
 ) -> RotationNumbers:
@@ -438,8 +439,8 @@ def _folded_numbers(
 
 def rotation_plane(
     family: Callable[..., CircleMap],
-    first_values: Any,
-    second_values: Any,
+    first_values: ArrayLike,
+    second_values: ArrayLike,
     tolerance: float = 1e-3,
     progress: Callable[[float], None] | None = None,
     executor: Executor | None = None,
@@ -568,7 +569,7 @@ def _cell(
     return _Cell(folds, known.value, known.lower, known.upper, *locked)
 
 
-def _axis(name: str, values: Any) -> Array:
+def _axis(name: str, values: ArrayLike) -> Array:
     axis = finite_array(name, values, ndim=1)
     if axis.size == 0:
         raise InvalidInput(f"{name} is empty: give at least one value")

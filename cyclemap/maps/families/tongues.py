@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from math import gcd
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, read_only, whole_number
@@ -348,7 +348,10 @@ class TongueBoundaries:
     folded: Mask
 
 
-def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
+Ratio = Fraction | int | Sequence[int]
+
+
+def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     """The edges of the tongue p/q of a family whose lifts nowhere fall as the parameter grows.
 
     Parameters
@@ -413,7 +416,7 @@ def tongue(family: Family, ratio: Any, parameters: Range) -> Tongue:
     return Tongue(wanted, left, right, *orbits, left_kind, right_kind, left_folds or right_folds)
 
 
-def rotation_ratio(ratio: Any) -> Fraction:
+def rotation_ratio(ratio: Ratio) -> Fraction:
     """p/q as a Fraction, from a Fraction, a whole number or a pair (p, q) in lowest terms,
     q ≥ 1."""
     if isinstance(ratio, Fraction):
@@ -429,7 +432,7 @@ def rotation_ratio(ratio: Any) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Any], second: Any, parameters: Range
+    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
 ) -> TongueBoundaries:
     """The edges of several tongues of a family over a second parameter.
 

@@ -5,10 +5,10 @@ on all of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, finite_number, read_only
@@ -97,7 +97,7 @@ class Branch:
     direction: int
     table: MonotoneTable
 
-    def inverse(self, values: Any) -> Array:
+    def inverse(self, values: ArrayLike) -> Array:
         """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any
         shape).
 

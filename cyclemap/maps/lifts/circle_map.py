@@ -10,6 +10,7 @@ from math import atan2, cos, sin
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import (
@@ -116,7 +117,7 @@ class CircleMap:
         self,
         lift: Lift,
         derivative: Lift | None = None,
-        breaks: Any = (),
+        breaks: ArrayLike = (),
         degree: int = 1,
         *,
         max_error: float = 0.0,
@@ -193,16 +194,16 @@ class CircleMap:
         caption = f"{self!r}: turn of a cycle (rad) over θ from 0 to 2π"
         return inline_svg(map_strokes(theta, self.turn(theta), self.breaks), caption)
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """The lift F(θ); ``theta`` in radians, any shape, any real numbers."""
         return self._lift(np.asarray(theta, dtype=np.float64))
 
-    def turn(self, theta: Any) -> Array:
+    def turn(self, theta: ArrayLike) -> Array:
         """F(θ) - θ, radians: how far one cycle turns."""
         angles = np.asarray(theta, dtype=np.float64)
         return self._lift(angles) - angles
 
-    def derivative(self, theta: Any, side: int = 0) -> Array:
+    def derivative(self, theta: ArrayLike, side: int = 0) -> Array:
         """F'(θ); at a break the derivative from the right, with ``side`` -1 or 1 its limit from
         below or above.
         """
@@ -213,7 +214,7 @@ class CircleMap:
             return self._derivative(angles)
         return differences(self._lift, self.breaks, angles)[0]
 
-    def derivative_and_error(self, theta: Any) -> tuple[Array, Array]:
+    def derivative_and_error(self, theta: ArrayLike) -> tuple[Array, Array]:
         """F'(θ) and a bound on its error: rounding; where no derivative was given, the measured one
         of differences.
 
@@ -227,11 +228,11 @@ class CircleMap:
         slope = self._derivative(angles)
         return slope, LIFT * (1.0 + np.abs(slope))
 
-    def left(self, theta: Any) -> Array:
+    def left(self, theta: ArrayLike) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
         return one_sided_limit(self._lift, self.breaks, theta, -1, self.degree)
 
-    def right(self, theta: Any) -> Array:
+    def right(self, theta: ArrayLike) -> Array:
         """The limit of F from above at ``theta``."""
         return one_sided_limit(self._lift, self.breaks, theta, 1, self.degree)
 
@@ -318,7 +319,7 @@ class CircleMap:
         )
 
     @classmethod
-    def blaschke(cls, zeros: Any, omega: float = 0.0) -> CircleMap:
+    def blaschke(cls, zeros: ArrayLike, omega: float = 0.0) -> CircleMap:
         """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number
         of zeros.
 
@@ -380,7 +381,13 @@ class CircleMap:
 
     @classmethod
     def from_samples(
-        cls, theta: Any, lifted: Any, slopes: Any = None, *, degree: int = 1, max_error: float = 0.0
+        cls,
+        theta: ArrayLike,
+        lifted: ArrayLike,
+        slopes: ArrayLike | None = None,
+        *,
+        degree: int = 1,
+        max_error: float = 0.0,
     ) -> CircleMap:
         """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
 
@@ -405,7 +412,7 @@ class CircleMap:
 
     @classmethod
     def from_pieces(
-        cls, pieces: PiecewiseCubic, breaks: Any, samples: int, max_error: float = 0.0
+        cls, pieces: PiecewiseCubic, breaks: ArrayLike, samples: int, max_error: float = 0.0
     ) -> CircleMap:
         """The map whose lift is a piecewise cubic that is already there; ``samples`` is kept for
         the record.
@@ -413,6 +420,12 @@ class CircleMap:
         made = cls(pieces, pieces.derivative, breaks, pieces.degree, max_error=max_error)
         made._set(_scalar=pieces.scalar(), pieces=pieces, samples=samples)
         return made.remade_by(cls.from_pieces, pieces, breaks, samples, max_error)
+
+
+def require_map(circle_map: CircleMap) -> None:
+    """InvalidInput for anything else."""
+    if not isinstance(circle_map, CircleMap):
+        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
 
 
 def _remade(recipe: Recipe) -> CircleMap:

@@ -47,7 +47,7 @@ class Jet:
     value: Ball
     slope: Ball
 
-    def __add__(self, other: Any) -> Jet:
+    def __add__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         return Jet(self.value + value, self.slope + slope)
 
@@ -56,30 +56,30 @@ class Jet:
     def __neg__(self) -> Jet:
         return Jet(-self.value, -self.slope)
 
-    def __sub__(self, other: Any) -> Jet:
+    def __sub__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         return Jet(self.value - value, self.slope - slope)
 
-    def __rsub__(self, other: Any) -> Jet:
+    def __rsub__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         return Jet(value - self.value, slope - self.slope)
 
-    def __mul__(self, other: Any) -> Jet:
+    def __mul__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         return Jet(self.value * value, self.slope * value + self.value * slope)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other: Any) -> Jet:
+    def __truediv__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         ratio = self.value / value
         return Jet(ratio, (self.slope - ratio * slope) / value)
 
-    def __rtruediv__(self, other: Any) -> Jet:
+    def __rtruediv__(self, other: Jet | float) -> Jet:
         value, slope = self._both(other)
         return Jet(value, slope) / self
 
-    def __pow__(self, exponent: Any) -> Jet:
+    def __pow__(self, exponent: Jet | float) -> Jet:
         if isinstance(exponent, Jet):
             raise TypeError("an exponent that depends on θ")
         if exponent == int(exponent):
@@ -138,7 +138,7 @@ class Jet:
         """arctan, slope 1/(1 + x²)."""
         return Jet(self.value.atan(), self.slope / (1 + self.value * self.value))
 
-    def arctan2(self, across: Any) -> Jet:
+    def arctan2(self, across: Jet | float) -> Jet:
         """The angle of the point (across, self); where it may jump from π to -π its slope is
         unknown.
         """
@@ -152,7 +152,7 @@ class Jet:
             (value * self.slope - self.value * slope) / (value * value + self.value * self.value),
         )
 
-    def _both(self, other: Any) -> tuple[Ball, Ball]:
+    def _both(self, other: Jet | float) -> tuple[Ball, Ball]:
         if isinstance(other, Jet):
             return other.value, other.slope
         if not isinstance(other, (int, float, np.integer, np.float32)):

@@ -5,10 +5,10 @@ lift.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import CycleMapError, InvalidInput
@@ -58,7 +58,9 @@ def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
     return np.asarray(function(points), dtype=np.float64) - TWO_PI * climb * wraps
 
 
-def one_sided_limit(function: Lift, breaks: Array, theta: Any, side: int, climb: int) -> Array:
+def one_sided_limit(
+    function: Lift, breaks: Array, theta: ArrayLike, side: int, climb: int
+) -> Array:
     """The function at ``theta``, and within ``SNAP`` of a break its limit there from below (-1) or
     above (1).
     """

@@ -11,6 +11,7 @@ from math import floor
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
@@ -18,6 +19,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.lift_checks import (
     SNAP,
+    Index,
     Lift,
     Scalar,
     base_angles,
@@ -64,7 +66,7 @@ class PiecewiseCubic:
         ]
         return bool(np.min(slopes) >= 0.0)
 
-    def _locate(self, theta: Array) -> tuple[Any, Array, Array]:
+    def _locate(self, theta: Array) -> tuple[Index, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         base = theta - TWO_PI * turns
         piece = np.searchsorted(self.knots, base, side="right") - 1
@@ -110,7 +112,7 @@ class PiecewiseCubic:
 
 
 def cubic_from_samples(
-    theta: Any, lifted: Any, slopes: Any, degree: int
+    theta: ArrayLike, lifted: ArrayLike, slopes: ArrayLike | None, degree: int
 ) -> tuple[PiecewiseCubic, Array, int]:
     """The piecewise cubic through the samples, its breaks in [0, 2π), and the number of sample
     points.
@@ -130,7 +132,9 @@ def cubic_from_samples(
     return pieces, np.unique(base_angles(breaks)), given
 
 
-def _checked(theta: Any, lifted: Any, slopes: Any) -> tuple[Array, Array, Array | None]:
+def _checked(
+    theta: ArrayLike, lifted: ArrayLike, slopes: ArrayLike | None
+) -> tuple[Array, Array, Array | None]:
     angles = finite_array("theta", theta, ndim=1)
     values = finite_array("lifted", lifted, ndim=1)
     given = None if slopes is None else finite_array("slopes", slopes, ndim=1)
@@ -223,7 +227,7 @@ def _pchip_slopes(x: Array, y: Array) -> Array:
     return np.asarray(PchipInterpolator(x, y).derivative()(x), dtype=np.float64)
 
 
-def _moved_along(rows: Array, step: Any) -> Array:
+def _moved_along(rows: Array, step: Array) -> Array:
     """Coefficients (4, ...) of the same cubics about places ``step`` (...) further along."""
     c0, c1, c2, c3 = rows
     value = ((c3 * step + c2) * step + c1) * step + c0
@@ -315,11 +319,11 @@ class BranchedLift:
             values[here], errors[here] = piece.derivative_and_error(own)
         return values, errors
 
-    def _owner(self, theta: Array) -> Any:
+    def _owner(self, theta: Array) -> Index:
         base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
         return np.searchsorted(self.starts, base, side="right") - 1
 
-    def _parts(self, theta: Array, owner: Any) -> Iterator[tuple[Piece, Array, Mask]]:
+    def _parts(self, theta: Array, owner: Index) -> Iterator[tuple[Piece, Array, Mask]]:
         """Each piece that owns some of the angles, those as its own, and where they are."""
         base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
         for i, piece in enumerate(self.pieces):

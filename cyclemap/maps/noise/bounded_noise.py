@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
@@ -46,6 +46,7 @@ class UniformNoise:
     """
 
     halfwidth: float
+    sigma = None
 
     def __post_init__(self) -> None:
         width = finite_number("halfwidth", self.halfwidth)
@@ -66,7 +67,7 @@ class UniformNoise:
         """h."""
         return self.halfwidth
 
-    def coefficients(self, m: Any) -> Array:
+    def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = sin(mh)/(mh)."""
         return np.asarray(np.sinc(np.asarray(m, dtype=np.float64) * (self.halfwidth / np.pi)))
 
@@ -74,7 +75,7 @@ class UniformNoise:
         """Infinite: |κ_k| falls like 1/k, and its sum diverges."""
         return float("inf")
 
-    def density(self, x: Any, lifted: bool = False) -> Array:
+    def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """The number of x + 2πk in [-h, h), over 2h, per radian; on the line 1/2h on [-h, h), else
         0.
         """
@@ -89,18 +90,18 @@ class UniformNoise:
         )
         return np.asarray(images / (2.0 * self.halfwidth))
 
-    def slope(self, x: Any, lifted: bool = False) -> Array:
+    def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """Refused: InvalidInput."""
         raise InvalidInput(
             f"uniform noise has no density slope: its density jumps at ±{self.halfwidth:g}"
         )
 
-    def exceedance(self, x: Any) -> Array:
+    def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
         above = self.halfwidth - np.asarray(x, dtype=np.float64)
         return np.asarray(np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0))
 
-    def arc_probability(self, low: Any, high: Any) -> Array:
+    def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over
         2h.
         """
@@ -158,6 +159,7 @@ class VonMises:
 
     kappa: float
     jump = 0.0
+    sigma = None
 
     def __post_init__(self) -> None:
         concentration = finite_number("kappa", self.kappa)
@@ -172,7 +174,7 @@ class VonMises:
         """∫ x² density dx over [-π, π]."""
         return 2.0 * float(self._half_integral(0.0, np.pi, np.square))
 
-    def coefficients(self, m: Any) -> Array:
+    def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = I_m(κ)/I₀(κ); beyond κ = 1e8 from Debye's expansion, exp(-(m²/2κ)(1 + 1/2κ) +
         m⁴/24κ³).
         """
@@ -194,7 +196,7 @@ class VonMises:
         ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
         return float(self.coefficients(m) * self.kappa / ratio_gap)
 
-    def density(self, x: Any, lifted: bool = False) -> Array:
+    def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """Density per radian; on the line 0 outside [-π, π]."""
         from scipy.special import i0e
 
@@ -205,17 +207,17 @@ class VonMises:
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
         return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
 
-    def slope(self, x: Any, lifted: bool = False) -> Array:
+    def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``: -κ sin x times it."""
         return np.asarray(-self.kappa * np.sin(x) * self.density(x, lifted))
 
-    def exceedance(self, x: Any) -> Array:
+    def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
         at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
         return np.asarray(np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail))
 
-    def arc_probability(self, low: Any, high: Any) -> Array:
+    def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
         near, beyond = folded(low, high)
         parts = self._half_integral(np.maximum(near, 0.0), np.minimum(beyond, np.pi))
@@ -223,7 +225,10 @@ class VonMises:
         return np.asarray(parts + self._half_integral(np.minimum(TWO_PI - beyond, np.pi), np.pi))
 
     def _half_integral(
-        self, low: Any, high: Any, factor: Callable[[Array], Array] = np.ones_like
+        self,
+        low: Array | float,
+        high: Array | float,
+        factor: Callable[[Array], Array] = np.ones_like,
     ) -> Array:
         """∫ factor(x) density(x) dx from low to high, 0 <= low <= high <= π, any shapes that go
         together.

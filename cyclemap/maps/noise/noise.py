@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number
@@ -38,33 +39,46 @@ class Noise(Protocol):
         """Variance of one draw on the real line, radians²; inf where there is none."""
 
     @property
+    def sigma(self) -> float | None:
+        """The standard deviation of a normal law, radians; None of any other."""
+
+    @property
     def jump(self) -> float:
         """h where the density is even on [-h, h] and jumps to nothing there, radians; 0 where it is
         smooth.
         """
 
-    def coefficients(self, m: Any) -> Array:
+    def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = E e^{imξ}, real by symmetry; any whole m, any shape."""
 
     def tail(self, m: int) -> float:
         """A bound on the sum of |κ_k| over k > m; inf where the sum diverges."""
 
-    def density(self, x: Any, lifted: bool = False) -> Array:
+    def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """Density per radian: on the circle, period 2π; ``lifted``, on the real line."""
 
-    def slope(self, x: Any, lifted: bool = False) -> Array:
+    def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``, per radian²."""
 
-    def exceedance(self, x: Any) -> Array:
+    def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) on the real line, to full relative accuracy in the tail."""
 
-    def arc_probability(self, low: Any, high: Any) -> Array:
+    def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high), low < high < low + 2π; small values keep their
         digits.
         """
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Independent draws on the real line, radians."""
+
+
+def required_noise(noise: Noise | None) -> Noise:
+    """The noise, or InvalidInput where there is none."""
+    if not isinstance(noise, Noise):
+        raise InvalidInput(
+            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
+        )
+    return noise
 
 
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
@@ -121,7 +135,7 @@ class WrappedNormal:
         """σ²."""
         return self.sigma**2
 
-    def coefficients(self, m: Any) -> Array:
+    def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = exp(-m²σ²/2)."""
         order = np.asarray(m, dtype=np.float64)
         return np.asarray(np.exp(-0.5 * (order * self.sigma) ** 2))
@@ -130,7 +144,7 @@ class WrappedNormal:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
         return float(np.sqrt(0.5 * np.pi) / self.sigma * math.erfc(m * self.sigma / math.sqrt(2.0)))
 
-    def density(self, x: Any, lifted: bool = False) -> Array:
+    def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """The normal density, per radian, or the sum over its images on the circle;
         rounding only."""
         if not lifted and self.sigma >= _WIDE:
@@ -148,7 +162,7 @@ class WrappedNormal:
         density /= self.sigma * np.sqrt(TWO_PI)
         return density
 
-    def slope(self, x: Any, lifted: bool = False) -> Array:
+    def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``: on the line -x/σ² times it."""
         if not lifted and self.sigma >= _WIDE:
             waves = np.sin(np.multiply.outer(reduced(x), _ORDERS)) @ (
@@ -160,12 +174,12 @@ class WrappedNormal:
         distance = np.asarray(x, dtype=np.float64)
         return np.asarray(-distance / self.sigma**2 * self.density(distance, True))
 
-    def exceedance(self, x: Any) -> Array:
+    def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
         scaled = np.asarray(x, dtype=np.float64) / (self.sigma * math.sqrt(2.0))
         return np.asarray(0.5 * _erfc(scaled))
 
-    def arc_probability(self, low: Any, high: Any) -> Array:
+    def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
         near, beyond = folded(low, high)
         above = self.exceedance(beyond)
@@ -182,19 +196,19 @@ class WrappedNormal:
         """Normal draws, radians, not wrapped."""
         return np.asarray(rng.normal(0.0, self.sigma, size))
 
-    def _images(self, x: Any) -> list[Array]:
+    def _images(self, x: ArrayLike) -> list[Array]:
         """All x + 2πk near enough to count."""
         reach = int(np.ceil((TWO_PI + 9.0 * self.sigma) / TWO_PI))
         return [reduced(x) + TWO_PI * turn for turn in range(-reach, reach + 1)]
 
 
-def reduced(x: Any) -> Array:
+def reduced(x: ArrayLike) -> Array:
     """The same angle in [-π, π]; small angles keep all their digits."""
     angle = np.asarray(x, dtype=np.float64)
     return np.asarray(angle - TWO_PI * np.round(angle / TWO_PI))
 
 
-def folded(low: Any, high: Any) -> tuple[Array, Array]:
+def folded(low: Array | float, high: Array | float) -> tuple[Array, Array]:
     """The same arc seen from 0, mirrored so that its middle lies in [0, π]: its nearer and its
     farther end.
     """
@@ -243,6 +257,7 @@ class WrappedCauchy:
 
     r: float
     jump = 0.0
+    sigma = None
 
     def __post_init__(self) -> None:
         length = finite_number("r", self.r)
@@ -261,7 +276,7 @@ class WrappedCauchy:
     def _scale(self) -> float:
         return float(-np.log(self.r))
 
-    def coefficients(self, m: Any) -> Array:
+    def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = r^|m|."""
         return np.asarray(self.r ** np.abs(np.asarray(m, dtype=np.float64)))
 
@@ -269,7 +284,7 @@ class WrappedCauchy:
         """Sum over k > m of κ_k, exactly."""
         return float(self.r ** (m + 1) / (1.0 - self.r))
 
-    def density(self, x: Any, lifted: bool = False) -> Array:
+    def density(self, x: ArrayLike, lifted: bool = False) -> Array:
         """The Cauchy density, per radian; on the circle (1 - r²)/(2π|1 - r e^{ix}|²)."""
         gap = np.asarray(x, dtype=np.float64)
         if lifted:
@@ -277,7 +292,7 @@ class WrappedCauchy:
         distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
         return np.asarray((1.0 - self.r**2) / (TWO_PI * distance))
 
-    def slope(self, x: Any, lifted: bool = False) -> Array:
+    def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``."""
         gap = np.asarray(x, dtype=np.float64)
         if lifted:
@@ -286,11 +301,11 @@ class WrappedCauchy:
         distance = (1.0 - self.r) ** 2 + 4.0 * self.r * np.sin(0.5 * gap) ** 2
         return np.asarray(-(1.0 - self.r**2) * 2.0 * self.r * np.sin(gap) / (TWO_PI * distance**2))
 
-    def exceedance(self, x: Any) -> Array:
+    def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
         return np.asarray(np.arctan2(self._scale, np.asarray(x, dtype=np.float64)) / np.pi)
 
-    def arc_probability(self, low: Any, high: Any) -> Array:
+    def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep
         their digits.
         """

@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
 from cyclemap.maps.noise.cells import Cells, cells_between
 from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
 
 NOISELESS_CELLS = 1_024
@@ -102,12 +102,15 @@ class CellDiscretisation:
             half * weights
         ).ravel()
 
-    def moments(self, order: int) -> Any:
+    def moments(self, order: int) -> Complex:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
         width, edges = self.cells.width, self.cells.edges
-        return np.exp(0.5j * order * (edges[1:] + edges[:-1])) * np.sinc(
-            0.5 * order * width / np.pi
-        )
+        turned = np.exp(0.5j * order * (edges[1:] + edges[:-1]))
+        return np.asarray(turned * np.sinc(0.5 * order * width / np.pi))
+
+    def cycle(self, law: Array) -> Array:
+        """(n,): the masses after one cycle; or columns of several."""
+        return self.matrix @ law
 
     def refined(self) -> CellDiscretisation:
         """The same with twice as many cells."""
@@ -144,6 +147,14 @@ class CellLaw(StationaryLaw):
     """
 
     basis: CellDiscretisation
+
+    @property
+    def smooth_basis(self) -> FourierDiscretisation:
+        """Refused: InvalidInput."""
+        raise InvalidInput(
+            f"the noise is {self.basis.noise!r}: this needs one with a smooth density, as "
+            "WrappedNormal has"
+        )
 
     @cached_property
     def variation(self) -> float:
@@ -230,7 +241,7 @@ class CellLaw(StationaryLaw):
         varies = min(2.0, abs(order) * float(np.max(self.basis.cells.width)))
         return self.mass_error + 0.5 * varies * self._within + INTEGRAL
 
-    def map_error(self, moments: Array, direct: Any = 0.0) -> float:
+    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """What is left of ``max_error`` where h depends on F itself."""
         return self.basis.map.max_error * float(np.max(np.abs(direct)))
 

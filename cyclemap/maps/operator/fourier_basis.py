@@ -7,9 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, Self
+from typing import Protocol, Self
 
 import numpy as np
+import numpy.typing as npt
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
@@ -25,6 +26,7 @@ NEGLIGIBLE = 1e-17  # noise coefficients beyond the last mode add up to less
 # nodes times basis functions handled at a time: waves made anew in the cache beat kept ones
 _ENTRIES = 400_000
 
+Complex = npt.NDArray[np.complex128]
 Waves = tuple[slice, Array]
 
 
@@ -68,8 +70,11 @@ class Discretisation(Protocol):
     def rule(self) -> tuple[Array, Array]:
         """Nodes and weights over one turn for integrals of a law."""
 
-    def moments(self, order: int) -> Any:
+    def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ."""
+
+    def cycle(self, law: Array) -> Array:
+        """(n,): coefficients after one cycle of those of ``law``; or columns of several."""
 
     def refined(self) -> Self:
         """A finer basis, for errors."""
@@ -192,7 +197,7 @@ class FourierDiscretisation:
         """(m, n): the derivatives of the basis functions."""
         return np.asarray((self._turned(waves(theta, self.modes)) * self._scale[:, None]).T)
 
-    def moments(self, order: int) -> Any:
+    def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
         row = np.zeros(self.size, dtype=np.complex128)
         if order == 0:
@@ -235,7 +240,7 @@ class FourierDiscretisation:
         matrix[0] = self.mass
         return matrix
 
-    def cycle(self, law: Any) -> Any:
+    def cycle(self, law: Array) -> Array:
         """(n,): coefficients after one cycle of the density with coefficients ``law``; or columns
         of several.
         """
@@ -271,11 +276,11 @@ class FourierDiscretisation:
             self._scale * np.sum([here @ mass[part] for part, here in blocks], axis=0)
         )
 
-    def on_nodes(self, law: Any) -> Any:
+    def on_nodes(self, law: Array) -> Array:
         """The density with coefficients ``law``, per radian, at the nodes of ``rule``."""
         return np.concatenate([before.T @ _times(self._scale, law) for _, before in self._before])
 
-    def carried(self, density: Any) -> Any:
+    def carried(self, density: Array) -> Array:
         """(n,): coefficients after one cycle of the density with these values at the nodes of
         ``rule``.
         """
@@ -293,19 +298,19 @@ class FourierDiscretisation:
             self.map, self.noise, max(self.modes, needed_modes(self.noise)), 2 * self.finer
         )
 
-    def padded(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
+    def padded(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
         part = np.split(coefficients, [1, coarse.modes + 1])
         rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
         return np.concatenate([part[0], part[1], rest, part[2], rest])
 
-    def cut(self, coefficients: Any, coarse: FourierDiscretisation) -> Any:
+    def cut(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """The coefficients of the modes that a ``coarse`` basis has too."""
         return np.concatenate(
             [coefficients[: coarse.modes + 1], coefficients[self.modes + 1 :][: coarse.modes]]
         )
 
-    def _turned(self, rows: Any) -> Any:
+    def _turned(self, rows: Array) -> Array:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
         cosines, sines = rows[1 : self.modes + 1], rows[self.modes + 1 :]
         m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
@@ -322,6 +327,6 @@ class FourierDiscretisation:
         return WavesInBlocks(self.map(self.rule[0]), self.modes)
 
 
-def _times(factors: Array, columns: Any) -> Any:
+def _times(factors: Array, columns: Array) -> Array:
     """Row j of a vector or of columns, times factors[j]."""
     return (factors * columns.T).T

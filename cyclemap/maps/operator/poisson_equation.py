@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.noise.noise import WrappedNormal
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 from cyclemap.maps.quadrature import arc_rule
 
@@ -100,6 +99,11 @@ class FourierLaw(StationaryLaw):
 
     basis: FourierDiscretisation
 
+    @property
+    def smooth_basis(self) -> FourierDiscretisation:
+        """The basis, for what needs a smooth density."""
+        return self.basis
+
     def density(self, theta: Array) -> Array:
         """The density per radian at angles, shape (m,)."""
         return self.basis.density(theta, self.coefficients)
@@ -165,7 +169,7 @@ class FourierLaw(StationaryLaw):
         found += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
         return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
-    def map_error(self, moments: Array, direct: Any = 0.0) -> float:
+    def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
         ``max_error``.
 
@@ -268,7 +272,7 @@ class FourierLaw(StationaryLaw):
             )
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
-        if not isinstance(basis.noise, WrappedNormal):
+        if basis.noise.sigma is None:
             raise InvalidInput(
                 f"the noise is {basis.noise!r}: a diffusion constant is computed for "
                 "WrappedNormal; else sample_staircases tells how paths spread"

@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import MATRIX, Estimate
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
-
-Complex = npt.NDArray[np.complex128]
+from cyclemap.maps.operator.fourier_basis import Complex, Discretisation
 
 _DENSE = 320  # below this many unknowns all eigenvalues are computed at once
 _TOO_SMALL = 1e-6  # left vectors are not smoothed where that divides by less
@@ -251,7 +248,7 @@ def _error_bounds(
     same : (k, k), which values are copies of one: these move by the eigenvalues of their block, at
         most its row sums.
     """
-    if isinstance(finer, FourierDiscretisation) and finer.size == basis.size:
+    if finer.size == basis.size:
         # Real columns: with complex ones all waves would be made complex first.
         carried = finer.cycle(np.ascontiguousarray(right).view(np.float64))
         carried = np.ascontiguousarray(carried).view(np.complex128)

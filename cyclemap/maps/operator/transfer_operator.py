@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.cell_law import CellLaw, cell_law
@@ -113,8 +113,7 @@ def transfer_operator(
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     if noise is not None and not isinstance(noise, Noise):
         raise InvalidInput(
             f"the noise is {noise!r}: give one, for example WrappedNormal(0.02), or None"
@@ -176,7 +175,7 @@ class TransferOperator:
         return self.discretisation.size // 2
 
     @one_thread
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The stationary density per radian at ``theta`` (radians, any shape);
         see ``error_bound``."""
         angles = finite_array("theta", theta)
@@ -338,14 +337,9 @@ class TransferOperator:
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
-        if not isinstance(self.law, FourierLaw):
-            raise InvalidInput(
-                f"the noise is {self.noise!r}: metastable sets need a smooth density, as "
-                "WrappedNormal has"
-            )
-        spectrum = self._leading
+        basis, spectrum = self.law.smooth_basis, self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
-        chain = slow_chain(self.law.basis, spectrum, grid)
+        chain = slow_chain(basis, spectrum, grid)
         if chain is None:
             return ()
         errors = leaving_errors(chain, spectrum, grid)

@@ -8,9 +8,8 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import positive_number, read_only, whole_number
-from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.lifts.scan import INSET, Cells, iterate, monotone_cells, preimages
 from cyclemap.maps.orbits.periodic_points import (
@@ -125,8 +124,7 @@ def basins(
     >>> only.arcs.round(6).tolist(), round(only.measure, 9)
     ([[2.368808, 8.651993]], 1.0)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     longest, share = (
         whole_number("max_period", max_period, least=1),
         positive_number("left_over", left_over),

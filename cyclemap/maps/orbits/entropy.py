@@ -14,7 +14,7 @@ from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.branches import Branch, branches
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import JUMP
 
 ITERATES = 60
@@ -229,8 +229,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
 def _folds(circle_map: CircleMap) -> Folds:
     """The branches, or InvalidInput where they do not join."""
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     parts = branches(circle_map)
     for part, after in zip(parts, (*parts[1:], parts[0]), strict=True):
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0

@@ -15,7 +15,7 @@ from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, GREY, Stroke, inline_svg
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.lift_checks import distance_to_break, nearest_on_circle
 from cyclemap.maps.lifts.scan import solved
 from cyclemap.maps.orbits.diagonal import (
@@ -65,10 +65,6 @@ class PeriodicPoints:
         Index of the point that F maps each point to; -1 where that point is not in the list.
     period : int
         n, of the iterate, cycles.
-    residual : float
-        The largest |Fⁿ(θ) - θ - 2πw| in units of what rounding, or 1e-12 at saddle-nodes,
-        allows: about 1 or less when every point is as good as double precision lets it be. 0
-        without points.
 
     Examples
     --------
@@ -87,7 +83,6 @@ class PeriodicPoints:
     error_bound: Array
     image: Whole
     period: int
-    residual: float
 
     @property
     def count(self) -> int:
@@ -155,8 +150,7 @@ def periodic_points(
     >>> found.count, int((found.prime_period == 12).sum())
     (4095, 4020)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     if slope_error and not proved:
@@ -178,8 +172,6 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     """The points that double precision finds, judged by their slopes on both sides."""
     scan = diagonal_scan(circle_map, n)
     roots = _all_roots(circle_map, scan, n)
-    allowed = roots.rounding + TANGENCY * (roots.role >= _TOUCH)
-    residual = float(np.max(np.abs(roots.residual) / allowed, initial=0.0))
     bound = _error_bounds(circle_map, roots, n)
     image = _images(circle_map, roots.theta, bound)
     right, left = (_multiplier(circle_map, roots.theta, image, n, side) for side in (1, -1))
@@ -195,7 +187,7 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
     kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
     return PeriodicPoints(
-        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n, residual
+        roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n
     )
 
 
@@ -220,7 +212,7 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
         np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
     ).astype("<U16")
     return PeriodicPoints(
-        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n, 0.0
+        theta, winding, multiplier, multiplier, error, prime, kind, bound, image, n
     )
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
-from cyclemap.errors import InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import Cells, bracketed_root, is_continuous, is_rising, monotone_cells
 from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
 
@@ -126,8 +125,7 @@ def slow_passages(
     >>> round(ghost.theta, 6), ghost.direction, round(ghost.passage_cycles, 3)
     (1.570796, 1, 22.723)
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+    require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
     cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -14,14 +13,14 @@ from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_array, finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, EPS
-from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.quadrature import arc_rule
 
 Arc = tuple[float, float]
 
 
-def arc_ends(arc: Any, name: str, whole: bool = False) -> tuple[float, float]:
+def arc_ends(arc: Arc, name: str, whole: bool = False) -> tuple[float, float]:
     """An arc (start, end), counter-clockwise, as floats with start < end; length in (0, 2π), or (0,
     2π].
     """
@@ -212,12 +211,8 @@ def killed_chain(
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.
     """
-    if not isinstance(circle_map, CircleMap):
-        raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
-    if not isinstance(noise, Noise):
-        raise InvalidInput(
-            f"the noise is {noise!r}: passages need some, for example WrappedNormal(0.02)"
-        )
+    require_map(circle_map)
+    noise = required_noise(noise)
     if noise.jump > 0.0:
         raise InvalidInput(
             f"{noise!r} has a density that jumps, which this method cannot resolve: take a "

@@ -11,7 +11,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LOG_PASSAGE, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise, WrappedNormal
+from cyclemap.maps.noise.noise import Noise, WrappedNormal, required_noise
 from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
@@ -99,6 +99,7 @@ def log10_passage_time(
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583
     """
+    sigma = required_noise(noise).sigma
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
 
@@ -106,12 +107,12 @@ def log10_passage_time(
         settings = circle_map, noise, (ends,), outside_of(ends, lifted), lifted
         return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
-    many = isinstance(noise, WrappedNormal) and chain(False, 1.0).theta.size > _FEW
+    many = sigma is not None and chain(False, 1.0).theta.size > _FEW
     if not many or _log_time(chain(False, 1.0), inside) < np.log(LONGEST):
         time = mean_passage_time(circle_map, noise, start, arc, lifted=lifted)
         if time < LONGEST:
             return Estimate(np.log10(time), time.error_bound / time / np.log(10.0))
-        if not isinstance(noise, WrappedNormal):
+        if sigma is None:
             raise InvalidInput(
                 f"the passage takes more than 1e300 cycles, and for {noise!r} no more is known"
             )

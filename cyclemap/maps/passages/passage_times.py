@@ -12,7 +12,7 @@ from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.noise.noise import Noise
+from cyclemap.maps.noise.noise import Noise, required_noise
 from cyclemap.maps.passages.cell_passage import cell_passage
 from cyclemap.maps.passages.killed_chain import (
     Arc,
@@ -101,8 +101,9 @@ def mean_passage_time(
     inside = required_inside(start, ends)
     exits = outside_of(ends, lifted)
     rewards = np.zeros(len(exits))
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        return cell_passage(circle_map, noise.jump, inside, (ends,), exits, lifted, 1.0, rewards)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        return cell_passage(circle_map, jump, inside, (ends,), exits, lifted, 1.0, rewards)
     make = partial(killed_chain, circle_map, noise, (ends,), exits, lifted)
     return _certified(make, inside, 1.0, rewards, "mean passage time")
 
@@ -158,8 +159,9 @@ def hitting_probability(
         if into_arc(theta, ends) is not None:
             return Estimate(answer, 0.0)
     goals = np.array([1.0, 0.0])
-    if isinstance(noise, Noise) and noise.jump > 0.0:
-        chance = cell_passage(circle_map, noise.jump, theta, rest, (a, b), False, 0.0, goals)
+    jump = required_noise(noise).jump
+    if jump > 0.0:
+        chance = cell_passage(circle_map, jump, theta, rest, (a, b), False, 0.0, goals)
     else:
         make = partial(killed_chain, circle_map, noise, rest, (a, b), False)
         chance = _certified(make, theta, 0.0, goals, "hitting probability")

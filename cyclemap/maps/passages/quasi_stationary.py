@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_array
@@ -55,7 +55,7 @@ class QuasiStationary:
     _chain: KilledChain = field(repr=False)
     _mass: Array = field(repr=False)
 
-    def density(self, theta: Any) -> Array:
+    def density(self, theta: ArrayLike) -> Array:
         """The distribution's density, per radian, at angles of the arc, any shape: one cycle on
         from its nodes.
         """

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_array, whole_number
@@ -56,7 +56,7 @@ class RestMultiplier:
     theta: float = field(metadata=DIRECTION)
 
 
-def rest_multiplier(theta: Any, last: int = LAST) -> RestMultiplier | None:
+def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None:
     """The multiplier of the direction about which the last cycles of a path rest, with its
     interval.
 

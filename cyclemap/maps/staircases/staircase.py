@@ -9,6 +9,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
@@ -100,7 +101,11 @@ class DriftingMap:
 
     @classmethod
     def of_family(
-        cls, family: Callable[[Any], CircleMap], schedule: Any, cycles: int, tolerance: float = 1e-6
+        cls,
+        family: Callable[[Any], CircleMap],
+        schedule: Callable[[int], Any] | ArrayLike,
+        cycles: int,
+        tolerance: float = 1e-6,
     ) -> DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen
         to fit.
@@ -124,8 +129,10 @@ class DriftingMap:
             raise InvalidInput(
                 f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
             )
-        given = schedule
-        if not callable(schedule):
+        given: Callable[[int], Any]
+        if callable(schedule):
+            given = schedule
+        else:
             values = finite_array("schedule", schedule)
             if values.ndim == 0 or values.shape[0] < count:
                 raise InvalidInput(
@@ -403,7 +410,7 @@ def sample_staircases(
     circle_map: CircleMap | DriftingMap,
     noise: Noise | LocalNoise | None,
     cycles: int,
-    starts: Any,
+    starts: ArrayLike,
     seed: int = 0,
 ) -> Array:
     """Sample many independent noisy paths of a map at once.

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, read_only
@@ -106,7 +106,7 @@ class Steps:
         return max(int(self.levels.size) - 1, 0)
 
 
-def find_steps(theta: Any, *, zones: Sequence[SlowZone] | None = None) -> Steps:
+def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> Steps:
     """The dwells and steps of a measured or sampled path.
 
     Parameters

@@ -129,7 +129,7 @@ def test_windings_of_random_families_move_as_their_differences_and_where_a_jump_
 
 def test_what_has_no_response_is_refused():
     refused(response, sine, 0.3, WrappedNormal(SIGMA), (0.0, 0.2), told="outside the parameters")
-    refused(response, sine, 0.1, UniformNoise(1.0), (0.0, 0.2), told="has steps")
+    refused(response, sine, 0.1, UniformNoise(1.0), (0.0, 0.2), told="smooth density")
     waves = response(sine, 0.1, WrappedNormal(SIGMA), (0.0, 0.2))
     refused(waves.expectation, 3, told="function is 3")
     refused(waves.expectation, lambda theta: theta[:3], told="entry by entry")
