@@ -52,18 +52,31 @@ class Comparison:
 
     Attributes
     ----------
-    prediction, data : Prediction
-        Both as they were used; ``data.left_out`` counts what was not.
+    prediction : Prediction
+        As it was used.
+    data : CollectionData
+        As they were used; ``data.left_out`` counts what was not.
     pushes : tuple of PushAgreement
         One a set, the largest first.
+    cycle : CycleAgreement or None
+        Measured cycles beside the predicted map.
     orientations : OrientationAgreement or None
         The histogram.
     directions : DirectionAgreement or None
         Stable ones and slow zones.
     staircase : StaircaseAgreement or None
-        turns, steps, dwells.
+        Turns, steps, dwells.
     uncertified : tuple of str
         What could not be computed to its tolerance, in words.
+
+    Examples
+    --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
+    >>> path = sample_staircase(sine, noise, 40).theta
+    >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=19)
+    >>> found.pushes, found.cycle.agreement.pairs, found.orientations.count
+    ((), 40, 41)
     """
 
     prediction: Prediction
@@ -101,21 +114,44 @@ def compare(
 
     Parameters
     ----------
-    prediction : a ``CollectionLoop`` (its mechanics), or a ``CircleMap`` or ``DriftingMap`` with
-        ``noise``. Cycle n of a map that wears is push n.
-    data : a ``PushTable``, ``Theta0Pairs``, or the path of a file or folder of either.
-    noise : of one cycle; None takes 1.1 degrees for a loop.
-    first : pushes numbered below it are left out (500 leaves out the bedding-in of a fresh
-        surface).
-    select : the surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that
-        are compared.
-    push_length : how far the rod moved, m, where the data do not tell; None leaves such pushes out.
-    runs : simulated collections of the null; the smallest p-value is 1/(runs + 1),
-        1/100 for directions, steps and residences.
-    seed : int, optional
+    prediction : CollectionLoop, CircleMap or DriftingMap
+        A loop predicts by its mechanics; a map needs ``noise``. Cycle n of a map that wears is
+        push n.
+    data : PushTable, Theta0Pairs, str or Path
+        What was measured, or the path of a file or folder of either.
+    noise : Noise, optional
+        Of one cycle; None takes 1.1 degrees for a loop.
+    first : int, default 0
+        Pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
+    select : mapping of str to str or float, optional
+        The surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are
+        compared.
+    push_length : float, optional
+        How far the rod moved, m, where the data do not tell; None leaves such pushes out.
+    runs : int, default 199
+        Simulated collections of the null; the smallest p-value is 1/(runs + 1), 1/100 for
+        directions, steps and residences.
+    seed : int, default 0
         Of all of them.
-    tolerance : of the loop's cycle map, rad. progress : called with the fraction done, in [0, 1].
+    tolerance : float, default 1e-5
+        Of the loop's cycle map, rad.
+    progress : callable, optional
+        Called with the fraction done, in [0, 1].
 
+    Returns
+    -------
+    Comparison
+        The answers, question by question.
+
+    Raises
+    ------
+    InvalidInput
+        For a prediction or data that cannot be used; DataFileError for a bad file.
+    ConvergenceError
+        Where the loop's cycle map cannot be computed.
+
+    Notes
+    -----
     A loop predicts what was done: object, side, place, direction and length of every push are the
     data's, and of the protocol where they do not tell. Pushes on a surface that the data name and
     that is not the material's are left out by name; a material whose name tells no surface, such as
@@ -130,9 +166,8 @@ def compare(
     independent: where ``cycle.lag_correlation`` is far from 0 it is not, and the p-values are too
     small.
 
-    Raises InvalidInput for a prediction or data that cannot be used, DataFileError for a bad file,
-    ConvergenceError where the loop's cycle map cannot be computed.
-
+    Examples
+    --------
     >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
     >>> path = sample_staircase(sine, noise, 300).theta

@@ -139,6 +139,17 @@ class ReplayedPushes:
         `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn`
         (rad), `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`,
         `leaving_agrees`: as in `Replay`.
+    replays : tuple of Replay
+        In the order of the table.
+    not_replayed : tuple of UnreadableFile
+        The files left out.
+
+    Examples
+    --------
+    >>> import pandas
+    >>> errors = {"object": ["hex", "hex"], "error": [1e-3, 3e-3], "turn_error": [0.01, -0.03]}
+    >>> ReplayedPushes(pandas.DataFrame(errors), (), ()).mean_errors
+    (0.002, 0.02)
     """
 
     table: pandas.DataFrame
@@ -202,6 +213,8 @@ def replay_pushes(
 
     Parameters
     ----------
+    path : str or Path
+        A file, a folder or a tree of pushes.
     loop : CollectionLoop
         Its material tells the surface, how plates rest on it, the floor's shape in sessions that
         were seen, and how the frames of each plate's data are shifted; a shape that varies with
@@ -217,6 +230,7 @@ def replay_pushes(
     Returns
     -------
     ReplayedPushes
+        The pushes, a row each, and what could not be replayed.
 
     Raises
     ------
@@ -233,6 +247,21 @@ def replay_pushes(
     start, a contact outside the model, a table of end poses without a tip path, a robot more
     than 5 mm from where it was sent, a file that cannot be read - is listed in `not_replayed`
     with the reason.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from cyclemap.mechanics import Pose, WorldPush
+    >>> loop = CollectionLoop.mit("isotropic")
+    >>> end = loop.model.push(Pose(), WorldPush((0.01, 0.06), -np.pi / 2.0, 0.03)).end
+    >>> columns = "shape,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1"
+    >>> numbers = [0, 0, 0, end.x, end.y, end.theta, 0.01, 0.06, 0.01, 0.03]
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     table = Path(place, "mine.csv")
+    ...     count = table.write_text(f"{columns}\\nrect1,{','.join(map(str, numbers))}\\n")
+    ...     replayed = replay_pushes(table, loop)
+    >>> len(replayed.replays), replayed.mean_errors[0] < 1e-5
+    (1, True)
     """
     import pandas
 
