@@ -61,13 +61,13 @@ class Prediction:
         """Turns (1 + k, n), rad, from ``theta`` (n,) in the pushes ``cycle`` (n,): of the map, then
         of each sample.
         """
-        maps = (self.map, *self.samples)
-        return np.array(
-            [
-                one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta
-                for one in maps
-            ]
-        )
+        turns = []
+        for known in (self.map, *self.samples):
+            if isinstance(known, CircleMap):
+                turns.append(known.turn(theta))
+            else:
+                turns.append(known.images(theta, cycle) - theta)
+        return np.array(turns)
 
 
 def as_prediction(

@@ -525,7 +525,7 @@ def _thinned(rows: Sequence[T], most: int) -> list[T]:
     return [rows[place] for place in evenly_spread(len(rows), most)]
 
 
-def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
+def _counted(kept: Sequence[object], rows: Sequence[object]) -> str:
     return str(len(kept)) if len(kept) == len(rows) else f"{len(kept)} of {len(rows)}"
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -281,7 +281,7 @@ def replay_pushes(
         *found.unreadable,
         *(UnreadableFile(Path(file), _A_SCAN) for file in found.scans["path"].unique()),
     ]
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, object]] = []
     replays: list[Replay] = []
     done = 0
     for file in map(Path, found.table["path"].unique()):
@@ -309,7 +309,7 @@ class _Replayer:
         self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
         self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
-    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, Any], Replay]:
+    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, object], Replay]:
         """Return the row of a push, and its replay; raises CycleMapError where there is none."""
         name = facts.object
         if name is None:
