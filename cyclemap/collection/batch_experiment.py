@@ -44,7 +44,8 @@ class BatchRun:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> run = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=10).anisotropic
     >>> run.theta.shape, np.degrees(run.theta[:, -1]).round(1).tolist()
     ((3, 11), [46.7, 80.4, 387.8])
@@ -73,13 +74,24 @@ class BatchRun:
         return np.where(now <= REST, 0.0, left)
 
     def directions(self, within: float = WITHIN) -> tuple[float, ...]:
-        """Return where the batches end, rad in [0, 2 pi): ends within `within` (rad) of each other
-        are one direction.
+        """Return where the batches end.
 
-        Empty where a batch still moves, by more than a tenth of `within` a cycle or with more than
-        a quarter of it `left`: then it ends nowhere. So the slow passage of a bottleneck, where no
-        fixed point is, is no direction: at its narrowest its steps cease to shrink, and before,
-        more is left unless its least step is near `REST`.
+        Parameters
+        ----------
+        within : float, optional
+            Ends within so much of each other are one direction, rad.
+
+        Returns
+        -------
+        tuple of float
+            Rad in [0, 2 pi). Empty where a batch still moves, by more than a tenth of `within`
+            a cycle or with more than a quarter of it `left`: then it ends nowhere.
+
+        Notes
+        -----
+        So the slow passage of a bottleneck, where no fixed point is, is no direction: at its
+        narrowest its steps cease to shrink, and before, more is left unless its least step is near
+        `REST`.
         """
         near = positive_number("within", within)
         if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
@@ -142,7 +154,8 @@ class BatchExperiment:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> experiment = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=2)
     >>> experiment.cycles, np.degrees(experiment.starts).round().tolist()
     (2, [0.0, 120.0, 240.0])
@@ -198,7 +211,8 @@ def batch_experiment(
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, batch_experiment
     >>> experiment = batch_experiment(CollectionLoop.mit("plywood"), batches=3, cycles=2)
     >>> np.degrees(np.diff(experiment.isotropic.theta)).round(2).tolist()
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]

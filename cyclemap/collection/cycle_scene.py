@@ -19,12 +19,24 @@ FORCE_PLACES = (0.04, 0.36, 0.68)
 class StrokeScene:
     """One stroke of the rod, in the world frame (m, N).
 
-    before, after : (k, 2) closed outlines of the object. ring_before, ring_after : (2,).
-    centre : (n, 2) path of the object's centre. rod : (n, 2) path of the rod's centre. rod_radius :
+    Attributes
+    ----------
+    before, after : ndarray, shape (k, 2)
+        Closed outlines of the object.
+    ring_before, ring_after : ndarray, shape (2,)
+        Places of the ring.
+    centre : ndarray, shape (n, 2)
+        Path of the object's centre.
+    rod : ndarray, shape (n, 2)
+        Path of the rod's centre.
+    rod_radius : float
         m.
-    sliding : (n,) bool, where the rod slides along the object.
-    force_point, force : (m, 2) some contact points and the forces on the object there.
-    reach : (2, 2) m, the lowest and the highest x, y of anything in the scene.
+    sliding : ndarray of bool, shape (n,)
+        Where the rod slides along the object.
+    force_point, force : ndarray, shape (m, 2)
+        Some contact points and the forces on the object there.
+    reach : ndarray, shape (2, 2)
+        The lowest and the highest x, y of anything in the scene.
     """
 
     before: Array

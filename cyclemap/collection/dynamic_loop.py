@@ -51,6 +51,8 @@ class DynamicCycle(StrokePair[DynamicPush, DynamicDrag]):
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, DynamicLoop
     >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(1.0)
     >>> cycle.ended, round(math.degrees(cycle.theta_next), 1)
     ('distance', 57.6)
@@ -87,6 +89,8 @@ class DynamicLoop:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, DynamicLoop
     >>> cycle = DynamicLoop(CollectionLoop.mit()).cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 1), round(math.degrees(cycle.drag_turn), 1)
     (73.9, -64.2)
@@ -159,6 +163,8 @@ class DynamicsComparison:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics
     >>> comparison = compare_dynamics(DynamicLoop(CollectionLoop.mit()), [0.0])
     >>> np.degrees(comparison.quasi_static.push_turn).round(1).tolist()
     [73.9]
@@ -200,6 +206,8 @@ def compare_dynamics(loop: DynamicLoop, theta: ArrayLike) -> DynamicsComparison:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, DynamicLoop, compare_dynamics
     >>> comparison = compare_dynamics(DynamicLoop(CollectionLoop.mit()), [0.0])
     >>> np.degrees(comparison.dynamic.push_turn).round(1).tolist()
     [73.9]
@@ -242,6 +250,7 @@ def isotropic_twin(loop: CollectionLoop) -> CollectionLoop:
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, isotropic_twin
     >>> round(isotropic_twin(CollectionLoop.mit()).material.friction.mu_a, 4)
     0.2443
     """

@@ -65,6 +65,8 @@ class Anisotropy:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
+    >>> from cyclemap.collection import Anisotropy
     >>> seen = Anisotropy.of(EllipseFriction(0.2, 0.3, m0=0.05, phi=0.5))
     >>> round(seen.offset, 4), seen.offset_direction
     (0.2041, 0.5)
@@ -203,6 +205,8 @@ class TurnResponse:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import TurnResponse
     >>> both = TurnResponse(0.1, [2.0, 0.0, 0.0, 1.0], np.zeros((4, 4)))
     >>> both.offset_amplitude, both.offset_phase
     (2.0, 0.0)
@@ -272,6 +276,8 @@ class Fingerprint:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint
     >>> found = fingerprint(CollectionLoop.mit())
     >>> round(math.degrees(found.push.turn), 2), round(math.degrees(found.drag.turn), 2)
     (74.52, -66.52)
@@ -335,6 +341,8 @@ def fingerprint(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint
     >>> found = fingerprint(CollectionLoop.mit()).cycle
     >>> round(math.degrees(found.turn), 3)
     8.002

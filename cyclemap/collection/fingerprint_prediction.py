@@ -37,11 +37,15 @@ LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
 
 @dataclass(frozen=True)
 class LockIn:
-    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node at orientation
-    `theta`, rad.
+    """Where lock-in begins as an anisotropy grows in proportion: a saddle-node.
 
-    scale : factor of the anisotropy from which there is a fixed point; inf where no factor gives
-        one (theta nan).
+    Attributes
+    ----------
+    scale : float
+        Factor of the anisotropy from which there is a fixed point; inf where no factor gives
+        one.
+    theta : float
+        Where it is, rad; nan where no factor gives one.
     """
 
     scale: float
@@ -117,11 +121,17 @@ def lock_in_boundary(
 
 @dataclass(frozen=True, eq=False)
 class PredictedDirection:
-    """A fixed point of the first-order map. `error` : rad, how far off it may be; π where it may be
-    anywhere.
+    """A fixed point of the first-order map.
 
-    second_order : the fixed point of the second-order map next to it, if one of its kind lies
-        within the error.
+    Attributes
+    ----------
+    orbit : Orbit
+        The fixed point.
+    error : float
+        How far off it may be, rad; π where it may be anywhere.
+    second_order : Orbit or None
+        The fixed point of the second-order map next to it, if one of its kind lies within the
+        error.
     """
 
     orbit: Orbit
@@ -160,7 +170,8 @@ class Prediction:
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, fingerprint
     >>> found = fingerprint(CollectionLoop.mit())
     >>> prediction = Prediction(found, Anisotropy(0.02, 0.0, 0.02, 0.0))
     >>> prediction.verdict, round(math.degrees(prediction.mean_turn), 2)
@@ -362,7 +373,8 @@ def predict(found: Fingerprint, anisotropy: Anisotropy | EllipseFriction) -> Pre
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap import CollectionLoop, fingerprint, predict
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> (direction,) = predict(fingerprint(loop), loop.material.friction).stable_directions
     >>> round(math.degrees(direction.theta), 1), round(math.degrees(direction.error), 1)
@@ -390,8 +402,14 @@ _REACH = 0.6
 class CheckedDirection:
     """A predicted direction beside the nearest one of its kind of the full map.
 
-    full : that fixed point, None where the full map has none of the kind. miss : rad between the
-        two; inf without.
+    Attributes
+    ----------
+    predicted : PredictedDirection
+        The direction.
+    full : Orbit or None
+        That fixed point, None where the full map has none of the kind.
+    miss : float
+        rad between the two; inf without.
     """
 
     predicted: PredictedDirection
@@ -419,7 +437,8 @@ class PredictionCheck:
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, check_prediction, fingerprint, predict
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = predict(fingerprint(loop), loop.material.friction)
     >>> check = check_prediction(prediction, loop, tolerance=1e-3)
@@ -468,7 +487,9 @@ def check_prediction(
 
     Examples
     --------
-    >>> from cyclemap.collection.fingerprint import fingerprint
+    >>> import math
+    >>> from cyclemap.collection import Anisotropy, CollectionLoop, Prediction, check_prediction
+    >>> from cyclemap.collection import fingerprint
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> prediction = Prediction(fingerprint(loop), Anisotropy.of(loop.material.friction))
     >>> stable = check_prediction(prediction, loop, tolerance=1e-3).directions[0]

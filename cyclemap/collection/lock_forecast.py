@@ -34,7 +34,14 @@ LEVEL = 0.9
 class LikelyDirection:
     """A direction about which runs lock in.
 
-    theta : rad. share : of the runs. within : of it 90 % of these rest, rad.
+    Attributes
+    ----------
+    theta : float
+        The direction, rad.
+    share : float
+        Of the runs.
+    within : float
+        Of it 90 % of these rest, rad.
     """
 
     theta: float = field(metadata=DIRECTION)
@@ -56,8 +63,18 @@ class LockForecast:
     """What a number of pushes will bring, over samples of what is believed and runs with the noise
     of a cycle.
 
-    cycles : the pushes. chance : that 50 successive ones of them stay within 30 degrees. directions
-        : about which, the likeliest first. samples : of what is believed.
+    Attributes
+    ----------
+    cycles : int
+        The pushes.
+    chance : float
+        That 50 successive ones of them stay within 30 degrees.
+    directions : tuple of LikelyDirection
+        About which, the likeliest first.
+    orientations : SeenOrientations
+        How many of 36 orientations will have been seen.
+    samples : int
+        How many samples of what is believed.
     """
 
     cycles: int

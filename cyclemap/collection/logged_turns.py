@@ -1,9 +1,9 @@
 """What a log tells of a loop's map, joined with what is believed of its floor.
 
-The turn of a cycle is a sample's plus a deviation that is the same for all of them: a random
-function on the circle, of Matérn's limit of smoothness, that changes from push to push as a random
-walk does (Kalman 1960; Rasmussen & Williams 2006, ch. 4). Each push of the log tells of it by one
-number, and of the samples by how likely that was.
+The turn of a cycle is a sample's plus a deviation that is the same for all of them: a smooth random
+function on the circle that changes from push to push as a random walk does (Kalman 1960;
+Rasmussen & Williams 2006, ch. 4). Each push of the log tells of it by one number, and of the
+samples by how likely that was.
 """
 
 from __future__ import annotations

@@ -64,6 +64,7 @@ class CycleTrajectory(Generic[T]):
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> course = CollectionLoop.mit().cycle(0.0).trajectory
     >>> course.push.pose.shape[1], str(course.drag.mode[0])
     (3, 'ring')
@@ -77,7 +78,22 @@ class CycleTrajectory(Generic[T]):
 class StrokePair(Generic[P, D]):
     """A push and the drag that followed it.
 
-    theta : orientation before, rad. push, drag : the results of both strokes.
+    Attributes
+    ----------
+    theta : float
+        Orientation before, rad.
+    push, drag : results of both strokes
+        Quasi-static or dynamic.
+    push_turn, drag_turn : float
+        Turns of the object, rad.
+    push_displacement : ndarray, shape (2,)
+        Of the object's origin in its initial frame, m.
+    drag_length : float
+        Path of the ring, m.
+    theta_next : float
+        Orientation after, rad on the lift: theta + push_turn + drag_turn.
+    ended : str
+        Why the push ended, `distance`, or `left` where the rod lost the object.
     """
 
     theta: float
@@ -138,6 +154,7 @@ class Cycles:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> cycles = CollectionLoop.mit().cycles([[0.0, 1.0, 2.0]])
     >>> cycles.push_displacement.shape, cycles.left.tolist()
     ((1, 3, 2), [[True, False, False]])
@@ -167,11 +184,25 @@ class Cycles:
         return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
 
     def to_dataset(self, *axes: str) -> xarray.Dataset:
-        """Return the cycles as an xarray Dataset over the axes of theta, by the names given;
-        variables as `to_frame`.
+        """Return the cycles as an xarray Dataset; variables as `to_frame`.
 
-        Raises InvalidInput where names and axes differ in number.
+        Parameters
+        ----------
+        *axes : str
+            Names of the axes of theta, one each.
 
+        Returns
+        -------
+        xarray.Dataset
+            Over these axes.
+
+        Raises
+        ------
+        InvalidInput
+            Where names and axes differ in number.
+
+        Examples
+        --------
         >>> from cyclemap import CollectionLoop, run_cycles
         >>> dict(run_cycles([CollectionLoop.mit()], [0.0, 1.0]).to_dataset("loop", "start").sizes)
         {'loop': 1, 'start': 2}
@@ -231,6 +262,8 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
     >>> cycle = CollectionLoop.mit("plywood").cycle(0.0)
     >>> (1e3 * cycle.push_displacement).round(2).tolist(), round(math.degrees(cycle.theta_next), 3)
     ([42.6, -66.68], 9.965)
@@ -288,6 +321,7 @@ class CycleSensitivity:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
     >>> sensitivity = CollectionLoop.mit("plywood").sensitivity(0.0)
     >>> round(sensitivity.by("theta"), 3), round(sensitivity.by("mu_a", "push_turn"), 3)
     (0.766, 1.319)
@@ -338,6 +372,8 @@ class CollectionLoop:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
     >>> loop = CollectionLoop.mit(material="plywood")
     >>> cycle = loop.cycle(0.0)
     >>> round(math.degrees(cycle.push_turn), 3), round(math.degrees(cycle.drag_turn), 3)
@@ -358,12 +394,20 @@ class CollectionLoop:
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
-        """Return the MIT repeated-push experiment (Yu et al. 2016; Ma & Rodriguez 2018), with
-        fields replaced.
+        """Return the MIT repeated-push experiment, with fields replaced.
 
-        `material`: a built-in name, a TOML file or a `Material`, which brings what was found with
-        it (pusher friction, pressure of the plate, lever and friction of the ring); `changes`: any
-        field of the loop, which overrule it.
+        Parameters
+        ----------
+        material : str or Path or Material, default 'plywood'
+            A built-in name, a TOML file or a `Material`, which brings what was found with it
+            (pusher friction, pressure of the plate, lever and friction of the ring).
+        **changes : object
+            Any field of the loop, which overrules it.
+
+        Returns
+        -------
+        CollectionLoop
+            The protocol of Yu et al. (2016) and Ma & Rodriguez (2018).
         """
         surface = material if isinstance(material, Material) else load_material(material)
         slider = changes.pop("slider", None) or Slider.mit("rect1")
@@ -373,6 +417,7 @@ class CollectionLoop:
         """Return the loop on a material, with all that is not None in its `found_with` and its
         plate's pressure.
 
+        >>> from cyclemap import CollectionLoop, load_material
         >>> CollectionLoop.mit("plywood").with_material(load_material("isotropic")).material.name
         'isotropic'
         """
@@ -414,9 +459,22 @@ class CollectionLoop:
         return self.model.start_pose(theta)
 
     def cycle(self, theta: float) -> Cycle:
-        """Run one push and reset from orientation `theta` (rad, any number of turns).
+        """Run one push and reset.
 
-        Whole numbers beyond a turn bring the warning `DoubtfulInput`: they are likely degrees.
+        Parameters
+        ----------
+        theta : float
+            Orientation before, rad, any number of turns.
+
+        Returns
+        -------
+        Cycle
+            Turns, displacement, and the orientation after.
+
+        Warns
+        -----
+        DoubtfulInput
+            For whole numbers beyond a turn: they are likely degrees.
         """
         theta = finite_number("theta", theta)
         if abs(theta) > 2.0 * math.pi and theta.is_integer():
@@ -430,6 +488,8 @@ class CollectionLoop:
     def cycles(self, theta: ArrayLike) -> Cycles:
         """Run one push and reset from each of many orientations (...), rad.
 
+        >>> import numpy as np
+        >>> from cyclemap import CollectionLoop
         >>> turns = CollectionLoop.mit().cycles([0.0, 1.0]).push_turn
         >>> np.degrees(turns).round(3)
         array([73.653, 73.927])
@@ -447,13 +507,32 @@ class CollectionLoop:
         """Run one cycle and differentiate it by theta and by every parameter of material, pusher
         and protocol.
 
+        Parameters
+        ----------
+        theta : float
+            Orientation before, rad.
+        parameters : tuple of str, optional
+            Names of what it is differentiated by.
+
+        Returns
+        -------
+        CycleSensitivity
+            The derivatives of every output.
+
+        Raises
+        ------
+        InvalidInput
+            For an unknown name.
+
+        Notes
+        -----
         At accuracy 1e-8 derivatives by theta are off by 3e-7 in the median and by 1e-5 at worst, at
         1e-10 by 2e-8 and 6e-7 (MIT's loop on plywood, delrin and pu, 1,200 cycles). By the friction
         of a ring that has none, and by the radius of a rod that is a point, they are one-sided:
         where it goes around a corner or into a concave one they are those of thin rods, off by 2e-6
         in the median and by 2e-3 at worst (950 cycles). They are nan by shares that a footprint
         cannot have, and by the radius of a point that starts or rests at a corner, where a thin
-        rod's way grows as the root of its radius. Raises InvalidInput for an unknown name.
+        rod's way grows as the root of its radius.
         """
         for name in parameters:
             if name not in PARAMETERS:
@@ -468,11 +547,19 @@ class CollectionLoop:
     def circle_map(
         self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None
     ) -> CircleMap:
-        """Return the cycle map theta -> theta_next, its error within `tolerance` (rad) wherever it
-        is not a jump.
+        """Return the cycle map theta -> theta_next.
 
-        `progress` is called with the fraction done. See `sample_circle_map` for how samples are
-        placed and jumps kept.
+        Parameters
+        ----------
+        tolerance : float, default 1e-6
+            Error of the map, rad, wherever it is not a jump.
+        progress : callable or None, optional
+            Called with the fraction done.
+
+        Returns
+        -------
+        CircleMap
+            See `sample_circle_map` for how samples are placed and jumps kept.
         """
         if positive_number("tolerance", tolerance) < _LEAST_TOLERANCE:
             raise InvalidInput(
@@ -520,6 +607,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop, run_cycles
     >>> loops = [CollectionLoop.mit(material) for material in ("plywood", "delrin")]
     >>> np.degrees(run_cycles(loops, [0.0, 1.0, 2.0]).push_turn).round(2)
     array([[73.65, 73.93, 70.46],

@@ -121,6 +121,8 @@ class Portrait:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop, portrait
     >>> loop = CollectionLoop.mit("plywood")
     >>> result = portrait(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> [round(float(np.degrees(orbit.points[0])), 1) for orbit in result.stable_points]
@@ -249,6 +251,7 @@ def portrait(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop, portrait
     >>> result = portrait(CollectionLoop.mit("plywood"), sigma=0.2, cycles=50, tolerance=1e-3)
     >>> result.rotation.locked, len(result.fixed_points), result.staircase.theta.shape
     (Fraction(0, 1), 2, (51,))
@@ -381,6 +384,8 @@ class StaircaseForecast:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.collection import CollectionLoop, staircase_forecast
     >>> loop = CollectionLoop.mit("isotropic")
     >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> forecast.prediction.zones, round(float(np.degrees(forecast.prediction.mean_turn)), 2)
@@ -446,6 +451,7 @@ def staircase_forecast(
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, staircase_forecast
     >>> loop = CollectionLoop.mit("plywood")
     >>> forecast = staircase_forecast(loop, sigma=0.2, cycles=50, tolerance=1e-3)
     >>> round(float(forecast.log10_residences[0]), 1)

@@ -40,9 +40,14 @@ class TurnCurve:
 class Cobweb:
     """A window on the graph of the map, and paths of the cobweb in it.
 
-    low, high : rad, the window on θ (lifted). pieces : (θ, f(θ)) of the map in the window, each
-        (n,) rad.
-    paths : corners (m, 2) of each cobweb, rad, on the same lift.
+    Attributes
+    ----------
+    low, high : float
+        The window on θ (lifted), rad.
+    pieces : tuple of tuple[ndarray, ndarray]
+        (θ, f(θ)) of the map in the window, each (n,), rad.
+    paths : tuple of ndarray
+        Corners (m, 2) of each cobweb, rad, on the same lift.
     """
 
     low: float

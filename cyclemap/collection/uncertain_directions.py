@@ -62,6 +62,7 @@ class DirectionInterval:
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> (direction,) = found.directions
     >>> direction.lower < direction.theta < direction.upper, direction.share
@@ -98,6 +99,7 @@ class DirectionUncertainty:
 
     Examples
     --------
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.is_posterior, found.chance, found.samples
     (False, 1.0, 2)
@@ -179,6 +181,8 @@ def direction_uncertainty(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.collection import CollectionLoop, direction_uncertainty
     >>> found = direction_uncertainty(CollectionLoop.mit("plywood"))
     >>> found.source, found.locks, [round(math.degrees(row.theta)) for row in found.directions]
     ('axis ratio', 2, [63])

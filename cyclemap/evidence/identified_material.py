@@ -368,7 +368,7 @@ def identified_material(
     Examples
     --------
     >>> import numpy as np
-    >>> from cyclemap.evidence import friction_ellipse_from_scans
+    >>> from cyclemap.evidence import friction_ellipse_from_scans, identified_material
     >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
     >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
     >>> slate = identified_material(friction_ellipse_from_scans(scans, 8.0), "slate", ["scans.csv"])

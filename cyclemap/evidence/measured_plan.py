@@ -38,6 +38,29 @@ class MeasuredPlan:
     loop : on the identified floor. identification : of its parameters. directions : how well the
         stable ones are known.
     notes : what was read and left out.
+
+    Attributes
+    ----------
+    loop : CollectionLoop
+        On the identified floor.
+    identification : Identification
+        Of its parameters.
+    directions : DirectionUncertainty
+        How well the stable ones are known.
+    notes : tuple of str
+        What was read and left out.
+
+    Examples
+    --------
+    Of the file that `filled_text` makes of a filled table:
+
+    >>> from pathlib import Path
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import measured_plan
+    >>> loop = CollectionLoop.mit("unknown")
+    >>> measured = measured_plan(loop, [Path("read.csv")])  # doctest: +SKIP
+    >>> measured.is_enough(within=0.1)  # doctest: +SKIP
+    False
     """
 
     loop: CollectionLoop
@@ -75,14 +98,19 @@ def measured_plan(
 
     Parameters
     ----------
-    loop : its material has samples of what is believed of the floor.
-    paths : tables that `readable_data` made readable.
-    seed : of the starts of the search.
-    progress : called with the fraction done.
+    loop : CollectionLoop
+        Its material has samples of what is believed of the floor.
+    paths : sequence of Path
+        Tables that `readable_data` made readable.
+    seed : int, default 0
+        Of the starts of the search.
+    progress : callable or None, optional
+        Called with the fraction done.
 
     Returns
     -------
     MeasuredPlan
+        The floor, its parameters, and how well directions are known.
 
     Raises
     ------
@@ -90,6 +118,18 @@ def measured_plan(
         For data that cannot be read, or that hold a filled-in push twice.
     ConvergenceError
         Where no start converges.
+
+    Examples
+    --------
+    Of two pushes, in half a minute:
+
+    >>> from pathlib import Path
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import measured_plan
+    >>> loop = CollectionLoop.mit("unknown")
+    >>> measured = measured_plan(loop, [Path("read.csv")])  # doctest: +SKIP
+    >>> measured.notes  # doctest: +SKIP
+    ('read.csv: 2 push ends of rect1',)
     """
     report = progress or (lambda fraction: None)
     identification, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))

@@ -71,12 +71,22 @@ class OtherConvention(InvalidInput):
 
 @dataclass(frozen=True)
 class MotionCheck:
-    """How far motions lie (m, in the median) from isotropic friction's as they were read, and in
-    the next best reading.
+    """How far motions lie from isotropic friction's as they were read, and in the next best
+    reading.
 
-    count : of pushes. taken, other : the readings. by_rod : whether the rod's places tell the
-        contacts, against the
-    sides and fractions that are told. words : for people.
+    Attributes
+    ----------
+    count : int
+        Of pushes.
+    taken, other : Convention
+        The readings.
+    distance, other_distance : float
+        Of each from isotropic friction's motions, m, in the median.
+    by_rod : bool
+        Whether the rod's places tell the contacts, against the sides and fractions that are
+        told.
+    words : str
+        For people.
     """
 
     count: int

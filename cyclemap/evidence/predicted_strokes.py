@@ -252,7 +252,8 @@ def _by_names(
         return columns
     by_floor = _by_names(model, FLOOR_NAMES, by_engine, None, ())
     reaching = FloorField(((0.0,) * 5,) * 3, FIELD_REACH)
-    terms = np.array([reaching.terms_at(place) for place in felt]).reshape(len(felt), -1)
+    # Without any push, too, as many columns.
+    terms = np.reshape([reaching.terms_at(place) for place in felt], (len(felt), 5))
     by_heights = np.einsum("nms,stk,nt->nmk", by_floor, field_factors(), terms)
     return np.concatenate([columns, by_heights], axis=-1)
 

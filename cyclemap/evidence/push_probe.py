@@ -102,6 +102,8 @@ class Probe:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe
     >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-6)
     >>> def alike(theta):
     ...     cycle = loop.cycle(theta)
@@ -176,6 +178,8 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> def plywood(theta):
     ...     cycle = loop.cycle(theta)
@@ -230,12 +234,15 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import probe_pushes
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> theta = np.linspace(0.0, 6.0, 24)
     >>> cycles = loop.cycles(theta)
     >>> change = np.column_stack([cycles.push_displacement, cycles.push_turn])
     >>> found = probe_pushes(theta, change, CollectionLoop.mit("isotropic", accuracy=1e-6))
-    >>> found.found, round(found.ratio[0], 2)
+    >>> found.found, round(found.ratio.value, 2)
     (True, 1.08)
     """
     angles, moved = (
@@ -378,6 +385,8 @@ def simulated_push(loop: CollectionLoop, end_pose: EndPose) -> Push:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import simulated_push
     >>> loop = CollectionLoop.mit()
     >>> push = simulated_push(loop, lambda theta, start, end: (*end, theta))
     >>> [round(part, 5) for part in push(0.3)]      # an object that goes to where the rod ends
@@ -417,6 +426,7 @@ def command_push(command: Sequence[str]) -> Push:
     Examples
     --------
     >>> import sys
+    >>> from cyclemap.evidence import command_push
     >>> answer = "print('{\\"dx_mm\\": 40, \\"dy_mm\\": -70, \\"dtheta_deg\\": 75}', flush=True)"
     >>> push = command_push([sys.executable, "-c", f"import sys\\nfor line in sys.stdin: {answer}"])
     >>> [round(float(moved), 3) for moved in push(0.5)]

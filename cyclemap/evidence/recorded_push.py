@@ -56,6 +56,7 @@ class RecordingNoise:
 
     Examples
     --------
+    >>> from cyclemap.evidence import RecordingNoise
     >>> RecordingNoise(turn=0.0, position=5e-4).angle
     0.0
     """

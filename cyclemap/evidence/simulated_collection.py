@@ -59,17 +59,41 @@ _RECORDED = 60
 
 @dataclass(frozen=True)
 class CollectionPlan:
-    """A collection of `cycles` pushes that `loop` makes from orientation `start` (rad) on.
+    """A collection that a loop makes.
 
-    cycle_noise : the scatter of θ0 in place of `noise.turn`, where it depends on
-        θ0 or on the cycle before. speed : m/s, of the rod. wear_to : the surface at the last cycle, to which the limit
-        ellipse goes in a straight line from the loop's own (see `worn_friction`); None:
-        it wears as its material says. scans : whether friction scans, of the
-    fresh surface, come first. suffix : of files. cycle_loops : the loop of each of the `cycles`,
-        where pushes or way-points change. gripper_turns : rad, of each cycle, by which a gripper
-        turns the object after the drag.
+    Parameters
+    ----------
+    loop : CollectionLoop
+        Who is pushed where, on what.
+    cycles : int
+        How many pushes.
+    start : float, default 0.0
+        Orientation before the first, rad.
+    noise : RecordingNoise, optional
+        Of the cycles and of the instruments.
+    speed : float, default 0.02
+        Of the rod, m/s.
+    wear_to : Material or None, optional
+        The surface at the last cycle, to which the limit ellipse goes in a straight line from
+        the loop's own (see `worn_friction`); None: it wears as its material says.
+    seed : int, default 0
+        Of all noise.
+    scans : bool, default False
+        Whether friction scans, of the fresh surface, come first.
+    suffix : str, default '.h5'
+        Of files.
+    cycle_loops : tuple of CollectionLoop or None, optional
+        The loop of each of the `cycles`, where pushes or way-points change.
+    gripper_turns : tuple of float or None, optional
+        Of each cycle, by which a gripper turns the object after the drag, rad.
+    cycle_noise : LocalNoise or None, optional
+        The scatter of θ0 in place of `noise.turn`, where it depends on θ0 or on the cycle
+        before.
 
-    Raises InvalidInput for a value that cannot be used.
+    Raises
+    ------
+    InvalidInput
+        For a value that cannot be used.
     """
 
     loop: CollectionLoop
@@ -325,6 +349,7 @@ class SimulatedCollection:
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop, simulate_collection
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     first = simulate_collection(loop, f"{place}/made", 2)
@@ -363,7 +388,9 @@ def simulate_collection(
     progress : callable or None, optional
         Called with the fraction done.
     **asked : object
-        The other fields of `CollectionPlan`.
+        `start` (rad, the first θ0), `noise` (a `RecordingNoise`), `seed`, `speed` (of the rod,
+        m/s), `wear_to`, `scans`, `suffix`, `cycle_loops`, `gripper_turns`, `cycle_noise`: the
+        other fields of `CollectionPlan`.
 
     Returns
     -------
@@ -396,8 +423,8 @@ def simulate_collection(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.evidence.pushes.push_table import load_pushes
-    >>> from cyclemap.evidence.recorded_push import RecordingNoise
+    >>> from cyclemap import CollectionLoop, load_pushes, simulate_collection
+    >>> from cyclemap.evidence import RecordingNoise
     >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
     ...     made = simulate_collection(loop, f"{place}/made", 3, noise=RecordingNoise(turn=0.0))

@@ -78,6 +78,7 @@ class Estimate(float):
 
     Examples
     --------
+    >>> from cyclemap.maps import Estimate
     >>> half = Estimate(0.4999, 0.001)
     >>> half.lower <= 0.5 <= half.upper, half * 2
     (True, 0.9998)

@@ -122,6 +122,8 @@ class DynamicModel:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.mechanics import DynamicModel, EllipseFriction, Pose, SidePush, Slider
     >>> model = DynamicModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 1), push.ended
@@ -172,11 +174,28 @@ class DynamicModel:
         vars(self).update(points=points, inertia=inertia)
 
     def push(self, pose: Pose, push: SidePush, samples: int = SAMPLES) -> DynamicPush:
-        """Push the slider from rest at a pose, the rod first just touching it; `samples` of the
-        course are kept.
+        """Push the slider from rest at a pose, the rod first just touching it.
 
-        InvalidInput for a contact that does not exist or a concave outline, ConvergenceError where
-        integration fails.
+        Parameters
+        ----------
+        pose : Pose
+            Where the slider lies before.
+        push : SidePush
+            What the rod does.
+        samples : int, optional
+            How many samples of the course are kept.
+
+        Returns
+        -------
+        DynamicPush
+            The poses before and after, and the course.
+
+        Raises
+        ------
+        InvalidInput
+            For a contact that does not exist or a concave outline.
+        ConvergenceError
+            Where the integration fails.
         """
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
@@ -200,12 +219,31 @@ class DynamicModel:
         samples: int = SAMPLES,
         pin_friction_radius: float = 0.0,
     ) -> DynamicDrag:
-        """Drag the slider by its ring, straight through way-points (m, world frame), from rest at a
-        pose.
+        """Drag the slider by its ring, straight through way-points, from rest at a pose.
 
-        `samples` : of the course of each leg. `pin_friction_radius` (m): of the friction circle of
-        the rod in the ring, as in `QuasiStaticModel.drag`. Raises InvalidInput for values that are
-        not numbers or a ring that is already there, ConvergenceError where the integration fails.
+        Parameters
+        ----------
+        pose : Pose
+            Where the slider lies before.
+        way_points : array_like, shape (k, 2)
+            m, world frame, in order.
+        samples : int, optional
+            How many samples of the course of each leg are kept.
+        pin_friction_radius : float, default 0.0
+            Radius of the friction circle of the rod in the ring, m, as in
+            `QuasiStaticModel.drag`.
+
+        Returns
+        -------
+        DynamicDrag
+            The poses before and after, and the course.
+
+        Raises
+        ------
+        InvalidInput
+            For values that are not numbers or a ring that is already there.
+        ConvergenceError
+            Where the integration fails.
         """
         radius = non_negative_number("pin friction radius", pin_friction_radius)
         if not isinstance(way_points, (tuple, list, np.ndarray)) or len(way_points) == 0:

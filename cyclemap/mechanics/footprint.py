@@ -75,6 +75,7 @@ class PatchFootprint:
 
     Examples
     --------
+    >>> from cyclemap import Ellipse, PatchFootprint
     >>> PatchFootprint(Ellipse(1.0, 1.0), rim_share=0.25).even_share
     0.75
     """
@@ -201,6 +202,7 @@ class PointFootprint:
 
     Examples
     --------
+    >>> from cyclemap import PointFootprint
     >>> PointFootprint(((0.0, 0.0), (2.0, 0.0)), (1.0, 3.0)).centre
     (1.5, 0.0)
     """
@@ -272,6 +274,7 @@ def grid_footprint(outline: Outline, count: int) -> PointFootprint:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import Ellipse, grid_footprint
     >>> len(grid_footprint(Ellipse(1.0, 1.0), 4).positions)
     12
     """
@@ -309,6 +312,7 @@ def corner_footprint(outline: Polygon) -> PointFootprint:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import Polygon, corner_footprint
     >>> corner_footprint(Polygon(((0, 0), (1, 0), (1, 1), (0, 1)))).weights
     (0.25, 0.25, 0.25, 0.25)
     """
@@ -337,6 +341,8 @@ def load_footprint(path: str | Path) -> PointFootprint:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.mechanics import load_footprint
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = Path(place, "points.csv").write_text("x_mm,y_mm,weight\\n0,0,1\\n20,0,3\\n")
     ...     footprint = load_footprint(f"{place}/points.csv")
@@ -380,6 +386,7 @@ def parse_footprint(text: str, outline: Outline) -> Footprint:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import Polygon, parse_footprint
     >>> parse_footprint("corners", Polygon(((0, 0), (1, 0), (1, 1)))).positions[2]
     (1.0, 1.0)
     """

@@ -44,6 +44,8 @@ class SurfaceShape:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.mechanics import SurfaceShape
     >>> SurfaceShape(dome=10.0, bow=10.0, axis=math.pi / 2).bend.round(9).tolist()
     [10.0, -10.0, 0.0]
     """
@@ -65,6 +67,8 @@ class SurfaceShape:
     def of_bend(cls, dome: float, bow_x: float, bow_y: float) -> "SurfaceShape":
         """Return the shape q = dome r^2 + bow_x (x^2 - y^2) + 2 bow_y x y, its axis in [0, pi).
 
+        >>> import math
+        >>> from cyclemap.mechanics import SurfaceShape
         >>> shape = SurfaceShape.of_bend(0.0, 0.0, 2.0)
         >>> shape.bow, round(math.degrees(shape.axis), 9)
         (2.0, 45.0)
@@ -115,6 +119,7 @@ class FloorField:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import FloorField
     >>> field = FloorField(((1.0, 0, 0, 0, 0), (0, 0, 0, 0, 2.0), (0, 0, 0, 0, 0)), reach=0.2)
     >>> field.bend_at((0.05, 0.1)).tolist()
     [1.0, 8.0, 0.0]
@@ -203,6 +208,8 @@ class PressedFootprint:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.mechanics import Polygon, PressedFootprint, SurfaceShape
     >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
     >>> footprint = PressedFootprint(square, floor=SurfaceShape(10.0, 10.0, math.pi / 2))
     >>> footprint.extent  # doctest: +ELLIPSIS

@@ -58,6 +58,7 @@ class EllipseFriction:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
     >>> EllipseFriction(0.3, 0.2).dissipation([1.0, 0.0])
     array(0.3)
     """
@@ -90,10 +91,19 @@ class EllipseFriction:
         return EllipseFriction(self.mu_a, self.mu_b, self.m0, self.n0, self.phi + angle)
 
     def dissipation(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Power lost per unit load: velocities (..., 2), m/s -> (...), m/s.
+        """Return the power lost per unit load.
 
-        `frame` (rad) is the angle of the frame in which the velocity is given, seen from the
-        surface.
+        Parameters
+        ----------
+        velocity : array_like, shape (..., 2)
+            m/s.
+        frame : float, default 0.0
+            Angle of the frame in which the velocity is given, seen from the surface, rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            h(v), m/s.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         return np.asarray(
@@ -101,11 +111,25 @@ class EllipseFriction:
         )
 
     def traction(self, velocity: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Traction coefficients (..., 2) at sliding velocities (..., 2), both in the frame at angle
-        `frame`.
+        """Return the traction coefficients at sliding velocities.
 
-        The force on the point is minus this, times the load. InvalidInput at rest, where friction
-        is not unique.
+        Parameters
+        ----------
+        velocity : array_like, shape (..., 2)
+            m/s, not zero.
+        frame : float, default 0.0
+            Angle of the frame in which velocity and traction are given, seen from the surface,
+            rad.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            The force on the point is minus this, times the load.
+
+        Raises
+        ------
+        InvalidInput
+            At rest, where friction is not unique.
         """
         v_m, v_n = self._in_material_axes(velocity, frame)
         s = np.hypot(self.mu_a * v_m, self.mu_b * v_n)
@@ -156,6 +180,7 @@ def worn_friction(fresh: EllipseFriction, worn: EllipseFriction, share: float) -
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, worn_friction
     >>> between = worn_friction(EllipseFriction(0.3, 0.3), EllipseFriction(0.4, 0.3, m0=0.1), 0.5)
     >>> round(between.mu_a, 6), between.mu_b, between.m0
     (0.353553, 0.3, 0.05)
@@ -209,7 +234,7 @@ class LimitSurface:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Ellipse, PatchFootprint
+    >>> from cyclemap import Ellipse, EllipseFriction, LimitSurface, PatchFootprint
     >>> surface = LimitSurface(PatchFootprint(Ellipse(1.0, 1.0)), EllipseFriction.isotropic(0.3))
     >>> round(float(surface.dissipation([0.0, 0.0, 1.0])), 12)  # pure spin of a disc: 2/3 mu R
     0.2
@@ -219,14 +244,36 @@ class LimitSurface:
     friction: EllipseFriction
 
     def dissipation(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return D at twists (..., 3) (m/s, m/s, rad/s), in m/s; `frame` is the orientation of the
-        object, rad.
+        """Return the dissipation D per unit load.
+
+        Parameters
+        ----------
+        twist : array_like, shape (..., 3)
+            Vx, vy, omega of the frame's origin (m/s, m/s, rad/s).
+        frame : float, default 0.0
+            Orientation of the object, rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            D, m/s.
         """
         return self._evaluate(twist, frame)[..., 0]
 
     def wrench(self, twist: ArrayLike, frame: float = 0.0) -> NDArray[np.float64]:
-        """Return grad D, (..., 3): (fx, fy) and the torque (m) about the frame's origin that keep
-        the object moving.
+        """Return the wrench that keeps the object moving, grad D.
+
+        Parameters
+        ----------
+        twist : array_like, shape (..., 3)
+            Vx, vy, omega of the frame's origin (m/s, m/s, rad/s).
+        frame : float, default 0.0
+            Orientation of the object, rad.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            (fx, fy) and the torque (m) about the frame's origin, per unit load.
         """
         return self._evaluate(twist, frame)[..., 1:4]
 

@@ -54,6 +54,7 @@ class FoundWith:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import FoundWith
     >>> FoundWith(pusher_friction=0.16).pin_friction_radius is None
     True
     """
@@ -85,6 +86,7 @@ class PlatePressure:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import PlatePressure
     >>> PlatePressure("rect1", rim_share=0.25).shares
     {'inner_share': 0.0, 'rim_share': 0.25, 'corner_share': 0.0}
     """
@@ -135,7 +137,15 @@ class PlatePressure:
 
 @dataclass(frozen=True)
 class FloorSession:
-    """A floor's shape, kPa at 50 mm, in one session of measurements, by the session's name."""
+    """A floor's shape in one session of measurements.
+
+    Attributes
+    ----------
+    name : str
+        Of the session.
+    shape : SurfaceShape
+        kPa at 50 mm.
+    """
 
     name: str
     shape: SurfaceShape
@@ -182,6 +192,7 @@ class FrameShift:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import FrameShift
     >>> FrameShift("rect1", 0.001, 0.0).x
     0.001
     """
@@ -229,6 +240,7 @@ class MaterialPosterior:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import MaterialPosterior
     >>> MaterialPosterior(("mu_a", "rect1.rim_share"), ((0.25, 0.1), (0.26, 0.3))).samples[1]
     (0.26, 0.3)
     """
@@ -293,6 +305,7 @@ class Wear:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, Wear
     >>> wear = Wear(EllipseFriction(0.2, 0.2), 1000.0, course=((250.0, 0.8),))
     >>> wear.share(250.0), wear.share(1000.0)
     (0.8, 1.0)
@@ -346,6 +359,7 @@ class CycleNoise:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import CycleNoise
     >>> CycleNoise(log_sigma=(-3.0, 0.2, 0.1), correlation=0.3).correlation
     0.3
     """
@@ -416,6 +430,7 @@ class Material:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction, Material
     >>> slate = Material("slate", EllipseFriction(0.3, 0.2), provenance="a guess")
     >>> slate.has_flat_floor, slate.friction_after(1000.0).mu_a
     (True, 0.3)
@@ -511,8 +526,20 @@ class Material:
     def sample(self, index: int) -> "Material":
         """Return the material of one sample of the posterior, without a posterior of its own.
 
-        What the posterior does not name is as in this one. Raises InvalidInput where there is no
-        such sample.
+        Parameters
+        ----------
+        index : int
+            Of the sample, from 0.
+
+        Returns
+        -------
+        Material
+            What the posterior does not name is as in this one.
+
+        Raises
+        ------
+        InvalidInput
+            Where there is no such sample.
         """
         if self.posterior is None or not 0 <= index < len(self.posterior):
             raise InvalidInput(f"{self.name} has no posterior sample {index}")
@@ -553,6 +580,7 @@ class Material:
         """Return the friction after a number of cycles, 0 or more; beyond those of `wear` it stays
         the worn one.
 
+        >>> from cyclemap.mechanics import EllipseFriction, Material, Wear
         >>> wear = Wear(EllipseFriction(0.2, 0.2), 1000.0)
         >>> slate = Material("slate", EllipseFriction(0.3, 0.2), wear=wear)
         >>> round(slate.friction_after(500.0).mu_a, 3)

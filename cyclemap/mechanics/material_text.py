@@ -66,6 +66,7 @@ def material_names() -> tuple[str, ...]:
 
     Examples
     --------
+    >>> from cyclemap import material_names
     >>> "plywood" in material_names()
     True
     """
@@ -111,6 +112,7 @@ def load_material(name: str | Path) -> Material:
 
     Examples
     --------
+    >>> from cyclemap import load_material
     >>> load_material("plywood").friction.mu_a
     0.2545
     """
@@ -314,6 +316,7 @@ def material_toml(material: Material) -> str:
 
     Examples
     --------
+    >>> from cyclemap.mechanics import EllipseFriction, Material, material_toml
     >>> print(material_toml(Material("slate", EllipseFriction(0.3, 0.2), inferred=True)))
     name = "slate"
     inferred = true

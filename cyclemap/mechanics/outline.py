@@ -47,6 +47,7 @@ class Polygon:
 
     Examples
     --------
+    >>> from cyclemap import Polygon
     >>> Polygon([(0, 0), (2, 0), (2, 1), (0, 1)]).area
     2.0
     """
@@ -94,6 +95,7 @@ class Polygon:
     def bears(self, place: tuple[float, float]) -> bool:
         """Whether a load at a place rests on the polygon: whether it is inside the convex hull.
 
+        >>> from cyclemap import Polygon
         >>> Polygon([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]).bears((1.2, 1.2))
         True
         """
@@ -161,6 +163,8 @@ class Ellipse:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import Ellipse
     >>> round(Ellipse(1.0, 2.0).area / math.pi, 12)
     2.0
     """

@@ -82,6 +82,8 @@ class QuasiStaticModel:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import EllipseFriction, Pose, QuasiStaticModel, SidePush, Slider
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> push = model.push(Pose(), SidePush(side=0, fraction=0.7))
     >>> round(math.degrees(push.turn), 4), push.ended
@@ -160,12 +162,30 @@ class QuasiStaticModel:
     def push(
         self, pose: Pose, push: SidePush | WorldPush, longest_step: float = math.inf
     ) -> PushResult:
-        """Push the slider from a pose; `longest_step` (m) bounds the spacing of the trajectory's
-        samples.
+        """Push the slider from a pose.
 
-        Raises InvalidInput for a contact that does not exist or a push that points away,
-        UnsupportedContact where the rod would slide without bound or nothing goes on,
-        ConvergenceError where the contact cannot be solved.
+        Parameters
+        ----------
+        pose : Pose
+            Where the slider lies before.
+        push : SidePush or WorldPush
+            What the rod does.
+        longest_step : float, optional
+            Bound on the spacing of the trajectory's samples, m.
+
+        Returns
+        -------
+        PushResult
+            The poses before and after, and why the push ended.
+
+        Raises
+        ------
+        InvalidInput
+            For a contact that does not exist or a push that points away.
+        UnsupportedContact
+            Where the rod would slide without bound or nothing goes on.
+        ConvergenceError
+            Where the contact cannot be solved.
         """
         return self._moved(self.push_strokes(pose, push), pose, longest_step)[0]
 
@@ -176,16 +196,38 @@ class QuasiStaticModel:
         longest_step: float = math.inf,
         pin_friction_radius: float = 0.0,
     ) -> DragResult:
-        """Drag the slider by its ring, straight through way-points (m, world frame), from a pose.
+        """Drag the slider by its ring, straight through way-points, from a pose.
 
-        `pin_friction_radius` (m): radius rho of the friction circle of the rod in the ring. With F
-        = dD/dv the rod's force, the spin omega solves dD/domega = -sign(omega) rho |F| about the
-        ring; where even omega = 0 asks for less torque, the object does not turn. There is one spin
-        while rho is below half the ring's lever from the centre of pressure and the friction
+        Parameters
+        ----------
+        pose : Pose
+            Where the slider lies before.
+        way_points : tuple of tuple[float, float]
+            (x, y), m, world frame, in order.
+        longest_step : float, optional
+            Bound on the spacing of the trajectory's samples, m.
+        pin_friction_radius : float, default 0.0
+            Radius rho of the friction circle of the rod in the ring, m.
+
+        Returns
+        -------
+        DragResult
+            The poses before and after, and the ring's path.
+
+        Raises
+        ------
+        UnsupportedContact
+            Where no spin balances the torque of the ring.
+
+        Notes
+        -----
+        With F = dD/dv the rod's force, the spin omega solves dD/domega = -sign(omega) rho |F| about
+        the ring; where even omega = 0 asks for less torque, the object does not turn. There is one
+        spin while rho is below half the ring's lever from the centre of pressure and the friction
         ellipse's centre within 60 % of its smaller axis (tests/mechanics/test_drag.py). From the
         whole lever on the ring always holds the object. In between, and on laws more one-sided,
         there is a spin wherever the ring does not hold the object, but it may end on the way, at an
-        orientation where the ring does: raises UnsupportedContact there.
+        orientation where the ring does: that is refused.
         """
         return self._moved(self.drag_strokes(way_points, pin_friction_radius), pose, longest_step)[
             1
@@ -194,8 +236,25 @@ class QuasiStaticModel:
     def cycle(
         self, theta: float, push: SidePush, reset: DragBack, longest_step: float = math.inf
     ) -> tuple[PushResult, DragResult]:
-        """Push the slider from orientation theta (rad), its ring at the world's origin, and drag it
-        back there.
+        """Push the slider, its ring at the world's origin, and drag it back there.
+
+        Parameters
+        ----------
+        theta : float
+            Orientation before the push, rad.
+        push : SidePush
+            What the rod does.
+        reset : DragBack
+            How the object is brought back.
+        longest_step : float, optional
+            Bound on the spacing of the trajectory's samples, m.
+
+        Returns
+        -------
+        push : PushResult
+            The push.
+        drag : DragResult
+            The drag back.
         """
         return self._moved(self.cycle_strokes(push, reset), self.start_pose(theta), longest_step)
 

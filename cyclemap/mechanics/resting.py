@@ -38,7 +38,7 @@ def resting_pressure(footprint: PressedFootprint, theta: float, places: ArrayLik
     Examples
     --------
     >>> import math
-    >>> from cyclemap.mechanics import Polygon, SurfaceShape
+    >>> from cyclemap.mechanics import Polygon, PressedFootprint, SurfaceShape, resting_pressure
     >>> square = Polygon(((0.045, 0.045), (-0.045, 0.045), (-0.045, -0.045), (0.045, -0.045)))
     >>> trough = SurfaceShape(10.0, 10.0, math.pi / 2)
     >>> on_trough = PressedFootprint(square, floor=trough)

@@ -87,6 +87,7 @@ class Slider:
 
     Examples
     --------
+    >>> from cyclemap import Slider
     >>> Slider.mit("rect1").outline.sides
     4
     """
@@ -169,6 +170,8 @@ class Pose:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import Pose
     >>> x, y = Pose(0.1, 0.0, math.pi / 2).to_world(0.02, 0.0)
     >>> round(x, 3), round(y, 3)
     (0.1, 0.02)
@@ -190,6 +193,7 @@ class Pose:
     def to_object(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the world (m) is in the object's frame, m.
 
+        >>> from cyclemap import Pose
         >>> Pose(1.0, 2.0, 0.5).to_object(1.0, 2.0)
         (0.0, 0.0)
         """
@@ -216,6 +220,7 @@ class Pusher:
 
     Examples
     --------
+    >>> from cyclemap import Pusher
     >>> Pusher().radius
     0.00475
     """
@@ -252,6 +257,8 @@ class SidePush:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import SidePush
     >>> SidePush(side=1, fraction=0.5, angle=math.radians(-20.0)).distance
     0.15
     """
@@ -300,6 +307,8 @@ class WorldPush:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.mechanics import WorldPush
     >>> push = WorldPush(start=(0.0, 0.06), direction=-math.pi / 2, distance=0.05)
     >>> push.start
     (0.0, 0.06)
@@ -336,6 +345,7 @@ class DragBack:
 
     Examples
     --------
+    >>> from cyclemap import DragBack
     >>> DragBack(way_points=((0.05, 0.0),)).way_points
     ((0.05, 0.0),)
     """

@@ -64,11 +64,22 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What the engine was asked for, so that it can be written down: strokes from a pose (extents,
-    rad), and units.
+    """What the engine was asked for, so that it can be written down.
 
-    unit : m. weight : N. scale : the mean friction coefficient. longest : bound on the spacing of
-        samples, extents.
+    Attributes
+    ----------
+    strokes : Strokes
+        What was asked.
+    pose : tuple[float, float, float]
+        Where the object was before (extents, rad).
+    unit : float
+        Of length, m.
+    weight : float
+        Of the object, N.
+    scale : float
+        The mean friction coefficient.
+    longest : float
+        Bound on the spacing of samples, extents.
     """
 
     strokes: Strokes

@@ -277,11 +277,14 @@ def loop_from_file(path: str | Path, surface: str | Path | None = None) -> Colle
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.protocol import loop_from_file
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     text = collection_text(loop_from_settings({"push_mm": 80}))
+    ...     text = '[object]\\nshape = "rect1"\\n\\n[push]\\npush_mm = 80\\n'
     ...     count = Path(folder, "mine.toml").write_text(text)
-    ...     loop_from_file(f"{folder}/mine.toml").push.distance
-    0.08
+    ...     loop = loop_from_file(f"{folder}/mine.toml")
+    >>> loop.push.distance, loop.material.name
+    (0.08, 'isotropic')
     """
     settings = read_settings(path)
     material = load_material(surface or (path if names_surface(path) else "isotropic"))

@@ -71,6 +71,8 @@ class OutlineFile:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.protocol import read_outline
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = Path(place, "plate.csv").write_text("x_mm,y_mm\\n0,0\\n60,0\\n60,40\\n0,40\\n")
     ...     drawn = read_outline(f"{place}/plate.csv")
@@ -122,6 +124,8 @@ def read_outline(
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.protocol import read_outline
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = Path(place, "plate.csv").write_text("x_mm,y_mm\\n0,0\\n60,0\\n60,40\\n0,40\\n")
     ...     outline = read_outline(f"{place}/plate.csv").outline

@@ -107,8 +107,15 @@ def _longest_outer_side(outline: Polygon) -> int:
 
 @dataclass(frozen=True)
 class Finding:
-    """What is wrong, or likely so, in plain words:
-    `wrong` where nothing can be computed with it."""
+    """What is wrong, or likely so.
+
+    Attributes
+    ----------
+    wrong : bool
+        Whether nothing can be computed with it.
+    words : str
+        In plain words.
+    """
 
     wrong: bool
     words: str
@@ -129,6 +136,7 @@ class CheckedCollection:
     --------
     >>> import tempfile
     >>> from pathlib import Path
+    >>> from cyclemap.protocol import check_collection
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     count = Path(folder, "mine.toml").write_text("[pusher]\\npusher_radius_mm = 5\\n")
     ...     checked = check_collection(f"{folder}/mine.toml")
@@ -168,6 +176,7 @@ def check_collection(path: str | Path) -> CheckedCollection:
     --------
     >>> import tempfile
     >>> from pathlib import Path
+    >>> from cyclemap.protocol import check_collection
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     count = Path(folder, "mine.toml").write_text("[push]\\npush_mm = 1500\\n")
     ...     checked = check_collection(f"{folder}/mine.toml")

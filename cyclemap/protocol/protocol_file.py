@@ -70,6 +70,8 @@ def write_protocol(
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop, SidePush, read_protocol, write_protocol
+    >>> from cyclemap.resets import ResetStrategy
     >>> coin = ResetStrategy.pushes(SidePush(), (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:
     ...     write_protocol(f"{place}/coin.toml", CollectionLoop.mit(), coin, predicted={"tv": 0.04})
@@ -130,6 +132,7 @@ def read_protocol(path: str | Path) -> tuple[Settings, ResetStrategy | None]:
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop, read_protocol, write_protocol
     >>> with tempfile.TemporaryDirectory() as place:
     ...     write_protocol(f"{place}/mit.toml", CollectionLoop.mit(), None)
     ...     settings, strategy = read_protocol(f"{place}/mit.toml")

@@ -106,6 +106,9 @@ def write_schedule(
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.protocol import read_schedule, write_schedule
+    >>> from cyclemap.resets import ResetStrategy
     >>> loop = CollectionLoop.mit()
     >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:
@@ -203,6 +206,9 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
     Examples
     --------
     >>> import tempfile
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.protocol import read_schedule, write_schedule
+    >>> from cyclemap.resets import ResetStrategy
     >>> loop = CollectionLoop.mit()
     >>> coin = ResetStrategy.pushes(loop.push, (1, 2))
     >>> with tempfile.TemporaryDirectory() as place:

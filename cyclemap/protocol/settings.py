@@ -114,6 +114,7 @@ def loop_from_settings(settings: Settings, base: CollectionLoop | None = None) -
 
     Examples
     --------
+    >>> from cyclemap.protocol import loop_from_settings
     >>> loop_from_settings({"push_mm": 80, "noise_deg": 2}).push.distance
     0.08
     """

@@ -49,6 +49,8 @@ class CycleAction:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import CycleAction
     >>> CycleAction(way_points=((0.05, 0.0),)).on(CollectionLoop.mit()).reset.way_points
     ((0.05, 0.0),)
     """
@@ -112,6 +114,8 @@ class ResetStrategy:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import ResetStrategy
     >>> coin = ResetStrategy.pushes(CollectionLoop.mit().push, (1, 2))
     >>> coin.shares.tolist(), [action.push.side for action in coin.run(5, seed=1)]
     ([0.5, 0.5], [2, 2, 1, 2, 1])
@@ -153,6 +157,22 @@ class ResetStrategy:
     def pushes(cls, push: SidePush, sides: Sequence[int]) -> ResetStrategy:
         """Return the same push on several sides, each alike, drawn before every push.
 
+        Parameters
+        ----------
+        push : SidePush
+            The push.
+        sides : sequence of int
+            Numbers of the sides.
+
+        Returns
+        -------
+        ResetStrategy
+            One action a side.
+
+        Examples
+        --------
+        >>> from cyclemap import SidePush
+        >>> from cyclemap.resets import ResetStrategy
         >>> len(ResetStrategy.pushes(SidePush(), (0, 1, 2)).actions)
         3
         """
@@ -198,10 +218,24 @@ class ResetStrategy:
         return tuple(action.on(prepared) for action in self.actions)
 
     def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
-        """Return the number of the action of each of `cycles` cycles, (cycles,); the same for the
-        same seed.
+        """Return the number of the action of each cycle; the same for the same seed.
 
-        InvalidInput for more than ten million cycles.
+        Parameters
+        ----------
+        cycles : int
+            How many cycles, at most ten million.
+        seed : int or SeedSequence, default 0
+            Of the draws.
+
+        Returns
+        -------
+        ndarray of int, shape (cycles,)
+            Numbers from 0.
+
+        Raises
+        ------
+        InvalidInput
+            For more than ten million cycles.
         """
         count = whole_number("cycles", cycles, least=0)
         if count > MOST_CYCLES:
@@ -309,6 +343,8 @@ def gripper_turns(count: int) -> tuple[CycleAction, ...]:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.resets import gripper_turns
     >>> [round(math.degrees(action.turn)) for action in gripper_turns(4)]
     [0, 90, 180, 270]
     """
@@ -338,6 +374,7 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
 
     Examples
     --------
+    >>> from cyclemap.resets import legs
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """

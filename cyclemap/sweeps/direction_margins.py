@@ -52,6 +52,8 @@ class DirectionChange:
 
     Examples
     --------
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange
     >>> change = DirectionChange(Estimate(-0.00627, 1e-9), "saddle-node", 2.6, 0)
     >>> change.kind, float(change.value)
     ('saddle-node', -0.00627)
@@ -85,6 +87,8 @@ class DirectionMargin:
 
     Examples
     --------
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange, DirectionMargin
     >>> change = DirectionChange(Estimate(-0.006, 1e-9), "saddle-node", 2.6, 0)
     >>> margin = DirectionMargin("hitch_x_mm", -0.0106, 1, None, change, -0.02, 0.0, 0.02)
     >>> margin.nearest is change, round(margin.share, 2)
@@ -155,6 +159,8 @@ def direction_margins(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.sweeps import direction_margins
     >>> ring, rod = direction_margins(CollectionLoop.mit(), ("hitch_x_mm", "pusher_mu"))
     >>> ring.nearest.kind, ring.nearest.directions, round(1000 * ring.nearest.value, 4), rod.nearest
     ('saddle-node', 0, -6.2714, None)
@@ -351,8 +357,22 @@ def change_curve(
 
     Examples
     --------
+    How far in the ring may lie on plywood before the stable direction is lost, for other rods; and
+    what is refused:
+
+    >>> import math
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.maps import Estimate
+    >>> from cyclemap.sweeps import DirectionChange, change_curve, direction_margins
+    >>> loop, plane = CollectionLoop.mit(), ((-12.0, -3.0), (0.12, 0.18))
+    >>> (ring,) = direction_margins(loop, ("hitch_x_mm",))  # doctest: +SKIP
+    >>> curve = change_curve(  # doctest: +SKIP
+    ...     loop, "hitch_x_mm", ring.nearest, "pusher_mu", *plane
+    ... )
+    >>> curve.kind, curve.first.min().round(2), curve.first.max().round(2)  # doctest: +SKIP
+    ('saddle-node', -6.5, -5.99)
     >>> kink = DirectionChange(Estimate(-0.006, 1e-9), "kink", math.nan, 0)
-    >>> change_curve(CollectionLoop.mit(), "hitch_x_mm", kink, "pusher_mu", (-12, -3), (0.1, 0.2))
+    >>> change_curve(loop, "hitch_x_mm", kink, "pusher_mu", *plane)
     Traceback (most recent call last):
         ...
     cyclemap.errors.InvalidInput: ...the change, a kink, must be smooth

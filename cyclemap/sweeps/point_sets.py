@@ -46,6 +46,7 @@ class SweepAxis:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import SweepAxis
     >>> SweepAxis("mu_a", (0.2, 0.3)).values
     (0.2, 0.3)
     """
@@ -96,6 +97,7 @@ class SweepRange:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import SweepRange
     >>> round(SweepRange("mu_a", 0.2, 0.4).at(0.5), 12)
     0.3
     """
@@ -218,6 +220,7 @@ class Grid:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import Grid, SweepAxis
     >>> grid = Grid((SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("side", (0, 1))))
     >>> len(grid), grid.settings(2)
     (4, {'mu_a': 0.3, 'side': 0.0})
@@ -284,6 +287,7 @@ class Sample:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import Sample, SweepRange
     >>> sample = Sample((SweepRange("mu_a", 0.2, 0.3),), 4)
     >>> len(sample), all(0.2 <= sample.settings(k)["mu_a"] < 0.3 for k in range(4))
     (4, True)

@@ -83,6 +83,7 @@ class Quantity:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import Quantity
     >>> Quantity("mean_turn", "rad", "mean turn of a cycle").written_name
     'mean_turn_deg'
     """
@@ -205,7 +206,7 @@ class SweptPoint:
 
     Examples
     --------
-    >>> from cyclemap.sweeps import SweepPlan
+    >>> from cyclemap import SweepPlan
     >>> point = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3)}).point(1)
     >>> point.number, dict(point.swept), point.material.name
     (1, {'mu_a': 0.3}, 'plywood')
@@ -231,6 +232,7 @@ class PointOutcome:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import PointOutcome
     >>> PointOutcome({"mean_turn": 0.14}).refusal
     ''
     """
@@ -270,6 +272,7 @@ class PortraitNumbers:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import PortraitNumbers
     >>> [quantity.name for quantity in PortraitNumbers(("rotation",)).quantities][-3:]
     ['rotation_upper', 'locked_winding', 'locked_period']
     """

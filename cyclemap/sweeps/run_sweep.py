@@ -195,7 +195,7 @@ def run_sweep(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps.portrait_numbers import PortraitNumbers
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, run_sweep
     >>> quick = PortraitNumbers(("rotation",), tolerance=1e-2)
     >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)}, numbers=quick)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -341,6 +341,7 @@ def sweep_status(path: str | Path, plan: SweepPlan | None = None) -> SweepStatus
 
     Examples
     --------
+    >>> from cyclemap.sweeps import SweepPlan, sweep_status
     >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)})
     >>> sweep_status("not-yet-begun.sqlite", plan)
     SweepStatus(points=2, stored=0, refused=0)

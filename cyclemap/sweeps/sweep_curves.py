@@ -32,6 +32,8 @@ class SweptPlane:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import SweepAxis, SweptPlane
     >>> axes = SweepAxis("mu_a", (0.2, 0.3)), SweepAxis("mu_b", (0.2, 0.3))
     >>> plane = SweptPlane(*axes, (), None, np.zeros((2, 2), dtype=bool))
     >>> plane.first.values, plane.refused.tolist()
@@ -70,7 +72,7 @@ class SweptLines:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_curves
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -106,6 +108,8 @@ class SweptScatter:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import SweptScatter
     >>> places = np.array([0.2, 0.3])
     >>> scatter = SweptScatter(("mu_a", places), ("mu_b", places), (), places > 1.0)
     >>> scatter.first[0], scatter.refused.tolist()
@@ -146,7 +150,7 @@ def sweep_curves(sweep: Sweep, names: tuple[str, ...] = ()) -> SweptCurves:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, sweep_curves
     >>> over = {"push_mm": (100, 150), "pusher_mu": (0.1, 0.2)}
     >>> plan = SweepPlan.grid("isotropic", over, numbers=PortraitNumbers(("turns",)))
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -65,6 +65,7 @@ class SweepPlan:
 
     Examples
     --------
+    >>> from cyclemap import SweepPlan
     >>> plan = SweepPlan.grid("plywood", {"mu_a": (0.2, 0.3), "hitch_x_mm": (-12, -10, -8)})
     >>> len(plan), dict(plan.point(1).settings)
     (6, {'mu_a': 0.2, 'hitch_x_mm': -10.0})
@@ -128,8 +129,24 @@ class SweepPlan:
         settings: Mapping[str, object] | None = None,
         numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
-        """Return the plan of every combination of the values in `over`, the last key running
+        """Return the plan of every combination of the values of some keys, the last key running
         fastest.
+
+        Parameters
+        ----------
+        material : str or Path or Material or None
+            A name, a TOML file or a `Material`; None only where the points name one.
+        over : mapping of str to sequence of object
+            Values by key, in degrees and millimetres.
+        settings : mapping of str to object or None, optional
+            Of all points.
+        numbers : PortraitNumbers or None, optional
+            What is asked of each point.
+
+        Returns
+        -------
+        SweepPlan
+            A plan over a `Grid`.
         """
         axes = tuple(SweepAxis(key, values) for key, values in _listed(over, "values").items())
         return cls(Grid(axes), material, settings or {}, numbers or PortraitNumbers())
@@ -145,7 +162,30 @@ class SweepPlan:
         settings: Mapping[str, object] | None = None,
         numbers: PortraitNumbers | None = None,
     ) -> "SweepPlan":
-        """Return the plan of `count` points spread over the ranges (low, high) in `over`."""
+        """Return the plan of points spread over the ranges of some keys.
+
+        Parameters
+        ----------
+        material : str or Path or Material or None
+            A name, a TOML file or a `Material`; None only where the points name one.
+        over : mapping of str to tuple[float, float]
+            (low, high) by key, in degrees and millimetres.
+        count : int
+            How many points.
+        seed : int, default 0
+            Of the points.
+        sequence : str, default 'sobol'
+            "sobol" or "uniform", as of `Sample`.
+        settings : mapping of str to object or None, optional
+            Of all points.
+        numbers : PortraitNumbers or None, optional
+            What is asked of each point.
+
+        Returns
+        -------
+        SweepPlan
+            A plan over a `Sample`.
+        """
         ends = _listed(over, "ends")
         uneven = next((key for key, given in ends.items() if len(given) != 2), None)
         if uneven is not None:

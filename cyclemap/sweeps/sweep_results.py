@@ -54,7 +54,8 @@ class Sweep:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -130,12 +131,24 @@ class Sweep:
         )
 
     def select(self, **wanted: Wanted) -> Sweep:
-        """The points whose swept keys have a value, lie within a pair (low, high), or are in a
-        list.
+        """Return the points whose swept keys have a value, lie within a pair (low, high), or are in
+        a list.
 
-        One value takes its axis away, so that `on_grid` has one dimension less. A pair (a tuple of
-        two numbers) is a range, ends included; a list is a choice. InvalidInput where a key is not
-        swept or no point has the value.
+        Parameters
+        ----------
+        **wanted : object
+            By key. One value takes its axis away, so that `on_grid` has one dimension less. A
+            pair (a tuple of two numbers) is a range, ends included; a list is a choice.
+
+        Returns
+        -------
+        Sweep
+            The points that are left.
+
+        Raises
+        ------
+        InvalidInput
+            Where a key is not swept or no point has the value.
         """
         found = self
         for key, value in wanted.items():
@@ -226,7 +239,8 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> import numpy as np
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -292,7 +306,7 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, write_csv
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -360,7 +374,7 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, to_dataset
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -432,7 +446,7 @@ def write_netcdf(sweep: Sweep, path: str | Path) -> None:
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from cyclemap.sweeps import PortraitNumbers, run_sweep
+    >>> from cyclemap.sweeps import PortraitNumbers, SweepPlan, load_sweep, run_sweep, write_netcdf
     >>> turns = PortraitNumbers(("turns",))
     >>> plan = SweepPlan.grid("isotropic", {"push_mm": (100, 150)}, numbers=turns)
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -40,6 +40,8 @@ class StoreWriteError(CycleMapError):
 
     Examples
     --------
+    >>> from cyclemap import CycleMapError
+    >>> from cyclemap.sweeps import StoreWriteError
     >>> issubclass(StoreWriteError, CycleMapError)
     True
     """
@@ -60,6 +62,7 @@ class SweepStatus:
 
     Examples
     --------
+    >>> from cyclemap.sweeps import SweepStatus
     >>> SweepStatus(points=6, stored=4, refused=1).complete
     False
     """
@@ -97,6 +100,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.sweeps import SweepPlan, SweepStore
     >>> plan = SweepPlan.grid("isotropic", {"noise_deg": (1.0, 2.0)})
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     with SweepStore(Path(folder, "sweep.sqlite"), plan) as store:

@@ -81,8 +81,26 @@ MARKERS: dict[str, Look] = {
 
 
 def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) -> None:
-    """The graph of the map on one circle, cut at its jumps, the diagonal, and `orbits` on the
-    graph.
+    """Draw the graph of a map on one circle, cut at its jumps, with the diagonal.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where it is drawn.
+    circle_map : CircleMap
+        The map.
+    orbits : sequence of Orbit, default ()
+        Marked on the graph.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, fixed_points
+    >>> from cyclemap.views.orbit_panels import draw_map
+    >>> axes, sine = Figure().subplots(), CircleMap.arnold(0.1, 0.9)
+    >>> draw_map(axes, sine, fixed_points(sine))
+    >>> axes.has_data()
+    True
     """
     axes.plot([0.0, 360.0], [0.0, 360.0], color=QUIET, linewidth=0.9, linestyle="--", zorder=2)
     for theta, turn in turn_curve(circle_map).pieces:
@@ -117,8 +135,25 @@ def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
 
 
 def draw_density(axes: Axes, operator: TransferOperator) -> None:
-    """The stationary density of a noisy map, its error bound in the legend, and the uniform density
-    beside it.
+    """Draw the stationary density of a noisy map, its error bound in the legend, and the uniform
+    density beside it.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where it is drawn.
+    operator : TransferOperator
+        As ``transfer_operator`` makes it.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> from cyclemap.views.orbit_panels import draw_density
+    >>> axes = Figure().subplots()
+    >>> draw_density(axes, transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)))
+    >>> axes.has_data()
+    True
     """
     theta_deg = np.linspace(0.0, 360.0, 1441)
     density = np.radians(operator.density(np.radians(theta_deg)))
@@ -144,8 +179,25 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
 
 
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
-    """A band for every basin, its immediate part hatched, its stable points as dots; the share of
-    none is told.
+    """Draw a band for every basin, its immediate part hatched, its stable points as dots; the share
+    of none is told.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    basins : sequence of Basin
+        As ``basins`` of `cyclemap.maps` finds them.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, basins
+    >>> from cyclemap.views.orbit_panels import draw_basins
+    >>> axes = Figure().subplots()
+    >>> draw_basins(axes, basins(CircleMap.arnold(0.1, 0.9), max_period=1))
+    >>> axes.has_data()
+    True
     """
     style.degree_axis(axes, THETA)
     axes.set_yticks([])
@@ -205,8 +257,29 @@ def draw_orbit_branches(
     bifurcations: Sequence[Bifurcation] = (),
     parameter_label: str = "parameter",
 ) -> None:
-    """Angles of the orbits over the parameter: solid where stable, dashed where not; bifurcations
-    by their shapes.
+    """Draw the angles of orbits over a parameter: solid where stable, dashed where not.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    branches : sequence of OrbitBranch
+        As ``orbit_branches`` finds them.
+    bifurcations : sequence of Bifurcation, default ()
+        Marked by their shapes.
+    parameter_label : str, default 'parameter'
+        Of the horizontal axis.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, orbit_branches
+    >>> from cyclemap.views.orbit_panels import draw_orbit_branches
+    >>> axes = Figure().subplots()
+    >>> branches = orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.7, 0.9), resolution=4)
+    >>> draw_orbit_branches(axes, branches, parameter_label="K")
+    >>> axes.get_xlabel()
+    'K'
     """
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
     style.whole_turn_ticks(axes)
@@ -226,7 +299,28 @@ def draw_orbit_branches(
 def draw_orbit_diagram(
     axes: Axes, diagram: OrbitDiagram, parameter_label: str = "parameter"
 ) -> None:
-    """Every angle that the orbits visit, a dot each, over the parameter."""
+    """Draw every angle that orbits visit, a dot each, over a parameter.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    diagram : OrbitDiagram
+        As ``orbit_diagram`` makes it.
+    parameter_label : str, default 'parameter'
+        Of the horizontal axis.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, orbit_diagram
+    >>> from cyclemap.views.orbit_panels import draw_orbit_diagram
+    >>> axes = Figure().subplots()
+    >>> diagram = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [0.5, 0.9], cycles=10)
+    >>> draw_orbit_diagram(axes, diagram, "K")
+    >>> axes.get_xlabel()
+    'K'
+    """
     parameter = np.repeat(diagram.parameter, diagram.theta.shape[1])
     axes.plot(
         parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True
@@ -242,8 +336,29 @@ def draw_lyapunov_exponents(
     first_label: str = "parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """A curve over the one parameter that varies, or colour over two: red where orbits diverge,
-    blue where not.
+    """Draw Lyapunov exponents: a curve over the one parameter that varies, or colour over two, red
+    where orbits diverge, blue where not.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    exponents : LyapunovExponents
+        As ``lyapunov_exponents`` finds them.
+    first_label : str, default 'parameter'
+        Of the horizontal axis.
+    second_label : str, default 'second parameter'
+        Of the vertical axis, where two parameters vary.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, lyapunov_exponents
+    >>> from cyclemap.views.orbit_panels import draw_lyapunov_exponents
+    >>> axes = Figure().subplots()
+    >>> draw_lyapunov_exponents(axes, lyapunov_exponents(CircleMap.arnold, 0.1, [0.5, 0.9]), "K")
+    >>> axes.get_xlabel()
+    'K'
     """
     varying = [values.ravel() for values in exponents.parameters if values.size > 1]
     label = "Lyapunov exponent (1/cycle)"

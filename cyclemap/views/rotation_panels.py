@@ -69,8 +69,29 @@ def draw_rotation_plane(
     first_label: str = "first parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """Turns a cycle as colour, a colour bar; locked tongues outlined and named, cells of folded
-    maps hatched.
+    """Draw rotation numbers over two parameters as colour; locked tongues outlined and named, cells
+    of folded maps hatched.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn, with a colour bar beside.
+    plane : RotationPlane
+        As ``rotation_plane`` finds them.
+    first_label : str, default 'first parameter'
+        Of the horizontal axis, the first parameter.
+    second_label : str, default 'second parameter'
+        Of the vertical axis, the second parameter.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, rotation_plane
+    >>> from cyclemap.views.rotation_panels import draw_rotation_plane
+    >>> axes = Figure().subplots()
+    >>> draw_rotation_plane(axes, rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9]))
+    >>> axes.has_data()
+    True
     """
     first, second = cell_edges(plane.first_values), cell_edges(plane.second_values)
     draw_shades(axes, first, second, plane.value, ROTATION, cmap="cividis")
@@ -167,8 +188,30 @@ def ratio_name(ratio: Fraction) -> str:
 def draw_rotation_numbers(
     axes: Axes, parameter: Array, numbers: RotationNumbers, label: str = "parameter"
 ) -> None:
-    """Rotation numbers (m,) over `parameter` (m,), the band that encloses them, and the plateaus by
+    """Draw rotation numbers over a parameter, the band that encloses them, and the plateaus by
     name.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    parameter : ndarray, shape (m,)
+        Values of the parameter.
+    numbers : RotationNumbers
+        As ``rotation_numbers`` finds them, one a value.
+    label : str, default 'parameter'
+        Of the horizontal axis.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
+    >>> from cyclemap.views.rotation_panels import draw_rotation_numbers
+    >>> axes, omega = Figure().subplots(), np.linspace(0.0, 1.0, 9)
+    >>> draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.5), "omega")
+    >>> axes.get_xlabel()
+    'omega'
     """
     widest = float(np.max(numbers.upper - numbers.lower))
     band = f"enclosure, at most {small(widest)} wide"
@@ -199,8 +242,29 @@ def draw_tongues(
     first_label: str = "first parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """The tongues, filled between their edges, named above; edges dashed where maps fold and
+    """Draw tongues, filled between their edges, named above; edges dashed where maps fold and
     tongues overlap.
+
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    boundaries : TongueBoundaries
+        As ``tongues`` finds them.
+    first_label : str, default 'first parameter'
+        Of the horizontal axis.
+    second_label : str, default 'second parameter'
+        Of the vertical axis.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, tongues
+    >>> from cyclemap.views.rotation_panels import draw_tongues
+    >>> axes = Figure().subplots()
+    >>> draw_tongues(axes, tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5)))
+    >>> axes.has_data()
+    True
     """
     second = boundaries.second
     for left, right, folded in zip(
@@ -235,10 +299,34 @@ def draw_bifurcation_curves(
     first_label: str = "first parameter",
     second_label: str = "second parameter",
 ) -> None:
-    """A plane of two parameters: curves by their kind, points of codimension two by their shapes,
-    tongues filled.
+    """Draw a plane of two parameters: curves by their kind, points of codimension two by their
+    shapes, tongues filled.
 
-    Period doublings are dashed where they are subcritical: the orbit that they bear is unstable.
+    Parameters
+    ----------
+    axes : Axes
+        Where they are drawn.
+    curves : sequence of BifurcationCurve
+        As ``bifurcation_curves`` finds them. Period doublings are dashed where they are
+        subcritical: the orbit that they bear is unstable.
+    boundaries : TongueBoundaries or None, optional
+        Tongues that are filled; None: none.
+    first_label : str, default 'first parameter'
+        Of the horizontal axis.
+    second_label : str, default 'second parameter'
+        Of the vertical axis.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
+    >>> from cyclemap.views.rotation_panels import draw_bifurcation_curves
+    >>> (born,) = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
+    >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
+    >>> axes = Figure().subplots()
+    >>> draw_bifurcation_curves(axes, [edge], first_label="omega", second_label="K")
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('omega', 'K')
     """
     if boundaries is not None:
         draw_tongues(axes, boundaries, first_label, second_label)

@@ -18,7 +18,7 @@ ENTRY = re.compile(rf"({HEAD}) : (.*)")
 INNER_ENTRY = re.compile(rf"(?<=[.;]) (?={HEAD} : )")
 CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
 # Sections of NumPy's whose entries stand above what they are.
-LISTS = ("Parameters", "Returns", "Attributes", "Raises")
+LISTS = ("Parameters", "Returns", "Attributes", "Raises", "Warns")
 SPECIAL = re.compile(r"([\\*|_`])")
 
 

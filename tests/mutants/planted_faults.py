@@ -371,10 +371,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
-            (
-                "twice = width / 12.0 * (at[0] + 4.0 * left",
-                "twice = width / 12.0 * (at[0] + 2.0 * left",
-            ),
+            # Weights that do not add up halve without end: they are noticed by the time alone.
+            ("return first[0] + second[0], first[1]", "return 2.0 * first[0], first[1]"),
         ],
     ),
     "maps/staircases/staircase.py": (

@@ -45,6 +45,18 @@ def test_orientations_spread_evenly_are_good_as_they_are(tmp_path) -> None:
     assert "Nothing needs to change" in audit_paragraph(found)
 
 
+def test_a_collection_that_covers_the_circle_and_is_worth_less_than_half_its_pushes_is_not_good(
+    tmp_path,
+) -> None:
+    """Once round, then a creep of a quarter turn too fast for a rest: no alarm, and little told."""
+    around = np.arange(19) * 360.0 / 19.0
+    for step_deg, good in ((5.0, True), (1.21, False)):
+        theta = np.concatenate([around, 360.0 + step_deg * np.arange(1, 77)]) % 360.0
+        found = audit(table(tmp_path, theta))
+        assert found.locked_from is None and len(found.covered) == 1
+        assert found.is_good == good == (found.worth >= 0.5 * 95)
+
+
 def test_part_of_the_circle_is_named_and_too_few_pushes_are_refused(tmp_path) -> None:
     theta = np.random.default_rng(3).uniform(20.0, 160.0, 100)
     found = audit(table(tmp_path, theta))

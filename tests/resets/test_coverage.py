@@ -75,6 +75,15 @@ def test_one_push_covers_its_reach_and_leaves_the_rest_as_a_gap() -> None:
     assert state.least_covered == pytest.approx(1.0 + np.pi, abs=np.radians(0.5))
 
 
+def test_the_widest_gap_is_the_longest_arc_between_neighbours_wherever_it_lies() -> None:
+    """Also across 0."""
+    for start in (0.3, 2.0, 5.5):
+        state = covering(start + np.array([0.0, 0.7, 1.2, 4.0, 4.9])).state()
+        assert state.largest_gap == pytest.approx(2.8, abs=2 * 2 * np.pi / CELLS)
+        off = math.remainder(state.gap_centre - start - 2.6, 2 * math.pi)
+        assert abs(off) < 2 * 2 * np.pi / CELLS
+
+
 def test_crowding_is_the_density_of_the_recorded_directions_over_its_mean() -> None:
     """One direction: the wrapped Cauchy density of the reach, whose mean over the circle is one.
 

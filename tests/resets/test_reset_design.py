@@ -23,6 +23,7 @@ from cyclemap.resets import (
     run_strategy,
     sample_turns,
 )
+from cyclemap.resets.design.action_cycles import contact_lengths
 from cyclemap.resets.design.reset_search import push_set, scored, searched
 
 pytestmark = pytest.mark.slow
@@ -115,16 +116,43 @@ def test_thousands_of_pushes_by_the_mechanics_show_the_histograms_that_were_prom
     assert abs(found.mean() - expected.mean()) < 3.5 * error
 
 
-def test_every_pair_of_pushes_was_looked_at() -> None:
-    """Brute force over the pairs of a small set: none is more uniform than the best that the search
-    kept.
-    """
-    about = material_range(LOOP.material)
-    source = push_set(LOOP, about, SIGMA, 0.12)
+@pytest.fixture(scope="module")
+def source():
+    """Pushes that keep the object for 120 mm."""
+    return push_set(LOOP, material_range(LOOP.material), SIGMA, 0.12)
+
+
+@pytest.fixture(scope="module")
+def pairs(source):
+    """Shares of every two of them."""
     pairs = np.array(list(combinations(range(len(source.actions)), 2)))
     shares = np.zeros((len(pairs), len(source.actions)))
     np.put_along_axis(shares, pairs, 0.5, axis=1)
-    best = scored(source, shares, 50)
+    return shares
+
+
+def test_pushes_that_are_looked_at_keep_the_object_and_count_by_the_worst_of_the_range(
+    source, pairs
+) -> None:
+    assert np.array_equal(source.contact, contact_lengths(LOOP, source.actions))
+    assert source.contact.min() >= 0.12
+    alone = [
+        scored(replace(source, kernels=kernels[None]), pairs, 50) for kernels in source.kernels
+    ]
+    tv, after = (np.array([getattr(one, name) for one in alone]) for name in ("tv", "after"))
+    found = scored(source, pairs, 50)
+    assert found.tv == pytest.approx(tv.max(axis=0)) and found.after == pytest.approx(
+        after.max(axis=0)
+    )
+    # On which material it is worst depends on the pair.
+    assert len(set(np.argmax(tv, axis=0).tolist())) > 1
+
+
+def test_every_pair_of_pushes_was_looked_at(source, pairs) -> None:
+    """Brute force over the pairs of a small set: none is more uniform than the best that the search
+    kept.
+    """
+    best = scored(source, pairs, 50)
     found = searched(source, 50, lambda done: None)
     two = ((found.shares > 0.0).sum(axis=1) == 2) & (found.shares.max(axis=1) == 0.5)
     assert two.sum() == len(pairs) > 20

@@ -105,6 +105,15 @@ def test_steady_climbs_with_noise_leave_no_evidence(turn_deg) -> None:
     assert rest_evidence_of(path).max() < 1.0
 
 
+@pytest.mark.parametrize("pull", [0.15, 0.3, 0.6])
+def test_a_path_without_noise_tells_its_limit_whatever_its_pull(pull) -> None:
+    """After eight pushes, in whichever turn they are counted."""
+    track = DirectionTrack(0.05)
+    for step in range(8):
+        track.add(4.0 * math.pi + 2.0 * (1.0 - pull) ** step)
+    assert track.limit == pytest.approx(4.0 * math.pi, abs=0.1)
+
+
 def test_a_settling_path_tells_its_limit_before_it_is_there() -> None:
     random = np.random.default_rng(2)
     errors, lags = [], []

@@ -74,11 +74,22 @@ class PushSet:
 class CollectionData:
     """What a comparison takes from the data.
 
-    pushes : the sets with end poses. pairs : the cycles of the set that has most, with the numbers
-        of their pushes and the longest path without a gap; None without any. left_out
-        : pushes, by reason. loop : that makes these cycles: the one given, brought to what
-        the data tell of push and object. unreadable : files. reading : how angles and axes were read, and how well
-        motions bear that out, in words.
+    Attributes
+    ----------
+    pushes : tuple of PushSet
+        The sets with end poses.
+    pairs : Theta0Pairs or None
+        The cycles of the set that has most, with the numbers of their pushes and the longest
+        path without a gap; None without any.
+    left_out : mapping of str to int
+        Pushes, by reason.
+    loop : CollectionLoop or None
+        That makes these cycles: the one given, brought to what the data tell of push and
+        object.
+    unreadable : int
+        Files that could not be read.
+    reading : tuple of str
+        How angles and axes were read, and how well motions bear that out, in words.
     """
 
     pushes: tuple[PushSet, ...]

@@ -59,7 +59,7 @@ class Comparison:
     pushes : tuple of PushAgreement
         One a set, the largest first.
     cycle : CycleAgreement or None
-        Measured cycles beside the predicted map.
+        The cycle map's turns.
     orientations : OrientationAgreement or None
         The histogram.
     directions : DirectionAgreement or None
@@ -71,12 +71,13 @@ class Comparison:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> from cyclemap import CircleMap, WrappedNormal, compare, sample_staircase
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
-    >>> path = sample_staircase(sine, noise, 40).theta
+    >>> path = sample_staircase(sine, noise, 100).theta
     >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=19)
-    >>> found.pushes, found.cycle.agreement.pairs, found.orientations.count
-    ((), 40, 41)
+    >>> found.cycle.agreement.pairs, found.pushes
+    (100, ())
     """
 
     prediction: Prediction
@@ -115,18 +116,18 @@ def compare(
     Parameters
     ----------
     prediction : CollectionLoop, CircleMap or DriftingMap
-        A loop predicts by its mechanics; a map needs ``noise``. Cycle n of a map that wears is
-        push n.
+        The loop's mechanics, or a map with ``noise``. Cycle n of a map that wears is push n.
     data : PushTable, Theta0Pairs, str or Path
-        What was measured, or the path of a file or folder of either.
-    noise : Noise, optional
+        A table, pairs, or the path of a file or folder of either.
+    noise : Noise or None, optional
         Of one cycle; None takes 1.1 degrees for a loop.
     first : int, default 0
-        Pushes numbered below it are left out (500 leaves out the bedding-in of a fresh surface).
-    select : mapping of str to str or float, optional
-        The surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that are
-        compared.
-    push_length : float, optional
+        Pushes numbered below it are left out (500 leaves out the bedding-in of a fresh
+        surface).
+    select : mapping of str to str or float or None, optional
+        The surface, object, speed, side, fraction or angle (SI units, rad) of the pushes that
+        are compared.
+    push_length : float or None, optional
         How far the rod moved, m, where the data do not tell; None leaves such pushes out.
     runs : int, default 199
         Simulated collections of the null; the smallest p-value is 1/(runs + 1), 1/100 for
@@ -134,19 +135,21 @@ def compare(
     seed : int, default 0
         Of all of them.
     tolerance : float, default 1e-5
-        Of the loop's cycle map, rad.
+        Error of the loop's cycle map, rad.
     progress : callable, optional
         Called with the fraction done, in [0, 1].
 
     Returns
     -------
     Comparison
-        The answers, question by question.
+        What could be asked, and its answers.
 
     Raises
     ------
     InvalidInput
-        For a prediction or data that cannot be used; DataFileError for a bad file.
+        For a prediction or data that cannot be used.
+    DataFileError
+        For a bad file.
     ConvergenceError
         Where the loop's cycle map cannot be computed.
 
@@ -168,12 +171,15 @@ def compare(
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
+    >>> from cyclemap import CircleMap, WrappedNormal, compare, sample_staircase
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> sine, noise = CircleMap.arnold(0.05, 0.6), WrappedNormal(0.1)
-    >>> path = sample_staircase(sine, noise, 300).theta
-    >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=99)
-    >>> found.orientations.tests["watson"].value > 0.05, found.cycle.agreement.rms < 0.12, len(found.directions.matches)
-    (True, True, 1)
+    >>> path = sample_staircase(sine, noise, 100).theta
+    >>> found = compare(sine, Theta0Pairs(path[:-1], path[1:], path), noise=noise, runs=19)
+    >>> found.orientations.tests["watson"].value > 0.05, found.cycle.agreement.rms < 0.12
+    (True, True)
+    >>> len(found.directions.matches)
+    1
     """
     report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
     loop = None

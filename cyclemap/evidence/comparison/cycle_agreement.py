@@ -47,19 +47,32 @@ RANGE = (0.025, 0.975)
 class CycleAgreement:
     """Measured cycles beside the predicted map, all angles in rad.
 
-    agreement : root mean squares over pairs, and over the medians of 5 degree bins, each bin
-        counting once.
-    off : (n,) measured less predicted turn of each pair. bins : the measured medians.
-    turn : of the cycles, its mean tested. isotropic_rms : root mean square that a loop on isotropic
-        friction under even pressure, all else alike, would leave; None of a prediction that is no
-        loop.
-    scatter : of the turns about the map with six harmonics that fits these very pairs best; None
+    Attributes
+    ----------
+    agreement : MapAgreement
+        Root mean squares over pairs, and over the medians of 5 degree bins, each bin counting
+        once.
+    off : ndarray, shape (n,)
+        Measured less predicted turn of each pair.
+    bins : TurnBins
+        The measured medians.
+    turn : QuantityAgreement
+        Of the cycles, its mean tested.
+    isotropic_rms : float or None
+        Root mean square that a loop on isotropic friction under even pressure, all else alike,
+        would leave; None of a prediction that is no loop.
+    scatter : float or None
+        Of the turns about the map with six harmonics that fits these very pairs best; None
         where they fix none.
-    noise : standard deviation of the predicted noise of one cycle.
-    lag_correlation : of what a turn differs from that best map by, with the next one; None with
-        ``scatter``.
-    p_value : of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes
+    noise : float
+        Standard deviation of the predicted noise of one cycle.
+    lag_correlation : float or None
+        Of what a turn differs from that best map by, with the next one; None with ``scatter``.
+    p_value : PValue or None
+        Of the map, whatever its noise: see ``map_misfit``; None where the order of the pushes
         is unknown.
+    pairs
+        The measured cycles.
     """
 
     agreement: MapAgreement
@@ -137,10 +150,16 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
 class OrientationAgreement:
     """The recorded orientations beside the predicted ones.
 
-    tests : wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law
-        of the predicted collections, with p-values under simulated collections as long and from the
-        same start.
-    measured, predicted : histograms over the same bins, per rad.
+    Attributes
+    ----------
+    count : int
+        How many orientations were recorded.
+    tests : dict of str to PValue
+        Wasserstein (statistic in rad), total_variation, kuiper, watson: distances from the law
+        of the predicted collections, with p-values under simulated collections as long and from
+        the same start.
+    measured, predicted : AngleHistogram
+        Histograms over the same bins, per rad.
     """
 
     count: int
@@ -167,12 +186,20 @@ def orientation_agreement(
 class DirectionMatch:
     """A predicted direction and the measured mode nearest to it, rad in [0, 2π).
 
-    kind, centre : of the ``SlowZone``. predicted_mode : mode of the predicted collections'
-        orientations nearest to the centre (a ghost's lies beside its slowest point). measured_mode
-        : nearest to that. None where there is none.
-    difference : measured less predicted mode, in [-π, π). p_value : of one so large, among
-        simulated collections; exact for a prediction that was not fitted to these data, else too
-        large.
+    Attributes
+    ----------
+    kind, centre : str, float
+        Of the ``SlowZone``.
+    predicted_mode : float or None
+        Mode of the predicted collections' orientations nearest to the centre (a ghost's lies
+        beside its slowest point); None where there is none.
+    measured_mode : float or None
+        Nearest to that; None where there is none.
+    difference : float or None
+        Measured less predicted mode, in [-π, π).
+    p_value : PValue or None
+        Of one so large, among simulated collections; exact for a prediction that was not fitted
+        to these data, else too large.
     """
 
     kind: str
@@ -185,7 +212,15 @@ class DirectionMatch:
 
 @dataclass(frozen=True, eq=False)
 class DirectionAgreement:
-    """All directions. matches : one a predicted zone. measured_modes : (k,) rad, sorted."""
+    """All directions, predicted and measured.
+
+    Attributes
+    ----------
+    matches : tuple of DirectionMatch
+        One a predicted zone.
+    measured_modes : ndarray, shape (k,)
+        rad, sorted.
+    """
 
     matches: tuple[DirectionMatch, ...]
     measured_modes: Array = field(metadata=DIRECTION | {"name": "measured_peaks"})
@@ -228,9 +263,17 @@ class SimulatedQuantity:
     """A number of the measured staircase among those of simulated collections; None where it does
     not exist.
 
-    predicted : median of the simulated ones. lower, upper : the range of 95 % of them.
-    p_value : two-sided, by the distance from their median, among the simulated collections that
-        have such a number: exact for a prediction that was not fitted to these data. None where the
+    Attributes
+    ----------
+    measured : float or None
+        That of the measured staircase.
+    predicted : float or None
+        Median of the simulated ones.
+    lower, upper : float or None
+        The range of 95 % of them.
+    p_value : PValue or None
+        Two-sided, by the distance from their median, among the simulated collections that have
+        such a number: exact for a prediction that was not fitted to these data. None where the
         measured one has none.
     """
 
@@ -246,10 +289,15 @@ class StaircaseAgreement:
     """The staircase of a collection beside simulated ones that begin alike; angles in rad, lengths
     in cycles.
 
-    run : one simulated collection, (n,) rad.
-    quantities : turns, whole ones climbed; steps; step_height, residence: medians over the steps
-        and the dwells of a collection, dwells that its ends cut off included.
-    theory : the visits to the predicted zones and the pace, against their exact law; None for a map
+    Attributes
+    ----------
+    run : ndarray, shape (n,)
+        One simulated collection, rad.
+    quantities : dict of str to SimulatedQuantity
+        Turns, whole ones climbed; steps; step_height, residence: medians over the steps and the
+        dwells of a collection, dwells that its ends cut off included.
+    theory : StepComparison or None
+        The visits to the predicted zones and the pace, against their exact law; None for a map
         that wears and where that law could not be computed.
     """
 

@@ -39,18 +39,38 @@ class QuantityAgreement:
     """One quantity of pushes or cycles, in rad (``dtheta``, ``turn``) or m (``dx``, ``dy``), of so
     many.
 
-    measured_std : also the least RMSE of any law that ignores θ0, as an isotropic one does.
-    bias : mean of predicted less measured, each at its own θ0. spread : standard deviation of that
-        difference.
-    bias_error : standard error of the bias, correlation of successive pushes allowed for (Newey &
-        West 1987), and ``model_error`` with it; None below three pushes. model_error : of the
-        predicted mean alone, by how well the material's parameters are known; 0 where it has no
-        posterior.
-    agrees : whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or
+    Attributes
+    ----------
+    name : str
+        ``dtheta``, ``dx``, ``dy`` or ``turn``.
+    count : int
+        Of how many pushes or cycles.
+    measured_mean : float
+        Mean of what was measured.
+    measured_std : float
+        Also the least RMSE of any law that ignores θ0, as an isotropic one does.
+    predicted_mean, predicted_std : float
+        Mean and standard deviation of what was predicted.
+    bias : float
+        Mean of predicted less measured, each at its own θ0.
+    spread : float
+        Standard deviation of that difference.
+    rmse : float
+        Root mean square of predicted less measured.
+    bias_error : float or None
+        Standard error of the bias, correlation of successive pushes allowed for (Newey & West
+        1987), and ``model_error`` with it; None below three pushes.
+    model_error : float
+        Of the predicted mean alone, by how well the material's parameters are known; 0 where it
+        has no posterior.
+    agrees : bool or None
+        Whether the bias is within its error of 0 at the 5 % level, or below 0.005 degrees or
         mm; None if unknown.
-    percent, std_percent : RMSE and measured standard deviation in per cent of the measured mean (Ma
-        & Rodriguez 2018, Tables II and III); inf for a mean of 0.
-    explains : whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
+    percent, std_percent : float
+        RMSE and measured standard deviation in per cent of the measured mean (Ma & Rodriguez
+        2018, Tables II and III); inf for a mean of 0.
+    explains : bool
+        Whether the prediction is nearer to the pushes than any law that ignores θ0 can be.
     """
 
     name: str = field(metadata=UNWRITTEN)
@@ -74,12 +94,22 @@ class QuantityAgreement:
 class PushAgreement:
     """The pushes of one set beside the loop's.
 
-    facts : of the set. length : of its pushes, their median, m. theta : (n,) rad.
-    measured, predicted, isotropic : (n, 3), dtheta (rad), dx, dy (m), the last of isotropic
-        friction under even
-    pressure, all else alike. quantities : dtheta, dx, dy. sampled : (k, 3), means of some of the
-        pushes on samples of the material's posterior, less those predicted; None without a
-        posterior.
+    Attributes
+    ----------
+    facts : mapping of str to object
+        Of the set.
+    length : float
+        Of its pushes, their median, m.
+    theta : ndarray, shape (n,)
+        Orientations before, rad.
+    measured, predicted, isotropic : ndarray, shape (n, 3)
+        Dtheta (rad), dx, dy (m), the last of isotropic friction under even pressure, all else
+        alike.
+    quantities : tuple of QuantityAgreement
+        Dtheta, dx, dy.
+    sampled : ndarray, shape (k, 3), or None
+        Means of some of the pushes on samples of the material's posterior, less those
+        predicted; None without a posterior.
     """
 
     facts: Mapping[str, Any]

@@ -533,14 +533,23 @@ def _counted(kept: Sequence[object], rows: Sequence[object]) -> str:
 class CollectedBlocks:
     """Blocks of data of one surface, of one object or of several.
 
-    blocks : of unlike names; of several objects each is that of a plate, of several sessions each
-        is that of one, and a last one tells how sessions may differ. notes : what was recognised,
-        what was left out
-    and why, in words. surface : its name where the data tell it. loop : with the data's object,
-        where it is one.
-    scans : (n, 2) tractions of friction scans. last_cycle : how many the last is behind the first;
-        0 where unknown.
-    noise : of the kinds of noise that all of their data tell.
+    Attributes
+    ----------
+    blocks : tuple of DataBlock
+        Of unlike names; of several objects each is that of a plate, of several sessions each is
+        that of one, and a last one tells how sessions may differ.
+    notes : tuple of str
+        What was recognised, what was left out and why, in words.
+    surface : str or None
+        Its name where the data tell it.
+    loop : CollectionLoop
+        With the data's object, where it is one.
+    scans : ndarray, shape (n, 2), or None
+        Tractions of friction scans.
+    last_cycle : float
+        How many the last is behind the first; 0 where unknown.
+    noise : mapping of str to float
+        Of the kinds of noise that all of their data tell.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -618,7 +627,10 @@ def collected_blocks(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.collection import CollectionLoop
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import collected_blocks
     >>> loop = CollectionLoop.mit("plywood")
     >>> theta = [0.0]
     >>> for cycle in range(30):

@@ -130,6 +130,9 @@ def friction_scan_block(
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.evidence import SurfaceParameters, friction_scan_block
     >>> scans = {"direction": [0.0, 1.0], "force_along": [2.0, 2.0], "force_across": [0.0, 0.0]}
     >>> even = SurfaceParameters(math.log(0.25)).values()
     >>> residual, _ = friction_scan_block(scans, 8.0).residuals(even)
@@ -220,6 +223,8 @@ def friction_ellipse_from_scans(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import friction_ellipse_from_scans
     >>> direction, along = np.linspace(0.0, 6.0, 12), 2.0 + np.zeros(12)
     >>> scans = {"direction": direction, "force_along": along, "force_across": 0.0 * along}
     >>> round(friction_ellipse_from_scans(scans, 8.0).friction().mu_a, 5)
@@ -248,6 +253,7 @@ class WrenchTwists:
 
     Examples
     --------
+    >>> from cyclemap.evidence import WrenchTwists
     >>> data = WrenchTwists([[0.0, 2.0, 0.0]], [[0.0, 0.01, 0.0]])
     >>> data.twist.shape
     (1, 3)
@@ -352,7 +358,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Slider
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap import Slider
+    >>> from cyclemap.evidence import SurfaceParameters, WrenchTwists, wrench_twist_block
     >>> square, twist = Slider.mit("rect1"), [[0.0, 0.01, 0.0]]
     >>> block = wrench_twist_block(WrenchTwists([[0.0, 0.25 * square.weight, 0.0]], twist), square)
     >>> residual, _ = block.residuals(SurfaceParameters(math.log(0.25)).values())
@@ -387,10 +396,17 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
 class SlidingForces:
     """Ratios of forces in the pieces of pushes in which the rod slid all the time.
 
-    ratio : (m,) sum of tangential over sum of normal force, positive where friction goes with the
-        rod's slip over the
-    object. push : (m,) number of the push. samples : in all pieces. sticking : samples in which the
-        rod stuck.
+    Attributes
+    ----------
+    ratio : ndarray, shape (m,)
+        Sum of tangential over sum of normal force, positive where friction goes with the rod's
+        slip over the object.
+    push : ndarray of int, shape (m,)
+        Number of the push.
+    samples : int
+        In all pieces.
+    sticking : int
+        Samples in which the rod stuck.
     """
 
     ratio: Array

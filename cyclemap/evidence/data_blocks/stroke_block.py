@@ -103,7 +103,8 @@ def push_end_block(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Pose
+    >>> from cyclemap import Pose, Slider
+    >>> from cyclemap.evidence import MeasuredPush, push_end_block
     >>> push = MeasuredPush(Pose(), Pose(0.0, -0.03, 0.2), (0.0, 0.05), (0.0, 0.01))
     >>> block = push_end_block([push], Slider.mit("rect1"))
     >>> sorted(set(block.kinds.tolist()))
@@ -165,7 +166,8 @@ def drag_turn_block(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Pose
+    >>> from cyclemap import Pose, Slider
+    >>> from cyclemap.evidence import MeasuredDrag, drag_turn_block
     >>> block = drag_turn_block([MeasuredDrag(Pose(), Pose(0.05, 0.0, -0.4))], Slider.mit("rect1"))
     >>> block.kinds.tolist(), block.groups.tolist()
     (['drag turn (rad)'], [0])
@@ -302,7 +304,9 @@ def cycle_pair_block(
 
     Examples
     --------
-    >>> from cyclemap.collection import CollectionLoop
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import SurfaceParameters, cycle_pair_block
     >>> loop = CollectionLoop.mit("isotropic")
     >>> theta = np.linspace(0.0, 6.0, 4)
     >>> block = cycle_pair_block(loop, theta, loop.next_theta(theta) - theta, [0, 1, 2, 3])

@@ -105,6 +105,8 @@ class DataBlock:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock
     >>> def function(values):
     ...     return values["slope"] - np.ones(2), np.ones((2, 1))
     >>> line = DataBlock("line", ("slope",), function, groups=[0, 1], kinds="m")
@@ -146,11 +148,24 @@ class DataBlock:
         return {name: values[own] for name, own in zip(self.asked, self.parameters, strict=True)}
 
     def residuals(self, values: Values) -> tuple[Array, Array]:
-        """Return predicted minus measured values (n,) and their derivatives (n, k), columns in
-        order of `parameters`.
+        """Return predicted minus measured values, and their derivatives.
 
-        `values` holds at least this block's parameters by name. Raises ConvergenceError for what is
-        not finite.
+        Parameters
+        ----------
+        values : Values
+            At least this block's parameters by name.
+
+        Returns
+        -------
+        residuals : ndarray, shape (n,)
+            In the data's own units.
+        derivatives : ndarray, shape (n, k)
+            Columns in order of `parameters`.
+
+        Raises
+        ------
+        ConvergenceError
+            For what is not finite.
         """
         residual, jacobian = self.function(self.own_values(values))
         if residual.shape != self.groups.shape or jacobian.shape != (

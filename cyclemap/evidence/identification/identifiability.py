@@ -26,10 +26,16 @@ _NAMED = 0.3
 class Uncertainty:
     """Errors of a fit to first order.
 
-    standard_error (k,) : inf for a parameter that the data do not fix. covariance (k,
-        k), correlation (k, k) : without
-    what is open. freedom (k,) : degrees of freedom for Student's t. open : which parameters, or
-        combinations of them, the data do not fix, in words.
+    Attributes
+    ----------
+    standard_error : ndarray, shape (k,)
+        Inf for a parameter that the data do not fix.
+    covariance, correlation : ndarray, shape (k, k)
+        Without what is open.
+    freedom : ndarray, shape (k,)
+        Degrees of freedom for Student's t.
+    open : tuple of str
+        Which parameters, or combinations of them, the data do not fix, in words.
     """
 
     standard_error: Array

@@ -233,6 +233,8 @@ class Identification:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock, identify
     >>> ratios = np.array([0.19, 0.21, 0.2, 0.2])
     >>> def law(values):
     ...     return values["pusher_friction"] - ratios, np.ones((4, 1))
@@ -366,6 +368,8 @@ def identify(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import DataBlock, identify
     >>> x = np.linspace(0.0, 1.0, 8)
     >>> data = 0.2 + 0.01 * np.cos(40.0 * x)
     >>> def law(values):

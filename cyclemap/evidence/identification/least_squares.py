@@ -91,13 +91,26 @@ class NoiseLaw:
 class Fit:
     """A minimum.
 
-    vector : (k,) free parameters. noise : (kinds,) in the data's units; known : (kinds,) which of
-        it was given.
-    deviance : -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows. residuals
-        (n,),
-    jacobian (n, k) : there, in the data's units. on_bounds :
-        names of parameters on a bound. converged : minimum and
-    noise both found to tolerance. message : why the search ended.
+    Attributes
+    ----------
+    vector : ndarray, shape (k,)
+        Free parameters.
+    noise : ndarray, shape (kinds,)
+        In the data's units.
+    known : ndarray of bool, shape (kinds,)
+        Which of it was given.
+    deviance : float
+        -2 log likelihood up to a constant, sum of rho + 2 log noise over the rows.
+    residuals : ndarray, shape (n,)
+        There, in the data's units.
+    jacobian : ndarray, shape (n, k)
+        There, in the data's units.
+    on_bounds : tuple of str
+        Names of parameters on a bound.
+    converged : bool
+        Minimum and noise both found to tolerance.
+    message : str
+        Why the search ended.
     """
 
     vector: Array

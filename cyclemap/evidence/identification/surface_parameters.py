@@ -77,6 +77,7 @@ class Parameter:
 
     Examples
     --------
+    >>> from cyclemap.evidence import Parameter
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, start=1.0, scale=0.5)
     >>> heat.nominal
     1.0
@@ -135,6 +136,7 @@ class ParameterSpace:
 
     Examples
     --------
+    >>> from cyclemap.evidence import Parameter, ParameterSpace
     >>> heat = Parameter("heat", "how warm it is", "K", 0.0, 10.0, 1.0, 0.5)
     >>> ParameterSpace((heat,)).vector({"heat": 3.0})
     array([3.])
@@ -349,6 +351,8 @@ class SurfaceParameters:
 
     Examples
     --------
+    >>> from cyclemap import EllipseFriction
+    >>> from cyclemap.evidence import SurfaceParameters
     >>> surface = SurfaceParameters.from_friction(EllipseFriction(0.3, 0.2, phi=0.5))
     >>> round(surface.to_friction().mu_a, 12), round(surface.to_friction().phi, 12)
     (0.3, 0.5)
@@ -436,13 +440,30 @@ class SurfaceParameters:
     def chain(
         self, jacobian: Array, names: tuple[str, ...], parameters: tuple[str, ...] = SURFACE.names
     ) -> Array:
-        """Turn derivatives by the mechanics' parameters into derivatives by these: (..., j) ->
-        (..., k).
+        """Turn derivatives by the mechanics' parameters into derivatives by these.
 
-        `names` (j) are those of the columns: of FRICTION_NAMES, or others of SURFACE, which pass
-        through. `parameters` (k) are wanted. Parameters that no column tells of have derivative
-        zero. Of a circle's phi, which has no meaning, the derivatives cancel with errors below
-        1e-6. Raises InvalidInput for an unknown name.
+        Parameters
+        ----------
+        jacobian : ndarray, shape (..., j)
+            Derivatives by the mechanics' parameters.
+        names : tuple of str
+            Of the j columns: of FRICTION_NAMES, or others of SURFACE, which pass through.
+        parameters : tuple of str, optional
+            k names, those that are wanted; what no column tells of has derivative zero.
+
+        Returns
+        -------
+        ndarray, shape (..., k)
+            Derivatives by these parameters.
+
+        Raises
+        ------
+        InvalidInput
+            For an unknown name.
+
+        Notes
+        -----
+        Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         """
         columns = np.asarray(jacobian, dtype=float)
         if columns.shape[-1:] != (len(names),):

@@ -72,6 +72,8 @@ class WornLaw:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_worn_law
     >>> n = np.arange(400.0)
     >>> worn = fit_worn_law(2.4 * n, (1.0 + n / 100) * np.cos(2.4 * n), n, harmonics=1, degree=1)
     >>> worn.degree, worn.harmonics, round(float(worn.at(300.0).cosine[1]), 6)
@@ -159,6 +161,8 @@ def fit_worn_law(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_worn_law
     >>> n = np.arange(400.0)
     >>> worn = fit_worn_law(2.4 * n, (1.0 + n / 100) * np.cos(2.4 * n), n, harmonics=1, degree=1)
     >>> worn.at(100.0).coefficients.round(9).tolist()[1]
@@ -210,6 +214,8 @@ class FittedMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import fit_map
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
     >>> fitted.map.degree, fitted.sigma < 1e-9
@@ -237,19 +243,48 @@ class FittedMap:
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle; outside the measured cycles, that of the nearest.
 
-        Raises InvalidInput where the pairs were fitted without cycle numbers.
+        Parameters
+        ----------
+        cycle : float
+            Number of the cycle.
+
+        Returns
+        -------
+        CircleMap
+            Of degree 1.
+
+        Raises
+        ------
+        InvalidInput
+            Where the pairs were fitted without cycle numbers.
         """
         return map_of_turn(self._worn().at(cycle))
 
     def paths(
         self, starts: ArrayLike, cycles: int, first: float | None = None, seed: int = 0
     ) -> Array:
-        """Paths of the worn map with its own scatter at each angle: (paths, cycles + 1) rad,
-        unwrapped, starts first.
+        """Paths of the worn map with its own scatter at each angle.
 
-        starts : (paths,) rad, the θ0 of the measured cycle ``first`` (None: the first measured).
-            The scatter of one cycle is taken as independent of the next one's; measured scatter
-            often is not.
+        Parameters
+        ----------
+        starts : array_like, shape (paths,)
+            rad, the θ0 of the measured cycle ``first``.
+        cycles : int
+            How many cycles.
+        first : float or None, optional
+            Where in the wear the paths begin; None: the first measured cycle.
+        seed : int, default 0
+            Of the scatter.
+
+        Returns
+        -------
+        ndarray, shape (paths, cycles + 1)
+            Rad, unwrapped, starts first.
+
+        Notes
+        -----
+        The scatter of one cycle is taken as independent of the next one's; measured scatter often
+        is not.
         """
         worn, count = self._worn(), whole_number("cycles", cycles, least=1)
         begin = worn.first if first is None else finite_number("first", first)
@@ -316,6 +351,8 @@ def fit_map(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import fit_map
     >>> theta = np.linspace(0.0, 6.0, 60)
     >>> fitted = fit_map(theta, theta + 0.3 - 0.2 * np.sin(theta), harmonics=1)
     >>> round(float(fitted.map.derivative(0.0)), 9), fitted.pairs
@@ -385,9 +422,16 @@ def map_of_turn(law: PeriodicLaw) -> CircleMap:
 class FittedStaircase:
     """The staircase of a map fitted to measured pairs.
 
-    fitted : the map and noise fitted to the pairs. prediction : its staircase, on average. run :
-        one noisy run of it, as long as the path and from the same start. comparison : the path
-        against the prediction, its visits counted in the predicted slow zones.
+    Attributes
+    ----------
+    fitted : FittedMap
+        The map and noise fitted to the pairs.
+    prediction : StaircaseSummary
+        Its staircase, on average.
+    run : Staircase
+        One noisy run of it, as long as the path and from the same start.
+    comparison : StepComparison
+        The path against the prediction, its visits counted in the predicted slow zones.
     """
 
     fitted: FittedMap
@@ -414,6 +458,9 @@ class MeasuredStaircase:
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_staircase
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * math.sin(path[-1]) + scatter)
@@ -459,6 +506,9 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_staircase
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * math.sin(path[-1]) + scatter)

@@ -191,6 +191,8 @@ class PeriodicLaw:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
     >>> law.harmonics, round(float(law.slope(np.pi / 2.0)), 9), law.count
@@ -273,13 +275,31 @@ class PeriodicLaw:
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
     def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
-        """How far Student's bands reach to either side of the law at θ: that of the mean, that of
-        one new value.
+        """How far Student's bands reach to either side of the law.
 
-        t·se and t·√(se² + noise²), each to hold with probability ``level`` at one angle at a time.
+        Parameters
+        ----------
+        theta : array_like
+            Angles θ, rad, any shape.
+        level : float, default 0.95
+            Probability of each to hold at one angle at a time, in (0, 1).
+
+        Returns
+        -------
+        mean : ndarray
+            That of the mean, t·se.
+        value : ndarray
+            That of one new value, t·√(se² + noise²).
+
+        Raises
+        ------
+        InvalidInput
+            For a level outside (0, 1).
+
+        Notes
+        -----
         Exact for independent normal scatter of constant size about a law of the fitted order, else
-        close for many values; errors of the order are not in them. Raises InvalidInput for a level
-        outside (0, 1).
+        close for many values; errors of the order are not in them.
         """
         quantile, error = (
             student_quantile(level, self.count - self.coefficients.size),
@@ -311,7 +331,7 @@ def fit_periodic_law(
         one-standard-error rule on paired differences.
     max_harmonics : int, optional
         The largest order that is tried.
-    noise_harmonics : int, optional
+    noise_harmonics : int or None, default 0
         The order of the log-variance of the scatter in θ; 0 takes it constant, None chooses
         from 0 to 3 by cross-validated likelihood. Where it is not 0 the law is the one of
         maximum likelihood, and its order is chosen twice: with equal weights, then with the
@@ -332,6 +352,8 @@ def fit_periodic_law(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law
     >>> theta = np.linspace(0.0, 6.0, 40)
     >>> law = fit_periodic_law(theta, 2.0 + np.cos(theta), harmonics=1)
     >>> law.coefficients.round(9).tolist()[:2], round(float(law(np.pi)), 9)

@@ -74,6 +74,8 @@ class CircularLaw:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import CircularLaw
     >>> law = CircularLaw(lambda theta: (1 + np.cos(theta)) / (2 * np.pi))
     >>> round(float(law.cumulative(np.pi / 2)), 12) == round(0.25 + 1 / (2 * np.pi), 12)
     True
@@ -185,6 +187,7 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
 
     Examples
     --------
+    >>> from cyclemap.evidence import circular_wasserstein
     >>> round(float(circular_wasserstein([0.1, 0.1], [6.2])), 6)
     0.183185
     """
@@ -266,6 +269,8 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import CircularLaw, total_variation
     >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
     >>> float(total_variation([0.5, 1.0, 2.0, 3.0], uniform, bins=2))
     0.5
@@ -312,8 +317,8 @@ class PValue:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, WrappedNormal
     >>> from cyclemap.evidence import CollectionModel, collection_p_values
-    >>> from cyclemap.maps import CircleMap, WrappedNormal
     >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
     >>> path = model.paths(0.0, 50, 1, seed=5)[0]
     >>> turns = collection_p_values(path, model, runs=19)["turns"]
@@ -372,6 +377,8 @@ def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import CircularLaw, kuiper_statistic
     >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
     >>> round(float(kuiper_statistic([0.0, np.pi], uniform)), 12)
     0.5
@@ -409,6 +416,8 @@ def watson_statistic(sample: Any, law: CircularLaw) -> Array:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import CircularLaw, watson_statistic
     >>> uniform = CircularLaw(lambda theta: np.full_like(theta, 0.5 / np.pi))
     >>> round(float(watson_statistic([0.0, np.pi], uniform)), 6)
     0.041667
@@ -442,6 +451,7 @@ def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
 
     Examples
     --------
+    >>> from cyclemap.evidence import kernel_modes
     >>> kernel_modes([1.0, 1.0, 4.0]).round(6).tolist()
     [1.0, 4.0]
     """

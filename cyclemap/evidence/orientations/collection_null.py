@@ -48,7 +48,8 @@ class CollectionModel:
 
     Examples
     --------
-    >>> from cyclemap.maps import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal
+    >>> from cyclemap.evidence import CollectionModel
     >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
     >>> model.paths(0.0, length=5, count=3, seed=0).shape
     (3, 5)
@@ -67,8 +68,23 @@ class CollectionModel:
         return DriftingMap(self.map.cycles - self.first, self.map.maps, self.map.max_error)
 
     def paths(self, start: float, length: int, count: int, seed: int) -> Array:
-        """``count`` collections of ``length`` orientations from ``start``: (count, length), rad,
-        unwrapped.
+        """Simulate collections from one start.
+
+        Parameters
+        ----------
+        start : float
+            Orientation that every collection begins with, rad.
+        length : int
+            Orientations of a collection.
+        count : int
+            How many collections.
+        seed : int
+            Of the noise.
+
+        Returns
+        -------
+        ndarray, shape (count, length)
+            Rad, unwrapped.
         """
         if not self.samples:
             return sample_staircases(
@@ -94,8 +110,14 @@ class Ensemble:
     """What a model predicts of a collection: simulated ones from the same start, and the law of
     their orientations.
 
-    paths : (k, n) rad, unwrapped. law : of an orientation drawn at random from a collection, the
-        start left out.
+    Attributes
+    ----------
+    model : CollectionModel
+        What was simulated.
+    paths : ndarray, shape (k, n)
+        rad, unwrapped.
+    law : CircularLaw
+        Of an orientation drawn at random from a collection, the start left out.
     """
 
     model: CollectionModel
@@ -138,7 +160,9 @@ def simulated_ensemble(
 
     Examples
     --------
-    >>> from cyclemap.maps import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal
+    >>> from cyclemap.evidence import CollectionModel, simulated_ensemble
     >>> model = CollectionModel(CircleMap.rigid(0.25), WrappedNormal(0.1))
     >>> law = simulated_ensemble(model, 0.0, 401, 50, seed=0).law
     >>> bool(np.allclose(law.bin_probabilities(4), 0.25, atol=0.01))
@@ -247,7 +271,8 @@ def collection_p_values(
 
     Examples
     --------
-    >>> from cyclemap.maps import WrappedNormal
+    >>> from cyclemap import CircleMap, DriftingMap, WrappedNormal
+    >>> from cyclemap.evidence import CollectionModel, collection_p_values
     >>> fresh, old = CircleMap.arnold(0.05, 0.3), CircleMap.arnold(0.1, 0.3)
     >>> worn = CollectionModel(DriftingMap.between([(0, fresh), (200, old)]), WrappedNormal(0.2))
     >>> path = worn.paths(0.0, 200, 1, seed=5)[0]

@@ -91,6 +91,8 @@ class PushPlan:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import plan_pushes
     >>> loop = CollectionLoop.mit("unknown")
     >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
     >>> [step.pushes for step in plan.knowledge], plan.ends.shape
@@ -171,6 +173,8 @@ def plan_pushes(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import plan_pushes
     >>> loop = CollectionLoop.mit("unknown")
     >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
     >>> before, *_, after = plan.knowledge
@@ -249,8 +253,14 @@ def plan_pushes(
 class Design:
     """Sets of candidates, by number, and what is known after them.
 
-    believed (k, k) : covariance of the unknowns beforehand. derivatives (s, n, m, k) : of the m
-        numbers measured of each of the n candidates, over their noise, in each sample.
+    Attributes
+    ----------
+    believed : ndarray, shape (k, k)
+        Covariance of the unknowns beforehand.
+    derivatives : ndarray, shape (s, n, m, k)
+        Of the m numbers measured of each of the n candidates, over their noise, in each sample.
+    target : Target
+        What is asked for.
     """
 
     def __init__(self, believed: Array, derivatives: Array, target: Target) -> None:

@@ -29,8 +29,33 @@ ROBOT = ("push", "set_x_mm", "set_y_mm", "set_theta_deg", *_POINTS)
 
 
 def table_to_fill(plan: PushPlan, by: str = "corners", excel: bool = False) -> bytes:
-    """Return the table that asks for what is measured of each push, as a CSV or an Excel file; see
-    `empty_table`.
+    """Return the table that asks for what is measured of each planned push.
+
+    Parameters
+    ----------
+    plan : PushPlan
+        The pushes, in order.
+    by : {'corners', 'pose'}
+        What is measured: the places of two marks as a ruler tells them; places and
+        orientations, and those of the robot's rod. Columns of the other sort may be added: both
+        are read.
+    excel : bool, default False
+        An Excel file in place of CSV.
+
+    Returns
+    -------
+    bytes
+        The file's content; see `empty_table`.
+
+    Examples
+    --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.evidence import plan_pushes, table_to_fill
+    >>> loop = CollectionLoop.mit("unknown")
+    >>> plan = plan_pushes(loop, 2, samples=4, candidates=8, target="pushes")
+    >>> header, *rows = table_to_fill(plan, by="pose").decode().splitlines()
+    >>> header.split(",")[:4], len(rows)
+    (['push', 'object', 'side', 'fraction'], 2)
     """
     return table_bytes(*empty_table(plan.loop, plan.pushes, plan.read, by), excel)
 

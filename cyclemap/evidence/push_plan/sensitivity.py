@@ -47,9 +47,14 @@ _ASKED = 60
 class Beliefs:
     """Samples of what is believed of the unknowns, all alike likely, and their covariance.
 
-    loop : about which is asked. values : a row of numbers by name for each of the s samples that
-        are looked at.
-    covariance (k, k) : of UNKNOWNS, over all samples.
+    Attributes
+    ----------
+    loop : CollectionLoop
+        About which is asked.
+    values : tuple of dict of str to float
+        A row of numbers by name for each of the s samples that are looked at.
+    covariance : ndarray, shape (k, k)
+        Of UNKNOWNS, over all samples.
     """
 
     loop: CollectionLoop
@@ -121,10 +126,18 @@ def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
 class Target:
     """What is asked for, in each of s samples.
 
-    gradient (s, m, k) : of the m numbers asked for, by UNKNOWNS. loss : their variances (..., s, m)
-        -> (...), what is to be made small, averaged over the samples. words : their variances (s,
-        m) -> numbers by name, of what will be known, as people ask for it (rad, m). chance : share
-        of the samples that lock in; None where that is not asked.
+    Attributes
+    ----------
+    gradient : ndarray, shape (s, m, k)
+        Of the m numbers asked for, by UNKNOWNS.
+    loss : callable
+        Their variances (..., s, m) -> (...), what is to be made small, averaged over the
+        samples.
+    words : callable
+        Their variances (s, m) -> numbers by name, of what will be known, as people ask for it
+        (rad, m).
+    chance : float or None
+        Share of the samples that lock in; None where that is not asked.
     """
 
     gradient: Array

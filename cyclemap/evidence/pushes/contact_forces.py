@@ -35,13 +35,19 @@ _MOVING = 0.5
 class ContactSamples:
     """A recorded push in the frame of its contact, at the times of its n wrenches.
 
-    pressing, tangential : (n,) N, of the rod on the object: along the normal into the object, and
-        along the tangent, a quarter turn counter-clockwise from it. touching : (n,) whether rod and
-        object touch (see `contact_force_ratio`).
-    slip : (n,) how far the rod's surface slides over the object along the tangent, per travel of
-        the rod, over a window of samples; 0 where the rod sticks (and rolls), nan where the rod
+    Attributes
+    ----------
+    pressing, tangential : ndarray, shape (n,)
+        Force of the rod on the object, N: along the normal into the object, and along the
+        tangent, a quarter turn counter-clockwise from it.
+    touching : ndarray of bool, shape (n,)
+        Whether rod and object touch (see `contact_force_ratio`).
+    slip : ndarray, shape (n,)
+        How far the rod's surface slides over the object along the tangent, per travel of the
+        rod, over a window of samples; 0 where the rod sticks (and rolls), nan where the rod
         does not move or the record ends.
-    window : samples in the window.
+    window : int
+        Samples in the window.
     """
 
     pressing: Array
@@ -82,7 +88,9 @@ def contact_force_ratio(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import Slider
+    >>> import numpy as np
+    >>> from cyclemap import Slider
+    >>> from cyclemap.evidence import PushRecord, contact_force_ratio
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.0, 0.04975, 0.0], [1.0, 0.01, 0.04975, 0.0]]
     >>> forces = [[time, -0.1, 1.0, 0.0] for time in np.linspace(0.0, 1.0, 20)]

@@ -55,11 +55,18 @@ _TURNS = ("dtheta", "dtheta_to_next_deg")
 class Convention:
     """How data count angles and lay their axes, seen from above.
 
-    angles : "counter-clockwise" from x, "clockwise" from x, or "compass": clockwise from y. frame :
-        "right-handed"; "mirrored": y points the other way, as in pictures; "swapped": x
-        stands for y and y for x. offset : rad, added to every angle then: the orientation of an object whose
-        angle reads as zero.
+    Parameters
+    ----------
+    angles : str, default 'counter-clockwise'
+        "counter-clockwise" from x, "clockwise" from x, or "compass": clockwise from y.
+    frame : str, optional
+        "right-handed"; "mirrored": y points the other way, as in pictures; "swapped": x stands
+        for y and y for x.
+    offset : float, default 0.0
+        Added to every angle then, rad: the orientation of an object whose angle reads as zero.
 
+    Examples
+    --------
     >>> heading = Convention("compass")
     >>> round(math.degrees(heading.theta(math.radians(30.0))))
     60

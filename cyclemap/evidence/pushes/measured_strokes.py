@@ -176,6 +176,8 @@ class MeasuredPush:
 
     Examples
     --------
+    >>> from cyclemap import Pose
+    >>> from cyclemap.evidence import MeasuredPush
     >>> push = MeasuredPush(Pose(), Pose(0.0, -0.03, 0.2), (0.0, 0.05), (0.0, 0.01))
     >>> round(push.length, 3)
     0.04
@@ -219,6 +221,8 @@ class MeasuredDrag:
 
     Examples
     --------
+    >>> from cyclemap import Pose
+    >>> from cyclemap.evidence import MeasuredDrag
     >>> drag = MeasuredDrag(Pose(), Pose(0.05, 0.0, -0.4))
     >>> drag.end.theta - drag.start.theta
     -0.4

@@ -26,12 +26,22 @@ _SUFFIX = re.compile(r"\.[A-Za-z][A-Za-z0-9]*")
 class PushFacts:
     """What the name of a push file says; a fact it does not give is NaN (text: None).
 
-    surface, object : names, such as "plywood" and "rect1". acceleration : m/s^2, 0 for a push at
-        constant speed.
-    speed : m/s; NaN where the name gives a negative one, as names of accelerated pushes do. side :
-        side of the object, counter-clockwise from 0. fraction : place on
-        that side, from its first vertex. angle : rad, of the push against the inner normal, in the
-        object's initial frame. repetition : number of the push in its set.
+    Attributes
+    ----------
+    surface, object : str or None
+        Names, such as "plywood" and "rect1".
+    acceleration : float
+        m/s^2, 0 for a push at constant speed.
+    speed : float
+        m/s; NaN where the name gives a negative one, as names of accelerated pushes do.
+    side : float
+        Side of the object, counter-clockwise from 0.
+    fraction : float
+        Place on that side, from its first vertex.
+    angle : float
+        Of the push against the inner normal, in the object's initial frame, rad.
+    repetition : float
+        Number of the push in its set.
     """
 
     surface: str | None = None

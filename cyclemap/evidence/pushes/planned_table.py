@@ -104,13 +104,49 @@ def is_planned(path: Path) -> bool:
 
 
 def filled_text(path: Path) -> tuple[str, list[str]]:
-    """Return what a filled table tells, as a CSV table of measured pushes and drags, and words on
-    what was read.
+    """Return what a filled table of planned pushes tells, as a CSV table of measured pushes and
+    drags.
 
-    Poses are in m and rad. Rows without a measurement before and after the push are left out; a
-    drag counts where there is one. Marks that seem to be swapped, half a turn from `set_theta_deg`,
-    bring the warning `DoubtfulInput`. Raises DataFileError, naming the row, where a state is half
-    measured, marks are where they cannot be, or a pose and marks contradict each other.
+    Parameters
+    ----------
+    path : Path
+        The filled table, CSV or Excel.
+
+    Returns
+    -------
+    text : str
+        A CSV table; poses in m and rad. Rows without a measurement before and after the push
+        are left out; a drag counts where there is one.
+    words : list of str
+        What was read.
+
+    Raises
+    ------
+    DataFileError
+        Naming the row, where a state is half measured, marks are where they cannot be, or a
+        pose and marks contradict each other; and where no push is filled in.
+
+    Warns
+    -----
+    DoubtfulInput
+        For marks that seem to be swapped, half a turn from `set_theta_deg`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.evidence import filled_text
+    >>> header = "push,object,side,fraction,angle_deg,push_mm,set_x_mm,set_y_mm,set_theta_deg"
+    >>> header += ",x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg"
+    >>> header += ",rod_x_mm,rod_y_mm,way_x,way_y,mark_a_x_mm,mark_a_y_mm,mark_b_x_mm,mark_b_y_mm"
+    >>> row = "1,rect1,0,0.3,0,100,295,228,30,295,228,30,305,153,-22,18,49.75,0,-1,45,45,-45,-45"
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     count = Path(place, "plan.csv").write_text(f"{header}\\n{row}\\n")
+    ...     text, words = filled_text(Path(place, "plan.csv"))
+    >>> words
+    ['plan.csv: 1 of 1 planned pushes filled in, 0 with their drag back']
+    >>> text.splitlines()[1].split(",")[:4]
+    ['rect1', '1.0', '0.295', '0.228']
     """
     columns = raw_columns(path, {}, growing=False)
     missing = [name for name in (*SET_UP, *IN_OBJECT) if name not in columns]

@@ -61,11 +61,20 @@ class UnclearStream(DataFileError):
 class Segments:
     """A stream, and how it was cut.
 
-    t, x, y, theta : (n,) s, m, rad (unwrapped). rests : (r, 2) first
-        and last sample of each rest. pushes : (k, 2) the rests between which each push lies, whole
-        pauses within it; numbers :
-        (k,) of their cycles, gaps where something
-    between is unclear. unclear : (u, 2) the rests between which motions make no push and drag.
+    Attributes
+    ----------
+    t, x, y, theta : ndarray, shape (n,)
+        s, m, rad (unwrapped).
+    rests : ndarray, shape (r, 2)
+        First and last sample of each rest.
+    pushes : ndarray, shape (k, 2)
+        The rests between which each push lies, whole pauses within it.
+    numbers : ndarray, shape (k,)
+        Of their cycles, gaps where something between is unclear.
+    unclear : ndarray, shape (u, 2)
+        The rests between which motions make no push and drag.
+    words : str
+        How it was cut, for people.
     """
 
     t: Array

@@ -68,6 +68,7 @@ class PushRecord:
 
     Examples
     --------
+    >>> from cyclemap.evidence import PushRecord
     >>> poses = [[0.0, 0.1, 0.0, 3.1], [0.1, 0.1, 0.2, -3.1]]
     >>> push = PushRecord(poses, poses, [[0.0, 0.0, 1.0, 0.0]])
     >>> round(push.turn, 6)
@@ -137,6 +138,7 @@ class ScanRecord:
 
     Examples
     --------
+    >>> from cyclemap.evidence import ScanRecord
     >>> tip = [[0.0, 0.3, 0.0, 0.0], [1.0, 0.3, 0.1, 0.0]]
     >>> ScanRecord(tip, [[0.0, 0.0, 2.0, 0.0]]).stroke
     (0.0, 0.1)
@@ -222,6 +224,7 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
     Examples
     --------
     >>> import json, pathlib, tempfile
+    >>> from cyclemap.evidence import read_push_file
     >>> poses = [[0.0, 0.3, 0.0, 1.5], [0.1, 0.3, 0.05, 1.6]]
     >>> tables = {"object_pose": poses, "tip_pose": poses, "ft_wrench": poses}
     >>> with tempfile.TemporaryDirectory() as folder:

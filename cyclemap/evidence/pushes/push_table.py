@@ -212,6 +212,8 @@ class UnreadableFile:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from cyclemap.evidence import UnreadableFile
     >>> UnreadableFile(Path("cut.json"), "it is cut short").reason
     'it is cut short'
     """
@@ -260,6 +262,8 @@ class PushTable:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap import load_pushes
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = Path(place, "slate.csv").write_text("theta0_deg\\n0\\n10\\n25\\n")
     ...     pushes = load_pushes(f"{place}/slate.csv")
@@ -323,6 +327,7 @@ def load_pushes(
     Examples
     --------
     >>> import json, pathlib, tempfile
+    >>> from cyclemap import load_pushes
     >>> poses = [[0.0, 0.3, 0.0, 1.5], [0.1, 0.3, 0.05, 1.6]]
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     tables = {"object_pose": poses, "tip_pose": poses, "ft_wrench": poses}

@@ -83,6 +83,8 @@ class Theta0Pairs:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs
     >>> theta = np.array([0.0, 0.4, 0.9, 1.5])
     >>> Theta0Pairs(theta[:-1], theta[1:], path=theta).turn.round(3).tolist()
     [0.4, 0.5, 0.6]
@@ -206,6 +208,8 @@ def read_theta0_pairs(
     Examples
     --------
     >>> import pathlib, tempfile
+    >>> import numpy as np
+    >>> from cyclemap.evidence import read_theta0_pairs
     >>> with tempfile.TemporaryDirectory() as place:
     ...     count = pathlib.Path(place, "slate.csv").write_text("theta0_deg\\n0\\n10\\n25\\n")
     ...     pairs = read_theta0_pairs(f"{place}/slate.csv")
@@ -422,6 +426,8 @@ class TurnBins:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).count.tolist()
     [4, 4, 4]
@@ -445,6 +451,8 @@ class AngleHistogram:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import angle_histogram
     >>> histogram = angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2)
     >>> round(float(np.sum(histogram.density * np.diff(histogram.edges))), 9)
     1.0
@@ -471,6 +479,8 @@ class MapAgreement:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> agreement = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.2).agreement
     >>> agreement.pairs, round(agreement.rms, 6)
@@ -500,6 +510,8 @@ def turn_bins(pairs: Theta0Pairs, bins: int = DEFAULT_BINS) -> TurnBins:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, turn_bins
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> turn_bins(Theta0Pairs(theta, theta + 0.3), bins=3).median.round(6).tolist()
     [0.3, 0.3, 0.3]
@@ -528,6 +540,8 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import angle_histogram
     >>> angle_histogram(np.array([0.1, 0.2, 3.3, 6.2]), bins=2).density * np.pi
     array([0.5, 0.5])
     """
@@ -564,6 +578,8 @@ class MeasuredOverlay:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> overlay = measured_overlay(Theta0Pairs(theta, theta + 0.3), lambda theta: 0.3)
     >>> round(overlay.agreement.rms, 9), overlay.pairs.theta.size
@@ -593,6 +609,8 @@ def measured_overlay(pairs: Theta0Pairs, turn: Callable[[Array], Array]) -> Meas
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_overlay
     >>> theta = np.linspace(0.0, 6.2, 12)
     >>> pairs = Theta0Pairs(theta, theta + 0.3 + 0.1 * np.sin(theta))
     >>> round(measured_overlay(pairs, lambda theta: 0.3 + 0.1 * np.sin(theta)).agreement.rms, 9)

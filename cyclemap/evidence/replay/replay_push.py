@@ -204,7 +204,8 @@ class Replay:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> from cyclemap import EllipseFriction, QuasiStaticModel, Slider
+    >>> from cyclemap.evidence import PushRecord, replay_push
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]
@@ -292,7 +293,8 @@ def replay_push(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import EllipseFriction, Slider
+    >>> from cyclemap import EllipseFriction, QuasiStaticModel, Slider
+    >>> from cyclemap.evidence import PushRecord, replay_push
     >>> model = QuasiStaticModel(Slider.mit("rect1"), EllipseFriction.isotropic(0.25))
     >>> still = [[0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]]
     >>> tip = [[0.0, 0.07, 0.0, 0.0], [1.0, 0.04, 0.0, 0.0]]

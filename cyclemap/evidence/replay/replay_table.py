@@ -103,8 +103,8 @@ def dataset_sliders() -> dict[str, Slider]:
 
     Returns
     -------
-    dict[str, Slider]
-        The objects of the MIT push dataset by the names that its files use.
+    dict of str to Slider
+        The eleven objects.
 
     Notes
     -----
@@ -112,6 +112,7 @@ def dataset_sliders() -> dict[str, Slider]:
 
     Examples
     --------
+    >>> from cyclemap.evidence import dataset_sliders
     >>> len(dataset_sliders()), dataset_sliders()["butter"].outline.is_convex
     (11, False)
     """
@@ -126,30 +127,33 @@ def dataset_sliders() -> dict[str, Slider]:
 
 @dataclass(frozen=True, eq=False)
 class ReplayedPushes:
-    """Pushes replayed, a row each, and the files left out, each with the reason; replays in the
-    order of the table.
+    """Pushes replayed.
 
     Attributes
     ----------
     table : pandas.DataFrame
-        `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`, `angle`,
-        `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted minus
-        measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic friction
-        under even pressure; `rms_error`, `rms_turn_error`: along the rod's path.
+        A row a push. `surface`, `object`, `speed` (m/s), `acceleration`, `side`, `fraction`,
+        `angle`, `repetition`: by the file's name. `error` (m), `turn_error` (rad, predicted
+        minus measured): at the end; `isotropic_error`, `isotropic_turn_error`: of isotropic
+        friction under even pressure; `rms_error`, `rms_turn_error`: along the rod's path.
         `measured_motion`, `predicted_motion`, `shift` (m), `measured_turn`, `predicted_turn`
         (rad), `start_gap`, `straightness` (m), `strokes`, `touched`, `left`, `touch_agrees`,
         `leaving_agrees`: as in `Replay`.
     replays : tuple of Replay
-        In the order of the table.
+        The replays, in the order of the table.
     not_replayed : tuple of UnreadableFile
-        The files left out.
+        The files left out, each with the reason.
 
     Examples
     --------
-    >>> import pandas
-    >>> errors = {"object": ["hex", "hex"], "error": [1e-3, 3e-3], "turn_error": [0.01, -0.03]}
-    >>> ReplayedPushes(pandas.DataFrame(errors), (), ()).mean_errors
-    (0.002, 0.02)
+    >>> import tempfile
+    >>> from cyclemap import CollectionLoop, replay_pushes, simulate_collection
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     made = simulate_collection(loop, f"{place}/made", 2)
+    ...     replayed = replay_pushes(made.folder, loop)
+    >>> replayed.not_replayed, replayed.by("object")["count"].tolist()
+    ((), [2])
     """
 
     table: pandas.DataFrame
@@ -164,14 +168,22 @@ class ReplayedPushes:
         return float(self.table["error"].mean()), float(self.table["turn_error"].abs().mean())
 
     def by(self, *columns: str) -> pandas.DataFrame:
-        """Return the errors gathered by columns of the table, a row a group, in order of the
-        columns.
+        """Return the errors gathered by columns of the table.
 
-        `count`; `mean_error`, `median_error` (m) and `mean_turn_error`, `median_turn_error` (rad,
-        without sign) at the end; `mean_motion` (m), `mean_turn` (rad, without sign) as measured;
-        `relative_error`, `relative_turn_error`: mean error over mean motion; `mean_rms_error` (m);
-        `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
-        `touch_agrees`, `leaving_agrees`: shares of the pushes.
+        Parameters
+        ----------
+        *columns : str
+            Names of columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            A row a group, in order of the columns. `count`; `mean_error`, `median_error` (m)
+            and `mean_turn_error`, `median_turn_error` (rad, without sign) at the end;
+            `mean_motion` (m), `mean_turn` (rad, without sign) as measured; `relative_error`,
+            `relative_turn_error`: mean error over mean motion; `mean_rms_error` (m);
+            `isotropic_mean_error`, `isotropic_mean_turn_error`: what isotropic friction misses;
+            `touch_agrees`, `leaving_agrees`: shares of the pushes.
         """
         for column in columns:
             if column not in self.table.columns:
@@ -214,23 +226,21 @@ def replay_pushes(
     Parameters
     ----------
     path : str or Path
-        A file, a folder or a tree of pushes.
+        A file, a folder or a tree.
     loop : CollectionLoop
-        Its material tells the surface, how plates rest on it, the floor's shape in sessions that
-        were seen, and how the frames of each plate's data are shifted; a shape that varies with
-        the place is about the dataset's target. Its rod pushes. Its object is known by its name,
-        beside those of the dataset, `butter` among them.
+        Its material tells the surface, how plates rest on it, the floor's shape in sessions
+        that were seen, and how the frames of each plate's data are shifted; a shape that varies
+        with the place is about the dataset's target. Its rod pushes. Its object is known by its
+        name, beside those of the dataset, `butter` among them.
     select : mapping, optional
-        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep. Each push is
-        replayed on isotropic friction, all flat, too, with the same rod, no frame shifted: what
-        is known of surface and plates is worth what it gains on that.
+        Values of surface, object, speed, side, fraction, angle (SI, rad) to keep.
     progress : callable, optional
         Called with the fraction done.
 
     Returns
     -------
     ReplayedPushes
-        The pushes, a row each, and what could not be replayed.
+        A row a push, and what was left out.
 
     Raises
     ------
@@ -240,28 +250,26 @@ def replay_pushes(
     Notes
     -----
     The layout is that of the MIT dataset, or CSV with a row a push: poses before and after
-    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`),
-    which went straight from one to the other.
+    (`x0,y0,th0,x1,y1,th1`, m and rad) and the rod's places (`tip_x0,tip_y0,tip_x1,tip_y1`), which
+    went straight from one to the other.
 
-    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the
-    start, a contact outside the model, a table of end poses without a tip path, a robot more
-    than 5 mm from where it was sent, a file that cannot be read - is listed in `not_replayed`
-    with the reason.
+    Each push is replayed on isotropic friction, all flat, too, with the same rod, no frame shifted:
+    what is known of surface and plates is worth what it gains on that.
+
+    A push that cannot be replayed - its object unknown, the rod over 5 mm inside it at the start, a
+    contact outside the model, a table of end poses without a tip path, a robot more than 5 mm from
+    where it was sent, a file that cannot be read - is listed in `not_replayed` with the reason.
 
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.mechanics import Pose, WorldPush
-    >>> loop = CollectionLoop.mit("isotropic")
-    >>> end = loop.model.push(Pose(), WorldPush((0.01, 0.06), -np.pi / 2.0, 0.03)).end
-    >>> columns = "shape,x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1"
-    >>> numbers = [0, 0, 0, end.x, end.y, end.theta, 0.01, 0.06, 0.01, 0.03]
+    >>> from cyclemap import CollectionLoop, replay_pushes, simulate_collection
+    >>> loop = CollectionLoop.mit("plywood", accuracy=1e-6)
     >>> with tempfile.TemporaryDirectory() as place:
-    ...     table = Path(place, "mine.csv")
-    ...     count = table.write_text(f"{columns}\\nrect1,{','.join(map(str, numbers))}\\n")
-    ...     replayed = replay_pushes(table, loop)
-    >>> len(replayed.replays), replayed.mean_errors[0] < 1e-5
-    (1, True)
+    ...     made = simulate_collection(loop, f"{place}/made", 2)
+    ...     table = replay_pushes(made.folder, loop).table
+    >>> (table["error"] < 0.2 * table["isotropic_error"]).tolist()
+    [True, True]
     """
     import pandas
 

@@ -52,13 +52,18 @@ _POOLED, _COMPARED = 20_000, 40
 
 @dataclass(frozen=True, eq=False)
 class TurnPace:
-    """The full turns (k,) of a measured path, in order, each beside its prediction.
+    """The full turns of a measured path, in order, each beside its prediction.
 
-    start : the cycle in which each began. measured : the
-        pushes that it took. predicted, lower, upper : median and central 95 % of the pushes that
-        the worn map takes for the same turn,
-        begun in the same cycle at the same angle; inf where too many paths took longer than they
-        were followed.
+    Attributes
+    ----------
+    start : ndarray, shape (k,)
+        The cycle in which each began.
+    measured : ndarray, shape (k,)
+        The pushes that it took.
+    predicted, lower, upper : ndarray, shape (k,)
+        Median and central 95 % of the pushes that the worn map takes for the same turn, begun
+        in the same cycle at the same angle; inf where too many paths took longer than they were
+        followed.
     """
 
     start: Array
@@ -150,11 +155,20 @@ class MapState:
     """The fitted map at one cycle: what attracts, and where it is slow, as far as orientations were
     measured.
 
-    fixed_points : of the map, stable and unstable, where the interval of the turn excludes 0
-        on either side with opposite signs. passages : bottlenecks where the interval excludes
-        0. undecided : the least turn of each arc where the interval holds 0 and no sign changes for
-        certain: the map may have fixed points there, or none.
-    slowest : where |turn| is least. cycle : NaN where the cycles have no numbers.
+    Attributes
+    ----------
+    cycle : float
+        The cycle; NaN where the cycles have no numbers.
+    fixed_points : tuple of Orbit
+        Of the map, stable and unstable, where the interval of the turn excludes 0 on either
+        side with opposite signs.
+    passages : tuple of TurnPlace
+        Bottlenecks where the interval excludes 0.
+    undecided : tuple of TurnPlace
+        The least turn of each arc where the interval holds 0 and no sign changes for certain:
+        the map may have fixed points there, or none.
+    slowest : TurnPlace
+        Where |turn| is least.
     """
 
     cycle: float
@@ -168,16 +182,32 @@ class MapState:
 class WornForecast:
     """Paths of the worn map beside the measured one.
 
-    first_cycle : from here on full turns are counted. measured_turns : climbed from there to the
-        end; left_out_turns : those in cycles that the fit left out (gaps and flagged jumps); turns
-        : (runs,) of paths from the same place.
-    measured : (m,) rad, the measured path at every cycle, gaps filled in straight. run : (m,) rad,
-        one path of the map from the measured start. lower, upper : (m,) rad, between which 95 % of
-        such paths lie in each cycle.
-    measured_histogram, histogram : of θ0 over all cycles. total_variation, wasserstein (rad) :
-        between these two.
-    run_distances : (up to 40,) rad, the Wasserstein distance of each path from all of them: what
-        chance makes.
+    Attributes
+    ----------
+    first_cycle : float
+        From here on full turns are counted.
+    measured_turns : float
+        Climbed from there to the end.
+    left_out_turns : float
+        Those in cycles that the fit left out (gaps and flagged jumps).
+    turns : ndarray, shape (runs,)
+        Of paths from the same place.
+    measured : ndarray, shape (m,)
+        The measured path at every cycle, rad, gaps filled in straight.
+    run : ndarray, shape (m,)
+        One path of the map from the measured start, rad.
+    lower, upper : ndarray, shape (m,)
+        Between which 95 % of such paths lie in each cycle, rad.
+    measured_histogram, histogram : AngleHistogram
+        Of θ0 over all cycles.
+    total_variation : float
+        Between these two.
+    wasserstein : float
+        Between these two, rad.
+    run_distances : ndarray, shape (up to 40,)
+        The Wasserstein distance of each path from all of them, rad: what chance makes.
+    pace : TurnPace
+        The full turns of the measured path, each beside its prediction.
     """
 
     first_cycle: float
@@ -218,6 +248,8 @@ class MeasuredCycleMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)
@@ -284,6 +316,8 @@ def measured_cycle_map(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.evidence import Theta0Pairs, measured_cycle_map
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for scatter in 0.05 * rng.standard_normal(80):
     ...     path.append(path[-1] + 0.5 + 0.3 * np.sin(path[-1]) + scatter)

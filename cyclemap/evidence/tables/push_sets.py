@@ -57,6 +57,9 @@ class PushSet:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
     >>> slate = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -117,7 +120,8 @@ def push_sets(
     Examples
     --------
     >>> import tempfile
-    >>> from cyclemap.evidence import load_pushes
+    >>> from pathlib import Path
+    >>> from cyclemap.evidence import load_pushes, push_sets
     >>> with tempfile.TemporaryDirectory() as place:
     ...     text = "theta0_deg\\n" + "".join(f"{8 * push}\\n" for push in range(25))
     ...     count = Path(place, "slate.csv").write_text(text)
@@ -257,8 +261,17 @@ def _names(sets: list[tuple[Path, dict[str, Any]]]) -> list[str]:
 
 @dataclass(frozen=True)
 class MotionStatistics:
-    """Mean and standard deviation (n - 1 in its divisor) of one quantity: Δθ in rad,
-    Δx or Δy in m."""
+    """Mean and standard deviation of one quantity: Δθ in rad, Δx or Δy in m.
+
+    Attributes
+    ----------
+    count : int
+        How many pushes.
+    mean : float
+        Of the quantity.
+    std : float
+        Standard deviation, n - 1 in its divisor.
+    """
 
     count: int
     mean: float
@@ -289,6 +302,9 @@ class PushStatistics:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, push_statistics
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
     >>> row = push_statistics(PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, None))
@@ -320,6 +336,9 @@ def push_statistics(pushes: PushSet) -> PushStatistics:
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, push_statistics
     >>> few = np.zeros(3)
     >>> row = push_statistics(PushSet("few", Path("few.csv"), {}, 1, few, few, few, few, None))
     >>> row.dtheta is None, row.count

@@ -46,12 +46,20 @@ _MARGIN = 3.0
 class MotionLaw:
     """The law of one quantity (Δθ in rad, Δx or Δy in m) over θ0, or why there is none.
 
-    quantity : "dtheta", "dx" or "dy". theta, value : (n,), the pushes it was fitted to, in order of
-        recording.
-    law : with its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
+    Attributes
+    ----------
+    quantity : str
+        "dtheta", "dx" or "dy".
+    theta, value : ndarray, shape (n,)
+        The pushes it was fitted to, in order of recording.
+    law : PeriodicLaw or None
+        With its RMSE, ``percent`` of the mean, order, scatter and bands; None where ``problem``
         says why.
-    cross_validated_rmse : root mean square error at pushes that such laws were fitted without: NaN
-        where too few, inf where the others do not fix the law.
+    cross_validated_rmse : float
+        Root mean square error at pushes that such laws were fitted without: NaN where too few,
+        inf where the others do not fix the law.
+    problem : str or None
+        Why there is no law; None where there is.
     """
 
     quantity: str
@@ -89,6 +97,8 @@ class SetLaws:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -141,6 +151,8 @@ def set_laws(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -226,7 +238,8 @@ class TurnHistogram:
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 100)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(100)
@@ -302,7 +315,8 @@ def turn_histogram(
 
     Examples
     --------
-    >>> from cyclemap.evidence.laws.periodic_law import fit_periodic_law
+    >>> import numpy as np
+    >>> from cyclemap.evidence import fit_periodic_law, turn_histogram
     >>> rng = np.random.default_rng(0)
     >>> theta = rng.uniform(0.0, 6.28, 400)
     >>> value = 1.0 + 0.2 * np.cos(theta) + 0.02 * rng.standard_normal(400)
@@ -404,6 +418,8 @@ class SetFit:
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
@@ -457,6 +473,8 @@ def fit_set(
     Examples
     --------
     >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, fit_set
     >>> theta = np.linspace(0.0, 6.0, 30)
     >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
     >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)

@@ -57,8 +57,7 @@ class BifurcationCurve:
 
     Examples
     --------
-    >>> from cyclemap.maps.families.continuation import saddle_nodes
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
     >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
     >>> edge.kind, edge.ends, [point.kind for point in edge.special]
@@ -310,8 +309,8 @@ def follow_bifurcation(
 
     Examples
     --------
-    >>> from cyclemap.maps.families.continuation import saddle_nodes
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
     >>> [born] = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (-1.0, 2.0))
     >>> edge.ends, bool(np.max(np.abs(edge.first - edge.second / (2 * np.pi))) < 1e-14)
@@ -420,7 +419,8 @@ def bifurcation_curves(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, bifurcation_curves
     >>> (edge,) = bifurcation_curves(CircleMap.arnold, (0.02, 0.3), (0.5, 0.9), lines=2)
     >>> edge.kind, bool(np.allclose(edge.first, edge.second / (2.0 * np.pi)))  # the tongue 0/1
     ('saddle-node', True)

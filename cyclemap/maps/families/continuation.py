@@ -237,7 +237,7 @@ class OrbitBranch:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, follow_orbit
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
     >>> fold.period, fold.points.shape[1], bool(fold.stable.any() and not fold.stable.all())
     (1, 1, True)
@@ -309,7 +309,7 @@ def follow_orbit(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, follow_orbit
     >>> fold = follow_orbit(lambda omega: CircleMap.arnold(omega, 0.9), 0.0, (-0.2, 0.2), at=0.0)
     >>> [b.kind for b in fold.special], fold.ends
     (['saddle-node', 'saddle-node'], ('closed', 'closed'))
@@ -436,6 +436,7 @@ def orbit_branches(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, orbit_branches
     >>> [branch.ends for branch in orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.5, 1.5))]
     [('end of the range', 'end of the range')]
     """
@@ -512,6 +513,7 @@ def bifurcations(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, bifurcations
     >>> found = bifurcations(lambda omega: CircleMap.arnold(omega, 2.5), (0.0, 0.5))
     >>> [b.kind for b in found]
     ['period-doubling', 'saddle-node']
@@ -579,6 +581,7 @@ def saddle_nodes(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap import CircleMap, saddle_nodes
     >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
     >>> birth.parameter.holds(0.2 * np.pi)
     True
@@ -645,6 +648,7 @@ def period_doublings(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, period_doublings
     >>> [flip] = period_doublings(lambda K: CircleMap.arnold(0.1, K), (1.0, 3.0))
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
@@ -685,6 +689,7 @@ def border_collisions(
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, border_collisions
     >>> def tent(p):
     ...     def lift(x):
     ...         return x + p + 0.5 * np.abs(np.mod(x + np.pi, 2 * np.pi) - np.pi)

@@ -52,6 +52,8 @@ class ParametricLift:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import ParametricLift
     >>> two_waves = ParametricLift(lambda x, shift, size: x + shift + size * np.sin(2 * x))
     >>> round(float(two_waves(0.5, 0.2).turn(np.pi / 4)), 12)
     0.7

@@ -36,6 +36,7 @@ class OrbitDiagram:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, orbit_diagram
     >>> diagram = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [0.5, 0.9], cycles=10)
     >>> diagram.theta.shape
     (2, 10)
@@ -61,6 +62,7 @@ class LyapunovExponents:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, lyapunov_exponents
     >>> lyapunov_exponents(CircleMap.arnold, 0.1, [0.7, 0.9]).value.shape
     (2,)
     """
@@ -107,6 +109,8 @@ def orbit_diagram(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, orbit_diagram
     >>> flips = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [1.8, 2.2], transient=2000)
     >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
     [1, 2]
@@ -163,6 +167,7 @@ def lyapunov_exponents(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, lyapunov_exponents
     >>> found = lyapunov_exponents(CircleMap.arnold, 0.1, [0.9, 5.0])
     >>> bool(found.value[0] < -1.0 < 1.0 < found.value[1])
     True
@@ -277,7 +282,8 @@ def lyapunov_exponent(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, lyapunov_exponent
     >>> round(lyapunov_exponent(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.1 * np.pi)), 9)
     -0.978129142
     """

@@ -256,7 +256,8 @@ class Bifurcation:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, saddle_nodes
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, saddle_nodes
     >>> [birth] = saddle_nodes(lambda K: CircleMap.arnold(0.1, K), (0.1, 1.5))
     >>> birth.kind, birth.parameter.holds(0.2 * np.pi), birth.folds, round(birth.theta, 6)
     ('saddle-node', True, True, 1.570796)

@@ -82,8 +82,7 @@ def response(family: Family, parameter: float, noise: Noise, parameters: Range) 
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, response
     >>> found = response(CircleMap.rigid, 0.3, WrappedNormal(0.5), (0.0, 1.0))
     >>> found.rotation_number.holds(1.0), bool(abs(found.density(1.0)) < 1e-12)
     (True, True)
@@ -114,7 +113,8 @@ class Response:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, response
     >>> turning = response(CircleMap.rigid, 0.3, WrappedNormal(0.5), (0.0, 1.0))
     >>> round(turning.rotation_number, 9), turning.expectation(np.cos).holds(0.0)
     (1.0, True)

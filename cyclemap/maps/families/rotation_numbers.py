@@ -55,7 +55,8 @@ class RotationNumbers:
 
     Examples
     --------
-    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> import numpy as np
+    >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.6], 0.5)
     >>> bool(np.all(found.upper - found.lower <= 2.0 * found.tolerance)), found.period.tolist()
     (True, [0, 0])
@@ -112,7 +113,7 @@ def rotation_numbers(
 
     Examples
     --------
-    >>> from cyclemap.maps.families.family import ARNOLD_FAMILY
+    >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
     >>> found = rotation_numbers(ARNOLD_FAMILY, [0.1, 0.5, 0.6], 0.5)
     >>> found.period.tolist(), bool(abs(found.value[2] - 0.602894830374585) < 1e-3)
     ([0, 2, 0], True)
@@ -334,6 +335,7 @@ class RotationPlane:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, rotation_plane
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.value.round(3).tolist(), bool(plane.folded.any())
     ([[0.0, 0.0], [0.5, 0.5]], False)
@@ -484,6 +486,7 @@ def rotation_plane(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, rotation_plane
     >>> plane = rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9])
     >>> plane.period.tolist(), plane.winding.tolist()
     ([[1, 1], [2, 2]], [[0, 0], [1, 1]])

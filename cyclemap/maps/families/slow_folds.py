@@ -39,7 +39,7 @@ class SlowFold:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap.maps import CircleMap, slow_folds
     >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
     >>> lost.fold.kind, round(lost.parameter - lost.fold.parameter, 7)
     ('saddle-node', 3.56e-05)
@@ -95,7 +95,8 @@ def slow_folds(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, slow_folds
     >>> [lost] = slow_folds(lambda omega: CircleMap.arnold(omega, 0.9), (0.0, 0.3), 1e-7)
     >>> lost.fold.parameter.holds(0.9 / (2 * np.pi)), round(lost.delay_cycles)
     (True, 356)

@@ -291,7 +291,8 @@ class Tongue:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongue
     >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
     >>> locked.ratio, locked.left_kind, locked.width.holds(0.9 / np.pi)
     (Fraction(0, 1), 'saddle-node', True)
@@ -333,7 +334,7 @@ class TongueBoundaries:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> from cyclemap import CircleMap, tongues
     >>> edges = tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5))
     >>> edges.right.round(6).tolist(), bool(edges.folded.any())
     ([[0.063662, 0.127324]], False)
@@ -400,7 +401,8 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongue
     >>> locked = tongue(lambda omega: CircleMap.arnold(omega, 0.9), (0, 1), (-0.5, 0.5))
     >>> locked.right.holds(0.9 / (2 * np.pi)), locked.right.error_bound < 1e-14
     (True, True)
@@ -464,7 +466,8 @@ def tongues(
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, tongues
     >>> edges = tongues(CircleMap.arnold, [0, (1, 2)], [0.4, 0.8], (-0.5, 1.0))
     >>> exact = np.array([0.4, 0.8]) / (2 * np.pi)
     >>> bool(np.all(np.abs(edges.right[0] - exact) <= edges.right_error[0]))

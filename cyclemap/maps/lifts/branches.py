@@ -85,6 +85,7 @@ class Branch:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, branches
     >>> rising, falling = branches(CircleMap.arnold(0.0, 2.0))
     >>> rising.direction, falling.direction, round(rising.end - rising.start, 6)
     (1, -1, 4.18879)
@@ -98,13 +99,29 @@ class Branch:
     table: MonotoneTable
 
     def inverse(self, values: ArrayLike) -> Array:
-        """The angles in [start, end] at which F takes each of ``values`` (radians, lifted, any
-        shape).
+        """The angles in [start, end] at which F takes each of some values.
 
-        Exact to rounding: F there is ``values`` to about 1e-15, so the angle is good to 1e-15/|F'|.
-        Raises InvalidInput for values outside the branch and on a plateau, ConvergenceError when F
-        is not monotone.
+        Parameters
+        ----------
+        values : array_like
+            Radians, lifted, any shape.
 
+        Returns
+        -------
+        ndarray
+            Radians. Exact to rounding: F there is ``values`` to about 1e-15, so the angle is
+            good to 1e-15/|F'|.
+
+        Raises
+        ------
+        InvalidInput
+            For values outside the branch and on a plateau.
+        ConvergenceError
+            When F is not monotone.
+
+        Examples
+        --------
+        >>> from cyclemap.maps import CircleMap, branches
         >>> rising = branches(CircleMap.arnold(0.0, 2.0))[0]
         >>> bool(abs(CircleMap.arnold(0.0, 2.0)(rising.inverse(3.0)) - 3.0) < 1e-14)
         True
@@ -151,6 +168,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, branches
     >>> cut = branches(CircleMap.arnold(0.2, 2.0))
     >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
@@ -229,6 +247,7 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, preimages
     >>> preimages(CircleMap.blaschke([0, 0]), 1.0).round(6).tolist()
     [0.5, 3.641593]
     """

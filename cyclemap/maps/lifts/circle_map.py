@@ -96,6 +96,7 @@ class CircleMap:
     Examples
     --------
     >>> import numpy as np
+    >>> from cyclemap import CircleMap
     >>> tilted = CircleMap(lambda x: x + 0.5 + 0.3 * np.cos(x), lambda x: 1 - 0.3 * np.sin(x))
     >>> round(float(tilted.turn(0.0)), 12)
     0.8
@@ -273,6 +274,7 @@ class CircleMap:
     def rigid(cls, turns: float) -> CircleMap:
         """The rotation θ → θ + 2π·turns.
 
+        >>> from cyclemap import CircleMap
         >>> round(float(CircleMap.rigid(0.25)(0.0)), 6)
         1.570796
         """
@@ -283,11 +285,27 @@ class CircleMap:
 
     @classmethod
     def arnold(cls, omega: float, K: float) -> CircleMap:
-        """The sine circle map θ → θ + 2πΩ - K sin θ, in turns x → x + Ω - (K/2π) sin 2πx (Arnold
-        1965).
+        """The sine circle map θ → θ + 2πΩ - K sin θ, in turns x → x + Ω - (K/2π) sin 2πx.
 
-        A diffeomorphism for |K| < 1, folded for |K| > 1.
+        Parameters
+        ----------
+        omega : float
+            Ω, turns.
+        K : float
+            A diffeomorphism for |K| < 1, folded for |K| > 1.
 
+        Returns
+        -------
+        CircleMap
+            Of degree 1, with its exact derivative.
+
+        References
+        ----------
+        Arnold, V. I. (1965), Small denominators I, AMS Translations 46.
+
+        Examples
+        --------
+        >>> from cyclemap import CircleMap
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
@@ -300,11 +318,24 @@ class CircleMap:
 
     @classmethod
     def moebius(cls, a: float, omega: float) -> CircleMap:
-        """The Möbius map z → e^{2πiΩ}(z - a)/(1 - a z) of the unit circle, 0 ≤ a < 1.
+        """The Möbius map z → e^{2πiΩ}(z - a)/(1 - a z) of the unit circle.
 
-        Its rotation number ρ is known: cos πρ = cos(πΩ)/√(1 - a²) where |sin πΩ| > a, else locked
-        at 0.
+        Parameters
+        ----------
+        a : float
+            0 ≤ a < 1.
+        omega : float
+            Ω, turns.
 
+        Returns
+        -------
+        CircleMap
+            Its rotation number ρ is known: cos πρ = cos(πΩ)/√(1 - a²) where |sin πΩ| > a, else
+            locked at 0.
+
+        Examples
+        --------
+        >>> from cyclemap import CircleMap
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
@@ -320,14 +351,34 @@ class CircleMap:
 
     @classmethod
     def blaschke(cls, zeros: ArrayLike, omega: float = 0.0) -> CircleMap:
-        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z), its degree the number
-        of zeros.
+        """The finite Blaschke product z → e^{2πiΩ} Π (z - a)/(1 - conj(a) z).
 
-        zeros : one complex number with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ. The
-            derivative is the sum of the Poisson kernels (1 - |a|²)/|z - a|² (Shub & Sullivan 1985);
-            the map expands, F' > 1, when a zero lies at the origin and there are two or more, or Σ
-            (1 - |a|)/(1 + |a|) > 1.
+        Parameters
+        ----------
+        zeros : array_like of complex
+            One number a with |a| < 1 or more; zeros at the origin give θ → kθ + 2πΩ.
+        omega : float, default 0.0
+            Ω, turns.
 
+        Returns
+        -------
+        CircleMap
+            Its degree is the number of zeros.
+
+        Notes
+        -----
+        The derivative is the sum of the Poisson kernels (1 - |a|²)/|z - a|²; the map expands, F' >
+        1, when a zero lies at the origin and there are two or more, or Σ (1 - |a|)/(1 + |a|) > 1
+        (Shub & Sullivan 1985).
+
+        References
+        ----------
+        Shub, M. & Sullivan, D. (1985), Expanding endomorphisms of the circle revisited, Ergodic
+        Theory and Dynamical Systems 5.
+
+        Examples
+        --------
+        >>> from cyclemap import CircleMap
         >>> float(CircleMap.blaschke([0, 0])(1.25)), CircleMap.blaschke([0.5, 0.3j, -0.2]).degree
         (2.5, 3)
         """
@@ -354,21 +405,37 @@ class CircleMap:
     def from_branches(cls, branches: Any, *, degree: int = 1, max_error: float = 0.0) -> CircleMap:
         """The lift made of branches, each a function on its own interval.
 
-        branches : sequence of (start, end, lift, derivative) in order, radians, start < end, each
-            starting where the one before ends (to 1e-12), together one turn. Lifts and derivatives
-            are callables as for ``CircleMap``, called on their own [start, end] only; derivative
+        Parameters
+        ----------
+        branches : sequence of tuple
+            (start, end, lift, derivative) in order, radians, start < end, each starting where
+            the one before ends (to 1e-12), together one turn. Lifts and derivatives are
+            callables as for ``CircleMap``, called on their own [start, end] only; derivative
             None takes differences inside that interval.
-        degree : any whole number; with it the last end meets the first start, with or without a
+        degree : int, default 1
+            Any whole number; with it the last end meets the first start, with or without a
             jump.
+        max_error : float, default 0.0
+            As of ``CircleMap``.
 
+        Returns
+        -------
+        CircleMap
+            At a seam it takes the value of the branch that starts there.
+
+        Notes
+        -----
         Breaks are the seams where the values differ (relative 1e-12) or the slopes do (relative
-        1e-9; 1e-6 by differences); at a seam the map takes the value of the branch that starts
-        there.
+        1e-9; 1e-6 by differences).
 
+        Examples
+        --------
         >>> import numpy as np
-        >>> tent = [(0, np.pi, lambda x: 2 * x, None), (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)]
-        >>> made = CircleMap.from_branches(tent, degree=0)
-        >>> made.breaks.round(6).tolist(), round(float(made(2 * np.pi + 0.5)), 12)
+        >>> from cyclemap import CircleMap
+        >>> rising = (0, np.pi, lambda x: 2 * x, None)
+        >>> falling = (np.pi, 2 * np.pi, lambda x: 4 * np.pi - 2 * x, None)
+        >>> tent = CircleMap.from_branches([rising, falling], degree=0)
+        >>> tent.breaks.round(6).tolist(), round(float(tent(2 * np.pi + 0.5)), 12)
         ([0.0, 3.141593], 1.0)
         """
         whole = whole_number("degree", degree)
@@ -391,16 +458,37 @@ class CircleMap:
     ) -> CircleMap:
         """The piecewise cubic Hermite lift through samples (θ_i, F(θ_i)) of one turn.
 
-        theta : shape (n,), radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end
-            point. An angle given twice is a break: first its limit from the left, then from the
-            right; different values make a jump, equal values with different slopes a kink. An end
+        Parameters
+        ----------
+        theta : array_like, shape (n,)
+            Radians, nondecreasing over [θ_0, θ_0 + 2π), with or without the end point. An angle
+            given twice is a break: first its limit from the left, then from the right;
+            different values make a jump, equal values with different slopes a kink. An end
             point whose value is not F(θ_0) + 2π·degree makes a break at θ_0.
-        lifted : shape (n,), radians, not wrapped.
-        slopes : shape (n,), F' there; None takes shape-preserving slopes on each branch (Fritsch &
-            Butland 1984): monotone data give a monotone map. The error is O(h⁴) with slopes, O(h²)
-            to O(h³) without.
+        lifted : array_like, shape (n,)
+            F there, radians, not wrapped.
+        slopes : array_like, shape (n,), optional
+            F' there; None takes shape-preserving slopes on each branch (Fritsch & Butland
+            1984): monotone data give a monotone map.
+        degree : int, default 1
+            Any whole number.
+        max_error : float, default 0.0
+            As of ``CircleMap``.
 
+        Returns
+        -------
+        CircleMap
+            The error is O(h⁴) with slopes, O(h²) to O(h³) without.
+
+        References
+        ----------
+        Fritsch, F. N. & Butland, J. (1984), A method for constructing local monotone piecewise
+        cubic interpolants, SIAM Journal on Scientific and Statistical Computing 5.
+
+        Examples
+        --------
         >>> import numpy as np
+        >>> from cyclemap import CircleMap
         >>> x = np.linspace(0, 2 * np.pi, 200, endpoint=False)
         >>> sampled = CircleMap.from_samples(x, x + 0.3 * np.sin(x), 1 + 0.3 * np.cos(x))
         >>> bool(abs(sampled(1.0) - (1 + 0.3 * np.sin(1.0))) < 1e-9)

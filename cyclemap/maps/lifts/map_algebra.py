@@ -221,6 +221,7 @@ def compose(outer: CircleMap, inner: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, compose
     >>> doubled = compose(CircleMap.blaschke([0, 0]), CircleMap.rigid(0.25))
     >>> doubled.degree, round(float(doubled(0.0)), 6)
     (2, 3.141593)
@@ -247,6 +248,7 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, nth_iterate
     >>> nth_iterate(CircleMap.blaschke([0, 0]), 5).degree
     32
     """
@@ -284,6 +286,7 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, conjugate
     >>> round(float(conjugate(CircleMap.arnold(0.0, 0.5), 1.0)(1.0)), 12)
     1.0
     """
@@ -315,6 +318,7 @@ def shifted(circle_map: CircleMap, turns: int) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, shifted
     >>> round(float(shifted(CircleMap.rigid(0.25), -1)(0.0)), 6)
     -4.712389
     """
@@ -366,6 +370,7 @@ def inverse(circle_map: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, inverse
     >>> map_there = CircleMap.arnold(0.2, 0.9)
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True

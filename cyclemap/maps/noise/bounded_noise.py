@@ -41,6 +41,7 @@ class UniformNoise:
 
     Examples
     --------
+    >>> from cyclemap import UniformNoise
     >>> round(float(UniformNoise(0.5).exceedance(0.25)), 12)
     0.25
     """
@@ -153,6 +154,7 @@ class VonMises:
 
     Examples
     --------
+    >>> from cyclemap import VonMises
     >>> round(float(VonMises(2.0).coefficients(1)), 12)
     0.697774657964
     """

@@ -27,7 +27,7 @@ class Noise(Protocol):
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, VonMises, WrappedNormal, transfer_operator
+    >>> from cyclemap import CircleMap, VonMises, WrappedNormal, transfer_operator
     >>> noises = WrappedNormal(0.5), VonMises(4.0)
     >>> laws = [transfer_operator(CircleMap.rigid(0.3), noise) for noise in noises]
     >>> [round(law.rotation_number, 9) for law in laws]
@@ -115,6 +115,7 @@ class WrappedNormal:
 
     Examples
     --------
+    >>> from cyclemap import WrappedNormal
     >>> round(float(WrappedNormal(0.5).coefficients(2)), 12)
     0.606530659713
     """
@@ -251,6 +252,7 @@ class WrappedCauchy:
 
     Examples
     --------
+    >>> from cyclemap import WrappedCauchy
     >>> float(WrappedCauchy(0.5).coefficients(-3))
     0.125
     """

@@ -44,7 +44,8 @@ class MetastableSet:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta))
     >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
     >>> [round(well.share, 3) for well in held]

@@ -48,7 +48,8 @@ class Spectrum:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> spectrum = transfer_operator(CircleMap.rigid(0.25), WrappedNormal(0.5)).spectrum(3)
     >>> np.abs(spectrum.values).round(6).tolist()
     [1.0, 0.882497, 0.882497]

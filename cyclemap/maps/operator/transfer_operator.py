@@ -108,7 +108,8 @@ def transfer_operator(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> turning = transfer_operator(CircleMap.rigid(0.3), WrappedNormal(0.5))
     >>> round(turning.rotation_number, 12), round(float(turning.density(1.0)) * 2 * np.pi, 12)
     (0.3, 1.0)
@@ -154,7 +155,7 @@ class TransferOperator:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
     >>> law = transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3))
     >>> round(law.tv_from_uniform, 3), law.peaks().round(2).tolist(), law.is_certain
     (0.735, [0.81], True)
@@ -211,14 +212,30 @@ class TransferOperator:
 
     @one_thread
     def expectation(self, function: Function, *, folds: bool = False) -> Estimate:
-        """E h(θ) under the stationary law.
+        """The mean E h(θ) of a function under the stationary law.
 
-        function : h, vectorised, as smooth as F between F's breaks. folds : whether h may also be
-            singular, like a logarithm, where F' = 0; then the nodes crowd towards those points.
-        The bound adds to the law's the difference that twice as many nodes make (measured).
-        Raises InvalidInput where h is not finite.
+        Parameters
+        ----------
+        function : callable
+            h, vectorised, as smooth as F between F's breaks.
+        folds : bool, default False
+            Whether h may also be singular, like a logarithm, where F' = 0; then the nodes crowd
+            towards those points.
 
-        >>> from cyclemap.maps.noise.noise import WrappedCauchy
+        Returns
+        -------
+        Estimate
+            The bound adds to the law's the difference that twice as many nodes make (measured).
+
+        Raises
+        ------
+        InvalidInput
+            Where h is not finite.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from cyclemap import CircleMap, WrappedCauchy, transfer_operator
         >>> law = transfer_operator(CircleMap.rigid(0.1), WrappedCauchy(0.5))
         >>> abs(law.expectation(lambda theta: np.cos(theta) ** 2) - 0.5) < 1e-15
         True
@@ -251,7 +268,7 @@ class TransferOperator:
         For normal noise, by a measured bound against D on a finer basis; inf for Cauchy's, other
         noise is refused.
 
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
         >>> round(transfer_operator(CircleMap.rigid(0.2), WrappedNormal(0.4)).diffusion, 12)
         0.08
         """
@@ -331,7 +348,8 @@ class TransferOperator:
         alike: see ``SlowChain``. Bounds: of the shares those of the density; of the chances of
         leaving see ``leaving_errors``.
 
-        >>> from cyclemap.maps.noise.noise import WrappedNormal
+        >>> import numpy as np
+        >>> from cyclemap import CircleMap, WrappedNormal, transfer_operator
         >>> wells = CircleMap(lambda theta: theta - 0.3 * np.sin(2 * theta) + 0.05 * np.sin(theta))
         >>> held = transfer_operator(wells, WrappedNormal(0.3)).metastable_sets()
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]

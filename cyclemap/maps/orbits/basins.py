@@ -53,6 +53,7 @@ class Basin:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, basins
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.orbit.period, only.undecided < 1e-6, round(only.measure, 9)
     (1, True, 1.0)
@@ -120,6 +121,7 @@ def basins(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, basins
     >>> (only,) = basins(CircleMap.arnold(0.1, 0.9), max_period=1)
     >>> only.arcs.round(6).tolist(), round(only.measure, 9)
     ([[2.368808, 8.651993]], 1.0)

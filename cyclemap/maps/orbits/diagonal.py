@@ -39,6 +39,7 @@ class JumpCrossing:
 
     Examples
     --------
+    >>> import numpy as np
     >>> from cyclemap.maps import CircleMap, crossings_by_jump
     >>> saw = CircleMap(lambda x: x - 0.5 + np.mod(x, 2 * np.pi) / np.pi, None, [0.0])
     >>> [(crossing.theta, crossing.attracting) for crossing in crossings_by_jump(saw)]

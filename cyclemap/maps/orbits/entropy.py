@@ -147,6 +147,7 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, topological_entropy
     >>> entropy = topological_entropy(CircleMap.arnold(0.3, 3.0))
     >>> round(entropy, 9), entropy.error_bound < 1e-9
     (0.693147181, True)
@@ -218,6 +219,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, kneading_sequences
     >>> kneading_sequences(CircleMap.arnold(0.3, 3.0), 6)
     ((1, 0, 1, 0, 1, 0), (0, 1, 0, 1, 1, 1))
     """

@@ -37,6 +37,7 @@ def is_nondecreasing(circle_map: CircleMap) -> bool:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, is_nondecreasing
     >>> is_nondecreasing(CircleMap.arnold(0.2, 0.9)), is_nondecreasing(CircleMap.arnold(0.2, 1.1))
     (True, False)
     """
@@ -93,6 +94,7 @@ def upper_envelope(circle_map: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, upper_envelope
     >>> raised = upper_envelope(CircleMap.arnold(0.0, 3.0))
     >>> bool(raised(0.0) > CircleMap.arnold(0.0, 3.0)(0.0))
     True
@@ -116,6 +118,7 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, lower_envelope
     >>> lowered = lower_envelope(CircleMap.arnold(0.0, 3.0))
     >>> bool(lowered(0.0) <= CircleMap.arnold(0.0, 3.0)(0.0))
     True

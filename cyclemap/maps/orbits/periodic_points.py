@@ -68,6 +68,7 @@ class PeriodicPoints:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_points
     >>> found = periodic_points(CircleMap.arnold(0.5, 0.9), 2)
     >>> found.theta.round(4).tolist(), found.kind.tolist()
     ([0.0, 1.9831, 3.1416, 4.3001], ['stable', 'unstable', 'stable', 'unstable'])
@@ -145,6 +146,7 @@ def periodic_points(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_points
     >>> doubling = CircleMap(lambda x: 2 * x, lambda x: 2 + 0 * x, degree=2)
     >>> found = periodic_points(doubling, 12)
     >>> found.count, int((found.prime_period == 12).sum())
@@ -404,6 +406,7 @@ class Orbit:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_orbits
     >>> orbits = periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)
     >>> [(orbit.kind, orbit.winding, round(orbit.multiplier, 4)) for orbit in orbits]
     [('stable', 1, 0.19), ('unstable', 1, 1.8513)]
@@ -465,6 +468,7 @@ def fixed_points(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, fixed_points
     >>> [(round(float(p.points[0]), 6), p.kind) for p in fixed_points(CircleMap.arnold(0.0, 0.5))]
     [(0.0, 'stable'), (3.141593, 'unstable')]
     """
@@ -516,6 +520,7 @@ def periodic_orbits(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, periodic_orbits
     >>> [orbit.winding for orbit in periodic_orbits(CircleMap.arnold(0.5, 0.9), 2)]
     [1, 1]
     """
@@ -568,6 +573,8 @@ def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, crossings_by_jump
     >>> saw = CircleMap(lambda x: x - 0.5 + np.mod(x, 2 * np.pi) / np.pi, None, [0.0])
     >>> len(crossings_by_jump(saw)), crossings_by_jump(CircleMap.arnold(0.1, 0.9))
     (1, [])

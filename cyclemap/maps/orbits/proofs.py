@@ -50,9 +50,16 @@ _LONGEST_FOLDED = 6  # iterates of a lift that folds: each has many more monoton
 class LockingProof:
     """Two angles that prove ρ = p/q of a nondecreasing lift.
 
-    ratio : p/q in lowest terms. below, above : radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ
-        ≤ p/q, and F^q(above) > above + 2πp, so ρ ≥ p/q.
+    Attributes
+    ----------
+    ratio : Fraction
+        p/q in lowest terms.
+    below, above : float
+        Radians, in [-π, 3π]: F^q(below) < below + 2πp, so ρ ≤ p/q, and F^q(above) > above +
+        2πp, so ρ ≥ p/q.
 
+    Notes
+    -----
     A nondecreasing lift jumps only upwards, so between ``above`` and the next copy of ``below``
     lies an orbit of period q and winding p: ``periodic_orbits`` gives it.
     """

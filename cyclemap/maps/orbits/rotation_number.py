@@ -67,6 +67,8 @@ def birkhoff_average(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, birkhoff_average
     >>> mean = birkhoff_average(CircleMap.moebius(0.5, 0.3))
     >>> abs(mean / (2 * np.pi) - 0.262536755898823346733597549046) < 1e-14, mean.error_bound < 1e-13
     (True, True)
@@ -174,6 +176,7 @@ class RotationNumber:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.5, 0.9))
     >>> found.value, found.locked, found.estimate
     (0.5, Fraction(1, 2), None)
@@ -200,6 +203,7 @@ class RotationInterval:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.3, 3.0))
     >>> found.lower, found.upper
     (0.0, 0.5)
@@ -274,6 +278,7 @@ def rotation_number(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_number
     >>> found = rotation_number(CircleMap.arnold(0.1, 0.9))
     >>> found.locked, found.proof is not None
     (Fraction(0, 1), True)
@@ -348,6 +353,7 @@ def rotation_interval(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, rotation_interval
     >>> found = rotation_interval(CircleMap.arnold(0.5, 3.0))
     >>> found.lower_number.locked, found.upper_number.locked
     (Fraction(1, 6), Fraction(5, 6))

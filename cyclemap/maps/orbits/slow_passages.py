@@ -56,6 +56,7 @@ class SlowPassage:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, slow_passages
     >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
     >>> round(ghost.gap, 6), round(ghost.curvature, 6), round(ghost.width, 4)
     (0.042478, 0.45, 0.3072)
@@ -121,6 +122,7 @@ def slow_passages(
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, slow_passages
     >>> (ghost,) = slow_passages(CircleMap.arnold(0.15, 0.9))
     >>> round(ghost.theta, 6), ghost.direction, round(ghost.passage_cycles, 3)
     (1.570796, 1, 22.723)

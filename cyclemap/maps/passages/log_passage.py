@@ -95,6 +95,7 @@ def log10_passage_time(
 
     Examples
     --------
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, log10_passage_time
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> round(log10_passage_time(stuck, WrappedNormal(0.028), 0.77, (-3.0, 2.37), lifted=True), 6)
     312.235583

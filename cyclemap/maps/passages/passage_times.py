@@ -91,7 +91,8 @@ def mean_passage_time(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, WrappedNormal, mean_passage_time
     >>> stuck = CircleMap.arnold(0.1, 0.9)
     >>> time = mean_passage_time(stuck, WrappedNormal(0.1 * np.pi), 0.77278, (0.0, np.pi / 2))
     >>> round(time, 3), time.error_bound < 1e-9
@@ -146,7 +147,7 @@ def hitting_probability(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, hitting_probability
     >>> still, noise = CircleMap.rigid(0.0), WrappedNormal(0.3)
     >>> even = hitting_probability(still, noise, 0.0, (1.0, 2.0), (-2.0, -1.0))
     >>> round(even, 9), even.holds(0.5)
@@ -235,7 +236,7 @@ def survival_probabilities(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, survival_probabilities
     >>> stuck, noise = CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)
     >>> chances = survival_probabilities(stuck, noise, 0.77, (0.0, 1.5), 2)
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])

@@ -43,7 +43,7 @@ class QuasiStationary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary
     >>> held = quasi_stationary(CircleMap.rigid(0.0), WrappedNormal(0.3), (-1.0, 1.0))
     >>> held.below.holds(0.5), bool(held.density(0.0) > held.density(0.9))
     (True, True)
@@ -110,7 +110,7 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, quasi_stationary
     >>> slips = quasi_stationary(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3), (-0.8, 2.37))
     >>> round(1.0 / slips.escape_rate, 3), slips.above > 0.999
     (3575.286, True)

@@ -41,6 +41,8 @@ class RestMultiplier:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng, path = np.random.default_rng(0), [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 60):
     ...     path.append(0.5 * path[-1] + kick)
@@ -96,6 +98,8 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import rest_multiplier
     >>> rng = np.random.default_rng(0)
     >>> path = [0.0]
     >>> for kick in rng.normal(0.0, 0.02, 200):

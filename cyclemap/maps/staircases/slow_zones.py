@@ -64,7 +64,7 @@ class SlowZone:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> (zone,) = predict_staircase(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)).zones
     >>> zone.kind, round(zone.centre, 4), zone.whole_turn
     ('stable', 0.7728, True)
@@ -115,7 +115,7 @@ class StaircaseSummary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> found = predict_staircase(CircleMap.rigid(0.1), WrappedNormal(0.3))
     >>> round(found.mean_turn, 6), found.step, found.zones
     (0.628319, None, ())
@@ -177,7 +177,7 @@ def predict_staircase(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap import CircleMap, WrappedNormal, predict_staircase
     >>> found = predict_staircase(CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05))
     >>> [zone.kind for zone in found.zones], round(found.step, 6)
     (['ghost'], 6.283185)
@@ -339,7 +339,7 @@ class DriftSummary:
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> drift = predict_drift(worn, WrappedNormal(1.0), 100, points=2)
     >>> drift.cycles.tolist(), [round(summary.mean_turn, 4) for summary in drift.summaries]
@@ -397,7 +397,7 @@ def predict_drift(
 
     Examples
     --------
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
+    >>> from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, predict_drift
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (99, CircleMap.rigid(0.3))])
     >>> round(predict_drift(worn, WrappedNormal(1.0), 100, points=2).turns, 9)
     20.0

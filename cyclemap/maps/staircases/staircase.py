@@ -64,6 +64,8 @@ class DriftingMap:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, DriftingMap
     >>> worn = DriftingMap.between([(0, CircleMap.rigid(0.1)), (100, CircleMap.rigid(0.3))])
     >>> round(float(worn.at(50).turn(0.0)) / (2 * np.pi), 12)
     0.2
@@ -110,17 +112,36 @@ class DriftingMap:
         """F_n = family(p(n)) for the cycles 0 to ``cycles`` - 1, as a blend between cycles chosen
         to fit.
 
-        family : parameter to CircleMap. schedule : callable n → parameter, or an array with one
-            entry (or row) a cycle. A stretch of cycles is halved until the blend of its ends lies
-            within ``tolerance`` (radians, at 512 angles) of the family at its quarter points, or
-            has no cycle inside: a schedule that jumps costs nothing. ``max_error`` is the largest
-            difference that was accepted; what moves only between the quarter points of a long
-            stretch can escape it.
+        Parameters
+        ----------
+        family : callable
+            Parameter → CircleMap.
+        schedule : callable or array_like
+            n → parameter, or an array with one entry (or row) a cycle.
+        cycles : int
+            How many cycles.
+        tolerance : float, default 1e-6
+            Radians, at 512 angles: a stretch of cycles is halved until the blend of its ends
+            lies within it of the family at its quarter points, or has no cycle inside: a
+            schedule that jumps costs nothing.
 
-        Raises ConvergenceError when 4096 maps do not reach the tolerance: the message carries what
-        they reach.
+        Returns
+        -------
+        DriftingMap
+            Its ``max_error`` is the largest difference that was accepted; what moves only
+            between the quarter points of a long stretch can escape it.
 
-        >>> worn = DriftingMap.of_family(lambda omega: CircleMap.arnold(omega, 0.9), lambda n: 0.1 + 1e-5 * n, 1000)
+        Raises
+        ------
+        ConvergenceError
+            When 4096 maps do not reach the tolerance: the message carries what they reach.
+
+        Examples
+        --------
+        >>> from cyclemap import CircleMap, DriftingMap
+        >>> def family(omega):
+        ...     return CircleMap.arnold(omega, 0.9)
+        >>> worn = DriftingMap.of_family(family, lambda n: 0.1 + 1e-5 * n, 1000)
         >>> worn.cycles.size < 12, worn.max_error < 1e-12
         (True, True)
         """
@@ -256,6 +277,8 @@ class LocalNoise:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.maps import LocalNoise
     >>> noise = LocalNoise((math.log(0.02), 0.5, 0.0), 0.7)
     >>> round(float(noise.sigma(math.pi / 2)), 12)
     0.02
@@ -324,6 +347,7 @@ class Staircase:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap, sample_staircase
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4, start=1.0)
     >>> path.cycles, path.start, path.theta.shape
     (4, 1.0, (5,))
@@ -374,6 +398,8 @@ def sample_staircase(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import CircleMap, sample_staircase
     >>> path = sample_staircase(CircleMap.rigid(0.25), None, 4)
     >>> (path.theta / np.pi).round(6).tolist()
     [0.0, 0.5, 1.0, 1.5, 2.0]
@@ -437,6 +463,8 @@ def sample_staircases(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.maps import CircleMap, sample_staircases
     >>> sample_staircases(CircleMap.rigid(0.5), None, 2, [0.0, np.pi]).shape
     (2, 3)
     """

@@ -24,17 +24,28 @@ class VisitComparison:
     """Visits to one slow zone, measured and predicted; numbers of cycles, None where too little was
     seen or predicted.
 
-    zone : the zone; exits : visits whose end was seen.
-    mean, standard_error : measured mean length of a visit. For a zone that is escaped from
-        ("stable", "jump") the exposure (cycles seen inside, censored visits and the one that the
-        path begins in too) over the exits, the maximum-likelihood value of an exponential law, its
-        error mean/√exits; for a ghost the Kaplan-Meier mean.
-    spread : measured standard deviation of the complete visits.
-    predicted : the zone's ``visit_cycles``. ratio : mean/predicted.
-    mean_p_value : two-sided, of so few or so many exits in that exposure if visits are independent
-        with the predicted mean and spread: a renewal process of gamma-distributed visits, mid-p
-        value. Over some 15 visits it is measured to reject a true prediction at the 5 % level in
-        3.5 % of runs (a ghost) and in 6.3 % (a stable point).
+    Attributes
+    ----------
+    zone : SlowZone
+        The zone.
+    exits : int
+        Visits whose end was seen.
+    mean, standard_error : float or None
+        Measured mean length of a visit. For a zone that is escaped from ("stable", "jump") the
+        exposure (cycles seen inside, censored visits and the one that the path begins in too)
+        over the exits, the maximum-likelihood value of an exponential law, its error
+        mean/√exits; for a ghost the Kaplan-Meier mean.
+    spread : float or None
+        Measured standard deviation of the complete visits.
+    predicted : float or None
+        The zone's ``visit_cycles``.
+    ratio : float or None
+        mean/predicted.
+    mean_p_value : float or None
+        Two-sided, of so few or so many exits in that exposure if visits are independent with
+        the predicted mean and spread: a renewal process of gamma-distributed visits, mid-p
+        value. Over some 15 visits it is measured to reject a true prediction at the 5 % level
+        in 3.5 % of runs (a ghost) and in 6.3 % (a stable point).
     """
 
     zone: SlowZone
@@ -77,8 +88,8 @@ class StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps import CircleMap, WrappedNormal, find_steps, predict_staircase
-    >>> from cyclemap.maps import sample_staircase
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 2_000)
@@ -129,11 +140,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
 
     Examples
     --------
-    >>> from cyclemap.maps.lifts.circle_map import CircleMap
-    >>> from cyclemap.maps.noise.noise import WrappedNormal
-    >>> from cyclemap.maps.staircases.slow_zones import predict_staircase
-    >>> from cyclemap.maps.staircases.staircase import sample_staircase
-    >>> from cyclemap.maps.staircases.step_detection import find_steps
+    >>> from cyclemap.maps import CircleMap, WrappedNormal, compare_steps, find_steps
+    >>> from cyclemap.maps import predict_staircase, sample_staircase
     >>> sine, noise = CircleMap.arnold(0.15, 0.9), WrappedNormal(0.05)
     >>> expected = predict_staircase(sine, noise)
     >>> path = sample_staircase(sine, noise, 20_000)

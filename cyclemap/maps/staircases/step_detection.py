@@ -54,6 +54,8 @@ class Steps:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import find_steps
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> steps = find_steps(stairs)
     >>> steps.count, steps.levels.tolist(), steps.climb
@@ -155,6 +157,8 @@ def find_steps(theta: ArrayLike, *, zones: Sequence[SlowZone] | None = None) -> 
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap import find_steps
     >>> stairs = np.repeat([0.0, 1.0, 2.0], [20, 30, 40])
     >>> found = find_steps(stairs)
     >>> found.lengths.tolist(), found.heights.tolist(), found.censored.tolist()

@@ -33,9 +33,12 @@ ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
 class SampledTurns:
     """Turns of cycles on equal steps of the orientation.
 
-    turn : (materials, actions, samples), rad: theta_next - theta on the lift, a gripper's turn
-        included.
-    drag_length : (materials, actions), m, mean over the samples.
+    Attributes
+    ----------
+    turn : ndarray, shape (materials, actions, samples)
+        theta_next - theta on the lift, rad, a gripper's turn included.
+    drag_length : ndarray, shape (materials, actions)
+        Mean over the samples, m.
     """
 
     turn: Array
@@ -98,7 +101,9 @@ def sample_turns(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import load_material
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop, load_material
+    >>> from cyclemap.resets import CycleAction, sample_turns
     >>> loop, actions = CollectionLoop.mit(), [CycleAction(), CycleAction(turn=1.0)]
     >>> found = sample_turns(loop, actions, [load_material("plywood")], 4)
     >>> np.degrees(found.turn[0, 0]).round(2).tolist()
@@ -154,6 +159,9 @@ def strategy_maps(
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import CycleAction, ResetStrategy, strategy_maps
     >>> quarters = ResetStrategy((CycleAction(), CycleAction(turn=math.pi / 2.0)))
     >>> first, second = strategy_maps(CollectionLoop.mit(), quarters, tolerance=1e-2)
     >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
@@ -192,6 +200,8 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
 
     Examples
     --------
+    >>> from cyclemap import CircleMap
+    >>> from cyclemap.resets import map_turns
     >>> map_turns([CircleMap.rigid(0.25)], samples=3).round(4).tolist()
     [[1.5708, 1.5708, 1.5708]]
     """

@@ -56,7 +56,8 @@ class MaterialRange:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import load_material
+    >>> from cyclemap import load_material
+    >>> from cyclemap.resets import MaterialRange
     >>> about = MaterialRange(load_material("plywood"), (load_material("delrin"),))
     >>> [material.name for material in about.searched], len(about.materials)
     (['plywood', 'delrin'], 6)
@@ -169,7 +170,8 @@ def material_range(
 
     Examples
     --------
-    >>> from cyclemap.mechanics import load_material
+    >>> from cyclemap import load_material
+    >>> from cyclemap.resets import material_range
     >>> about = material_range(load_material("plywood"))
     >>> len(about.searched), about.searched[1].name
     (9, 'plywood (axis ratio ÷ 1.1, m0 -50 %, n0 -50 %)')
@@ -254,7 +256,10 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import FoundWith, load_material
+    >>> from dataclasses import replace
+    >>> from cyclemap import CollectionLoop, load_material
+    >>> from cyclemap.mechanics import FoundWith
+    >>> from cyclemap.resets import on_material
     >>> found = FoundWith(pusher_friction=0.2)
     >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
     >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction

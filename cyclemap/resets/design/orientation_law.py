@@ -114,7 +114,8 @@ class OrientationLaw:
 
     Examples
     --------
-    >>> from cyclemap.protocol.strategy import CycleAction
+    >>> import numpy as np
+    >>> from cyclemap.resets import CycleAction, ResetStrategy, orientation_law
     >>> still = orientation_law(np.zeros((1, 256)), ResetStrategy((CycleAction(),)), 0.5, pushes=10)
     >>> round(still.after, 2), still.density.shape
     (0.18, (360,))
@@ -159,7 +160,8 @@ def orientation_law(
 
     Examples
     --------
-    >>> from cyclemap.protocol.strategy import CycleAction
+    >>> import numpy as np
+    >>> from cyclemap.resets import CycleAction, ResetStrategy, orientation_law
     >>> even = orientation_law(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5)
     >>> round(even.total_variation, 9), even.after < 0.01
     (0.0, True)

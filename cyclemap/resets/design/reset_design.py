@@ -108,7 +108,8 @@ class ResetRow:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
     >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
     >>> demands = ResetDemands(pushes=50, within=10)
     >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP
@@ -165,7 +166,8 @@ class ResetDesign:
 
     Examples
     --------
-    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
     >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
     >>> demands = ResetDemands(pushes=50, within=10)
     >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP
@@ -257,7 +259,8 @@ def design_reset(
     An isotropic floor turns the object on by 8 degrees a cycle, which is even enough as it is; the
     search takes a minute and a half:
 
-    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
     >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
     >>> demands = ResetDemands(pushes=50, within=10)
     >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP

@@ -82,6 +82,7 @@ class ResetDemands:
 
     Examples
     --------
+    >>> from cyclemap.resets import ResetDemands
     >>> round(ResetDemands(allow_tv=0.1, extra_tv=0.02).allow_after, 3)
     0.12
     """
@@ -140,7 +141,8 @@ class Limit:
 
     Examples
     --------
-    >>> from cyclemap.mechanics import SidePush
+    >>> from cyclemap import SidePush
+    >>> from cyclemap.resets import Limit, ResetStrategy
     >>> Limit("drag_ratio", 2.4, ResetStrategy.pushes(SidePush(), (0, 1))).value
     2.4
     """

@@ -37,6 +37,8 @@ class StrategyRun:
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import ResetStrategy, run_strategy
     >>> loop = CollectionLoop.mit(accuracy=1e-6)
     >>> run = run_strategy(loop, ResetStrategy.pushes(loop.push, (0, 1)), 4, seed=1)
     >>> run.theta.shape, run.action.tolist()
@@ -92,6 +94,8 @@ def run_strategy(
 
     Examples
     --------
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import ResetStrategy, run_strategy
     >>> loop = CollectionLoop.mit(accuracy=1e-6)
     >>> run = run_strategy(loop, ResetStrategy.pushes(loop.push, (0,)), 2)
     >>> bool(abs(run.theta[0, 1] - loop.cycle(0.0).theta_next) < 1e-9)
@@ -165,6 +169,10 @@ def sampled_orientations(
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap import CollectionLoop
+    >>> from cyclemap.resets import ResetStrategy, sampled_orientations
     >>> quarter = np.full((1, 8), math.pi / 2.0)
     >>> strategy = ResetStrategy.pushes(CollectionLoop.mit().push, (0,))
     >>> theta = sampled_orientations(quarter, strategy, 3, runs=1, sigma=0.0, start=0.0)
@@ -205,6 +213,9 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.resets import steered_orientations
     >>> turns = np.full((2, 360), math.pi / 2.0)
     >>> turns[1] = math.pi
     >>> theta = steered_orientations(turns, 4, runs=1, sigma=0.0)
@@ -262,6 +273,8 @@ def histogram_shares(theta: Array) -> Array:
 
     Examples
     --------
+    >>> import numpy as np
+    >>> from cyclemap.resets import histogram_shares
     >>> histogram_shares(np.radians([[5.0, 6.0, 15.0, -5.0]]))[0, [0, 1, 35]].tolist()
     [0.5, 0.25, 0.25]
     """
@@ -287,6 +300,9 @@ def histogram_distances(shares: Array) -> Array:
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.resets import histogram_distances, histogram_shares
     >>> even, locked = np.arange(36) * math.radians(10.0) + 0.1, np.zeros(36)
     >>> histogram_distances(histogram_shares(np.array([even, locked]))).round(4).tolist()
     [0.0, 0.9722]
@@ -310,6 +326,7 @@ def independent_distance(pushes: int) -> float:
 
     Examples
     --------
+    >>> from cyclemap.resets import independent_distance
     >>> round(independent_distance(500), 4)
     0.1053
     """

@@ -31,9 +31,14 @@ _NEAR = np.radians(10.0)
 class ResetEffect:
     """What the resets of a data set did to the orientation, over n of them.
 
-    push_turn, reset_turn : (n,) rad, of each push and of what followed it until the next.
-    undone : share of the mean turn of a push that the reset takes back; 1: all of it. slope : of a
-        reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
+    Attributes
+    ----------
+    push_turn, reset_turn : ndarray, shape (n,)
+        Of each push and of what followed it until the next, rad.
+    undone : float
+        Share of the mean turn of a push that the reset takes back; 1: all of it.
+    slope : float
+        Of a reset's turn on its push's, -1 where it undoes each push, 0 where it knows none.
     """
 
     push_turn: Array
@@ -70,6 +75,8 @@ class Audit:
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     text = "theta0_deg\\n" + "".join(f"{137.5 * push % 360}\\n" for push in range(40))
     ...     count = Path(place, "even.csv").write_text(text)
@@ -181,6 +188,8 @@ def audit(
     Examples
     --------
     >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.resets import audit
     >>> with tempfile.TemporaryDirectory() as place:
     ...     _ = Path(place, "still.csv").write_text("theta0_deg\\n" + "63.2\\n" * 40)
     ...     found = audit(f"{place}/still.csv")

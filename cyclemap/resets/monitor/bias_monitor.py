@@ -46,6 +46,7 @@ class Alarm:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> alarm = watch([0.3] * 20)[-1].alarm
     >>> alarm.kind, alarm.push, [round(direction, 3) for direction in alarm.directions]
     ('rest', 14, [0.3])
@@ -71,6 +72,7 @@ class Advice:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> advice = watch([0.3] * 20)[-1].advice
     >>> advice.change_reset, round(advice.direction, 1)
     (True, 3.4)
@@ -110,6 +112,7 @@ class BiasReport:
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> report = watch([0.3] * 20)[-1]
     >>> report.push, report.rest_evidence > report.threshold, report.coverage.covered < 0.2
     (19, True, True)
@@ -165,6 +168,8 @@ class BiasMonitor:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import BiasMonitor
     >>> monitor = BiasMonitor()
     >>> for turn in range(20):
     ...     report = monitor.update(math.radians(85.0))
@@ -193,11 +198,23 @@ class BiasMonitor:
         return tuple(self._path[self._changed :])
 
     def update(self, theta: float) -> BiasReport:
-        """Take the θ0 of the next push (rad; wrapped, or any number of turns) and tell where the
-        collection stands.
+        """Take the θ0 of the next push and tell where the collection stands.
 
-        Raises InvalidInput where it is no finite number, or over 1e9 rad, where the fraction of a
-        turn is lost; the monitor is then as it was.
+        Parameters
+        ----------
+        theta : float
+            rad; wrapped, or any number of turns.
+
+        Returns
+        -------
+        BiasReport
+            The state after this push.
+
+        Raises
+        ------
+        InvalidInput
+            Where it is no finite number, or over 1e9 rad, where the fraction of a turn is lost;
+            the monitor is then as it was.
         """
         angle = finite_number("theta", theta)
         if abs(angle) > LARGEST_ORIENTATION:
@@ -287,6 +304,7 @@ def watch(theta: Iterable[float], monitor: BiasMonitor | None = None) -> tuple[B
 
     Examples
     --------
+    >>> from cyclemap.resets import watch
     >>> reports = watch([0.3] * 20)
     >>> [report.alarm is not None for report in reports].index(True)
     14

@@ -48,6 +48,8 @@ class CoverageState:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap.resets import Coverage
     >>> coverage = Coverage()
     >>> for recorded in (0.0, math.pi / 2.0):
     ...     coverage.add(recorded)
@@ -121,6 +123,9 @@ class Coverage:
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> from cyclemap.resets import Coverage
     >>> coverage = Coverage()
     >>> for recorded in np.arange(36) * math.radians(10.0):
     ...     coverage.add(recorded)
@@ -216,6 +221,9 @@ class NextAction:
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CircleMap
+    >>> from cyclemap.resets import Coverage, next_action
     >>> covered = Coverage()
     >>> covered.add(0.0)
     >>> action = next_action([CircleMap.rigid(0.0), CircleMap.rigid(0.5)], covered, 0.0)
@@ -265,6 +273,9 @@ def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> 
 
     Examples
     --------
+    >>> import math
+    >>> from cyclemap import CircleMap
+    >>> from cyclemap.resets import Coverage, next_action
     >>> quarter, half = CircleMap.rigid(0.25), CircleMap.rigid(0.5)
     >>> covered = Coverage()
     >>> for recorded in (1.0, 1.0 + math.pi / 2.0):

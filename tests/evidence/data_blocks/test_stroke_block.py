@@ -264,3 +264,13 @@ def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(
     assert predicted @ measured / (predicted @ predicted) == pytest.approx(slope, abs=0.02)
     rubbing = block.residuals({**PLAIN, "plate_dome": 6.0, "pin_friction_radius": radius})[0]
     assert np.median(np.abs(rubbing)) < 0.8 * np.median(np.abs(ideal))
+
+
+def test_an_object_that_no_rod_touches_stays_with_all_columns_there() -> None:
+    """Of one push alone that misses, on a floor whose shape varies with the place, too."""
+    loop = CollectionLoop.mit("plywood-floor")
+    missing = MeasuredPush(Pose(), Pose(), (0.2, 0.2), (0.25, 0.2))
+    for target, heights in ((None, 0), ((0.0, 0.0), 9)):
+        ends, by, stayed = predicted_push_ends(loop.model, [missing], (0.0, 0.0), ("mu_a",), target)
+        assert ends.tolist() == [[0.0, 0.0, 0.0]] and stayed.tolist() == [True]
+        assert by.shape == (1, 3, 1 + heights + 2) and not by.any()

@@ -69,6 +69,10 @@ def test_an_exponent_follows_the_detail_of_the_slope(breaks):
 def test_what_cannot_be_resolved_is_refused_with_the_limit():
     with pytest.raises(ConvergenceError, match="quadrature nodes, more than 400000"):
         transfer_operator(rippled(4096, 4000.0, (1.0,)), WrappedNormal(0.3)).moment(1)
+    # 280,000 nodes can be held; with 2,000 modes they cannot be summed over.
+    steep = transfer_operator(rippled(1000, 50.0), WrappedNormal(0.0047))
+    with pytest.raises(ConvergenceError, match=r"multiplications, more than 2e\+12"):
+        steep.discretisation.matrix  # noqa: B018
 
 
 def test_the_narrowest_noise_that_is_promised_is_taken():
