@@ -24,6 +24,11 @@ class Unit:
     ending: str
     of_si: Callable[[float], float]
 
+    @property
+    def sign(self) -> str:
+        """What follows a number in a sentence."""
+        return "°" if self.ending == "deg" else f" {self.ending}".rstrip()
+
     def named(self, name: str) -> str:
         """Return the name of a number that is written in this unit."""
         return f"{name}_{self.ending}" if self.ending else name

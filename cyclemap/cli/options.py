@@ -21,9 +21,11 @@ from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.plain_text import plain_number, plain_whole, printable
 
 if TYPE_CHECKING:
+    from cyclemap.arrays import Array
     from cyclemap.evidence import Theta0Pairs
     from cyclemap.evidence.pushes.conventions import Convention
     from cyclemap.evidence.pushes.pose_streams import Segments
+    from cyclemap.protocol.chosen_loop import LoopOptions
 
 
 _QUIET = "cyclemap.quiet"
@@ -114,10 +116,37 @@ theta0_option = click.option(
 )
 
 
+@dataclass(frozen=True)
+class RunOptions:
+    """What a command that predicts a run of cycles was asked."""
+
+    options: LoopOptions
+    data: Path | None
+    table: TableOptions
+    cycles: int | None
+    seed: int
+    results: ResultOptions
+
+    def pairs(self) -> Theta0Pairs | None:
+        """The measured pairs of θ0, if any."""
+        return measured_orientations(self.data, self.table, self.results.out)
+
+    def run_beside(self, path: Array | None) -> dict[str, Any]:
+        """Length, start and seed of the run: those of a measured path (rad), unless told
+        otherwise.
+        """
+        from cyclemap.collection.portrait import DEFAULT_CYCLES
+
+        length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
+        return {"cycles": self.cycles or length, "start": start, "seed": self.seed}
+
+
 def run_options(command: Command) -> Command:
-    """Give `command` the options of a command that predicts a run of cycles."""
+    """Give `command`, which has those of a loop, the options of one that predicts a run of cycles:
+    all of them reach it as asked, a `RunOptions`.
+    """
     return decorated(
-        command,
+        gathered(command, "asked", RunOptions),
         click.option(
             "--data", metavar="DATA", type=PATH, help="Measured θ0 or pushes to set beside it."
         ),

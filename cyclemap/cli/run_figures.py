@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import PeopleConsole, people_table, progress_bar, publish_json, write_json
+from cyclemap.cli.output import (
+    PeopleConsole,
+    Told,
+    people_table,
+    progress_bar,
+    publish_json,
+    write_json,
+)
 from cyclemap.errors import CycleMapError, DataFileError
 from cyclemap.figures.catalogue import NO_DATA, Entry, MeasuredFolder, entries, load_exhibit
 from cyclemap.plain_text import typeset
@@ -69,11 +76,11 @@ def run_figures(
     )
     with only_writer(results.out):
         index = _read_index(results.out / INDEX_FILE)
-        console, made, failed = PeopleConsole(), list[Json](), list[Json]()
+        made, failed = list[Json](), list[Json]()
         for number, entry in enumerate(chosen, 1):
             try:
                 with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
-                    line, asked, header, rows = _make(entry, folder, results)
+                    line, asked, table = _make(entry, folder, results)
             except CycleMapError as error:
                 failed.append({"name": entry.name, "error": str(error)})
                 continue
@@ -87,28 +94,26 @@ def run_figures(
             if results.json_target != "-":
                 # One exhibit for people: title, rows of a table, caption, file, and whether
                 # measured data were there.
-                console.print(f"{line['name']}: {line['title']} ({line['source']})", style="bold")
-                if header:
-                    console.print_table(people_table("", header, rows, words=range(len(header))))
-                console.print(str(line["caption"]))
-                if asked:
-                    console.print(f"measured data: {line['measured'] or NO_DATA}")
-                console.print(f"file: {results.out / str(line['file'])}\n")
+                PeopleConsole().tell(
+                    f"{line['name']}: {line['title']} ({line['source']})",
+                    table,
+                    str(line["caption"]),
+                    f"measured data: {line['measured'] or NO_DATA}" if asked else "",
+                    f"file: {results.out / str(line['file'])}\n",
+                )
         publish_json({"figures": made, "failed": failed}, results.json_target)
         if failed:
             told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
             raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
 
 
-def _make(
-    entry: Entry, folder: MeasuredFolder, results: ResultOptions
-) -> tuple[Json, bool, tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Make and write one exhibit: its line of the index, whether it asked for measured data, header
-    and rows.
+def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple[Json, bool, Told]:
+    """Make and write one exhibit: its line of the index, whether it asked for measured data, and
+    its rows where it is a table.
     """
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
-    header, rows = tuple[str, ...](), tuple[tuple[str, ...], ...]()
+    table: Told = ""
     if hasattr(exhibit, "draw"):
         from cyclemap.views.style import render
 
@@ -119,9 +124,10 @@ def _make(
 
         suffix, content = "gif", animated_gif(exhibit.frames(result))
     else:
-        header, rows, text = exhibit.HEADER, tuple(exhibit.rows(result)), io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([header, *rows])
+        rows, text = list(exhibit.rows(result)), io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([exhibit.HEADER, *rows])
         suffix, content = "csv", text.getvalue().encode()
+        table = people_table("", exhibit.HEADER, rows, words=range(len(exhibit.HEADER)))
     path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)
     line: Json = {
@@ -130,7 +136,7 @@ def _make(
         "file": path.name,
         "measured": ", ".join(data.there) or None,
     }
-    return line, bool(data.asked), header, rows
+    return line, bool(data.asked), table
 
 
 def _read_index(path: Path) -> dict[str, Any]:

@@ -12,7 +12,7 @@ import click
 import numpy as np
 from rich.table import Table
 
-from cyclemap.cli.json_report import UNITS, facts_report
+from cyclemap.cli.json_report import FACT_UNITS, UNITS, facts_report
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import (
     PeopleConsole,
@@ -41,15 +41,11 @@ from cyclemap.written import DEGREES, Json, Unit, degrees, json_of, rows, writte
 
 # Bad files are told by name up to this many, and counted beyond.
 MOST_NAMED = 10
+# Facts by which pushes are selected, and the names of these in the files.
 SELECT_KEYS = {
-    "surface": ("surface", None),
-    "object": ("object", None),
-    "shape": ("object", None),
-    "speed_mm_s": ("speed", 1e-3),
-    "side": ("side", 1.0),
-    "fraction": ("fraction", 1.0),
-    "angle_deg": ("angle", math.radians(1.0)),
-}
+    unit.named(fact): fact for fact, unit in FACT_UNITS.items() if fact != "acceleration"
+} | {"shape": "object"}
+_TEXTS = ("surface", "object")
 # Headings of what a push changes.
 QUANTITIES = {"dtheta": "Δθ (°)", "dx": "Δx (mm)", "dy": "Δy (mm)"}
 # Titles of the tables: per cent and RMSE as in the paper, RMSE in pushes left out, order of the
@@ -100,6 +96,11 @@ def run_fit(
         pictures.append(write_result(set_report(fit), fit_page(fit), stem, results.picture_format))
     if publish_json(fit_report(pushes, fits), results.json_target):
         return
+    _tell(pushes, fits, pictures)
+
+
+def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -> None:
+    """Tell people what was read and fitted, and where it is drawn."""
     scans = f" and {len(pushes.scans)} friction scans" if len(pushes.scans) else ""
     unreadable = [f"{file.path}: {file.reason}" for file in pushes.unreadable[:MOST_NAMED]]
     if len(pushes.unreadable) > MOST_NAMED:
@@ -135,11 +136,11 @@ def selected_values(pairs: tuple[str, ...]) -> dict[str, str | float]:
             raise InvalidInput(f"--select {pair!r} is not of the form key=value")
         if key not in SELECT_KEYS:
             raise unknown_name("selection", key, SELECT_KEYS)
-        column, unit = SELECT_KEYS[key]
+        column = SELECT_KEYS[key]
         values[column] = text
-        if unit is not None:
+        if column not in _TEXTS:
             try:
-                values[column] = value = unit * plain_number(text)
+                values[column] = value = plain_number(text) / FACT_UNITS[column].of_si(1.0)
             except ValueError:
                 value = math.nan
             if not math.isfinite(value):

@@ -56,8 +56,6 @@ from cyclemap.views.identify_page import headline, identify_page, note_sentences
 from cyclemap.views.style import render
 from cyclemap.written import Json, Unit, json_of, written
 
-# How units are named in the report.
-_NAMES = {"°": "deg", " mm": "mm", "": "1"}
 _SIZES = (
     *("mean", "median", "rms", "left_out_mean", "left_out_median", "left_out_rms"),
     *("isotropic_mean", "isotropic_median"),
@@ -275,34 +273,26 @@ def identify_report(
 
 
 def _in_its_unit(result: Estimate | Derived) -> Json:
-    unit, factor = readable_unit(result.unit)
-    return {
-        **json_of(result, unit=Unit("", lambda value: factor * value)),
-        "unit": _NAMES.get(unit, unit.strip()),
-    }
+    unit = readable_unit(result.unit)
+    return {**json_of(result, unit=Unit("", unit.of_si)), "unit": unit.ending or "1"}
 
 
 def _error(error: KindErrors) -> Json:
-    kind, unit, factor = readable_kind(error.kind)
-    return {
-        "block": error.block,
-        "kind": kind,
-        "unit": _NAMES.get(unit, unit.strip()),
-        **json_of(error, "rows", *_SIZES, unit=Unit("", lambda value: factor * value)),
-    }
+    kind, unit = readable_kind(error.kind)
+    told = json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si))
+    return {"block": error.block, "kind": kind, "unit": unit.ending or "1", **told}
 
 
 def parameter_table(found: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     rows: list[tuple[str, ...]] = []
-    for one in found.lasting:
-        unit, factor = readable_unit(one.unit)
-        ends = (
-            _digits(factor * one.lower) + "*" * one.lower_open,
-            _digits(factor * one.upper) + "*" * one.upper_open,
-        )
-        told = " to ".join(ends) if one.identifiable else "not identifiable"
-        rows.append((one.name, f"{_digits(factor * one.value)}{unit}", told, one.description))
+    for estimate in found.lasting:
+        unit = readable_unit(estimate.unit)
+        lower = _digits(unit.of_si(estimate.lower)) + "*" * estimate.lower_open
+        upper = _digits(unit.of_si(estimate.upper)) + "*" * estimate.upper_open
+        interval = f"{lower} to {upper}" if estimate.identifiable else "not identifiable"
+        value = f"{_digits(unit.of_si(estimate.value))}{unit.sign}"
+        rows.append((estimate.name, value, interval, estimate.description))
     rows += [
         (name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())
     ]
@@ -316,15 +306,12 @@ def parameter_table(found: Identification) -> Table:
 def derived_table(derived: Sequence[Derived]) -> Table:
     """What follows from the parameters."""
     rows = []
-    for one in derived:
-        unit, factor = readable_unit(one.unit)
-        value = f"{_digits(factor * one.value)}{unit}"
-        interval = (
-            f"{_digits(factor * one.lower)} to {_digits(factor * one.upper)}"
-            if one.known
-            else "any"
-        )
-        rows.append((one.name.replace("_", " "), value, interval, one.description))
+    for quantity in derived:
+        unit = readable_unit(quantity.unit)
+        value = f"{_digits(unit.of_si(quantity.value))}{unit.sign}"
+        lower, upper = (_digits(unit.of_si(end)) for end in (quantity.lower, quantity.upper))
+        interval = f"{lower} to {upper}" if quantity.known else "any"
+        rows.append((quantity.name.replace("_", " "), value, interval, quantity.description))
     return people_table(
         "It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3)
     )
@@ -346,13 +333,14 @@ def error_table(found: Identification) -> Table:
         "median",
     )
     rows = []
-    for one in found.errors:
-        kind, unit, factor = readable_kind(one.kind)
-        sizes = [getattr(one, name) for name in _SIZES if not name.endswith("rms")]
+    for error in found.errors:
+        kind, unit = readable_kind(error.kind)
+        sizes = [getattr(error, name) for name in _SIZES if not name.endswith("rms")]
         told = [
-            f"{_digits(factor * size)}{unit}" if math.isfinite(size) else NOTHING for size in sizes
+            f"{_digits(unit.of_si(size))}{unit.sign}" if math.isfinite(size) else NOTHING
+            for size in sizes
         ]
-        rows.append((one.block, kind, str(one.rows), *told))
+        rows.append((error.block, kind, str(error.rows), *told))
     table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
     table.caption = (
         "isotropic: the same friction all around, floor and plate flat, nothing identified"

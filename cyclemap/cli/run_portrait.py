@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import margin_report, portrait_report
-from cyclemap.cli.options import ResultOptions, TableOptions, measured_orientations
+from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     margins_of,
     people_table,
@@ -18,10 +17,10 @@ from cyclemap.cli.output import (
     styled,
     told_margins,
 )
-from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
+from cyclemap.collection.portrait import Portrait, portrait
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.protocol.chosen_loop import chosen_collection
 from cyclemap.views import sentences
 from cyclemap.views.portrait_page import portrait_page
 
@@ -29,21 +28,10 @@ if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
 
 
-def run_portrait(
-    options: LoopOptions,
-    data: Path | None,
-    table: TableOptions,
-    cycles: int | None,
-    seed: int,
-    margin: bool,
-    results: ResultOptions,
-) -> None:
+def run_portrait(asked: RunOptions, margin: bool) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = (
-        measured_orientations(data, table, results.out),
-        chosen_collection(options, data).simplified(),
-    )
-    loop, sigma = chosen.loop, chosen.sigma
+    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    loop = chosen.loop
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
 
@@ -53,20 +41,14 @@ def run_portrait(
                 "has many"
             )
 
-        run_strategy_portrait(chosen, chosen.strategy, pairs, cycles, seed, results)
+        run_strategy_portrait(chosen, chosen.strategy, pairs, asked)
         return
-    # The staircase starts where the data start and is as long, unless told otherwise.
-    path = None if pairs is None else pairs.path
-    length, start = (DEFAULT_CYCLES, 0.0) if path is None else (len(path) - 1, float(path[0]))
+    run = asked.run_beside(None if pairs is None else pairs.path)
     with progress_bar(f"cycle map of {loop.material.name}") as done:
-        found = portrait(
-            loop, sigma=sigma, cycles=cycles or length, start=start, seed=seed, progress=done
-        )
+        found = portrait(loop, sigma=chosen.sigma, progress=done, **run)
     measured = None if pairs is None else _overlay(pairs, found)
-    page, stem = (
-        portrait_page(found, portrait_curves(found), measured),
-        result_stem(results.out, "portrait", loop),
-    )
+    page = portrait_page(found, portrait_curves(found), measured)
+    stem = result_stem(asked.results.out, "portrait", loop)
     report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
     if margins is not None:
         report["margins"] = [*map(margin_report, margins)]
@@ -80,7 +62,7 @@ def run_portrait(
         report,
         page,
         stem,
-        results,
+        asked.results,
         sentences.headline(found),
         sentences.lock_sentence(found),
         sentences.noise_sentence(found),

@@ -2,21 +2,19 @@
 
 import math
 
-import numpy as np
-
 from cyclemap.arrays import Array
 from cyclemap.cli.json_report import actions_report, measured_report, steps_report
-from cyclemap.cli.options import ResultOptions
+from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_CYCLES, DEFAULT_SIGMA
+from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
 from cyclemap.resets.design.orientation_law import slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page
-from cyclemap.written import Json, degrees, direction_deg, written
+from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
@@ -26,9 +24,7 @@ def run_strategy_portrait(
     chosen: ChosenCollection,
     strategy: ResetStrategy,
     pairs: Theta0Pairs | None,
-    cycles: int | None,
-    seed: int,
-    results: ResultOptions,
+    asked: RunOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
@@ -36,36 +32,24 @@ def run_strategy_portrait(
         maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
     turns, measured = map_turns(maps), None if pairs is None else pairs.path
     law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
-    theta, ran = _run(loop, strategy, sigma, measured, cycles, seed)
-    mean_turn, above = float((theta[-1] - theta[0]) / (len(theta) - 1)), law.density > 0.5 / math.pi
-    peaks = np.flatnonzero(
-        (law.density > np.roll(law.density, 1)) & (law.density >= np.roll(law.density, -1)) & above
-    )
+    theta, ran = _run(loop, strategy, sigma, measured, asked)
+    mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
     told: Json = {
-        "strategy": {
-            "recipe": recipe(strategy),
-            "order": strategy.order,
-            "needs": list(strategy.needs),
-        },
-        "map": [
-            {
-                "action": action,
-                "max_error_deg": degrees(one.max_error),
-                "mean_turn_deg": degrees(float(turn.mean())),
-            }
-            for action, one, turn in zip(actions_report(strategy, loop), maps, turns, strict=True)
-        ],
+        "strategy": {"recipe": recipe(strategy), **json_of(strategy, "order", "needs")},
+        "map": rows(
+            action=actions_report(strategy, loop),
+            max_error_deg=[degrees(cycle_map.max_error) for cycle_map in maps],
+            mean_turn_deg=degrees(turns.mean(axis=1)),
+        ),
         "fixed_points": [],
         "fixed_points_reason": _EACH,
         "rotation_number": {
-            "value": written(mean_turn / (2.0 * math.pi)),
-            "lower": None,
-            "upper": None,
-            "locked": None,
+            "value": mean_turn / (2.0 * math.pi),
+            **dict.fromkeys(("lower", "upper", "locked")),
         },
         "stationary": {
             "noise_deg": degrees(sigma),
-            "peaks_deg": [direction_deg(math.radians(peak)) for peak in peaks.tolist()],
+            "peaks_deg": [*map(direction_deg, law.peaks)],
             "spectral_gap": written(1.0 - factor),
             "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
             "tv_from_uniform": written(law.total_variation),
@@ -93,23 +77,21 @@ def run_strategy_portrait(
         "average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    publish(told, figure, result_stem(results.out, "portrait", loop), results, *words)
+    publish(told, figure, result_stem(asked.results.out, "portrait", loop), asked.results, *words)
 
 
 def run_strategy_staircase(
     chosen: ChosenCollection,
     strategy: ResetStrategy,
     measured: MeasuredStaircase | None,
-    cycles: int | None,
-    seed: int,
-    results: ResultOptions,
+    asked: RunOptions,
 ) -> None:
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
     """
     loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
     data = None if measured is None else measured.path
-    theta, ran = _run(loop, strategy, sigma, data, cycles, seed)
+    theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)
     nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
     told: Json = {
@@ -122,15 +104,12 @@ def run_strategy_staircase(
     words = (
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
-        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {seed}) it {rests}; "
+        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it {rests}; "
         f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on "
         "average.",
     )
-    page, stem = (
-        strategy_page(words, loop, strategy, theta, data),
-        result_stem(results.out, "staircase", loop),
-    )
-    publish(told, page, stem, results, *words)
+    page = strategy_page(words, loop, strategy, theta, data)
+    publish(told, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)
 
 
 def _run(
@@ -138,21 +117,14 @@ def _run(
     strategy: ResetStrategy,
     sigma: float,
     data: Array | None,
-    cycles: int | None,
-    seed: int,
+    asked: RunOptions,
 ) -> tuple[Array, Json]:
     """A run of the strategy by the full mechanics, from where the data start and as long where
     there are some.
     """
-    cycles = cycles or (DEFAULT_CYCLES if data is None else len(data) - 1)
-    start = 0.0 if data is None else float(data[0])
-    with progress_bar(f"{cycles} cycles on {loop.material.name}") as report:
-        run = run_strategy(
-            loop, strategy, cycles, start=start, sigma=sigma, seed=seed, progress=report
-        )
+    wanted = asked.run_beside(data)
+    with progress_bar(f"{wanted['cycles']} cycles on {loop.material.name}") as report:
+        run = run_strategy(loop, strategy, sigma=sigma, progress=report, **wanted)
     theta = run.theta[0]
-    return theta, {
-        "seed": seed,
-        "cycles": cycles,
-        "climb_deg": degrees(float(theta[-1] - theta[0])),
-    }
+    climb = degrees(theta[-1] - theta[0])
+    return theta, {"seed": asked.seed, "cycles": wanted["cycles"], "climb_deg": climb}

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -26,7 +27,7 @@ from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
 from cyclemap.views.style import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
-from cyclemap.written import Json, json_of, written
+from cyclemap.written import Json, json_of, rows
 
 _EXPORTS = {"csv": (".csv", write_csv), "netcdf": (".nc", write_netcdf)}
 _MOST_DRAWN_KEYS = 2
@@ -177,20 +178,19 @@ def _words(text: str, known: Iterable[str] | None = None, what: str = "") -> tup
 def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
-    plan, results = sweep.description["plan"], []
-    for place in range(len(sweep)):
-        told: Json = {key: sweep.swept[key][place] for key in sweep.keys}
-        for quantity in sweep.quantities:
-            values = (sweep.lists if quantity.many else sweep.columns)[quantity.name][place]
-            told[quantity.written_name] = written(quantity.written(values))
-        results.append({**told, "refusal": sweep.refusals[place] or None})
+    plan = sweep.description["plan"]
+    columns: dict[str, Any] = {key: sweep.swept[key] for key in sweep.keys}
+    for quantity in sweep.quantities:
+        values = (sweep.lists if quantity.many else sweep.columns)[quantity.name]
+        columns[quantity.written_name] = map(quantity.written, values)
+    refusals = [refusal or None for refusal in sweep.refusals]
     return {
         **_status_report(status, store),
         "over": plan["points"],
         "settings": plan["settings"],
         "quantities": plan["quantities"],
         "units": {one.written_name: one.written_unit for one in sweep.quantities},
-        "results": results,
+        "results": rows(**columns, refusal=refusals),
     }
 
 

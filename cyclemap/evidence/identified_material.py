@@ -44,6 +44,7 @@ from cyclemap.mechanics.material import (
     FloorSession,
     shape_numbers,
 )
+from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -56,8 +57,8 @@ _FOUND_UNITS = {
     "pusher_mu": ("pusher_friction", 1.0),
     "pin_friction_mm": ("pin_friction_radius", 1e3),
 }
-# Units as people read them, and the factor from SI.
-_READABLE = {"rad": ("°", 57.29577951308232), "m": (" mm", 1e3), "1": ("", 1.0)}
+# What people are told SI units in.
+_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
 WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
@@ -480,11 +481,13 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     origin = f" in {', '.join(sources)}" if sources else ""
     told = []
     for one in found.lasting:
-        unit, factor = readable_unit(one.unit)
+        unit = readable_unit(one.unit)
         value, lower, upper = (
-            f"{round(factor * number, 6):.4g}" for number in (one.value, one.lower, one.upper)
+            f"{round(unit.of_si(number), 6):.4g}" for number in (one.value, one.lower, one.upper)
         )
-        words = f"{value} ({lower} to {upper}){unit}" if one.identifiable else "not identifiable"
+        words = (
+            f"{value} ({lower} to {upper}){unit.sign}" if one.identifiable else "not identifiable"
+        )
         told.append(f"{one.name} {words}")
     free = "; ".join(told)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
@@ -516,7 +519,7 @@ def misfit_words(found: Identification) -> str:
     """
     sentences = []
     for named in dict.fromkeys(one.kind for one in found.errors):
-        kind, unit, factor = readable_kind(named)
+        kind, unit = readable_kind(named)
         alike = [one for one in found.errors if one.kind == named]
         if len(alike) > 2:
             beside = []
@@ -525,32 +528,33 @@ def misfit_words(found: Identification) -> str:
                 ("left out ", "left_out_mean"),
                 ("isotropic ", "isotropic_mean"),
             ):
-                sizes = [factor * value for one in alike if (value := getattr(one, size)) == value]
+                sizes = [
+                    unit.of_si(value) for one in alike if (value := getattr(one, size)) == value
+                ]
                 beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
-            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit}"
+            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit.sign}"
             sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
             continue
         for one in alike:
             left_out, isotropic = one.left_out_mean, one.isotropic_mean
-            beside = [f"{factor * left_out:.3g} left out"] if left_out == left_out else []
-            beside += [f"isotropic {factor * isotropic:.3g}"] if isotropic == isotropic else []
-            told = f"{one.block}, {kind}: {factor * one.mean:.3g}{unit}"
+            beside = [f"{unit.of_si(left_out):.3g} left out"] if left_out == left_out else []
+            beside += [f"isotropic {unit.of_si(isotropic):.3g}"] if isotropic == isotropic else []
+            told = f"{one.block}, {kind}: {unit.of_si(one.mean):.3g}{unit.sign}"
             sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
     return "; ".join(sentences)
 
 
-def readable_kind(kind: str) -> tuple[str, str, float]:
-    """Return a kind of noise without its unit, the unit as people read it, and the factor from SI.
+def readable_kind(kind: str) -> tuple[str, Unit]:
+    """Return a kind of noise without its unit, and the unit that it is told in.
 
-    >>> readable_kind("push place (m)")
-    ('push place', ' mm', 1000.0)
+    >>> kind, unit = readable_kind("push place (m)")
+    >>> kind, unit.sign
+    ('push place', ' mm')
     """
     found = re.fullmatch(r"(.*) \((\S+)\)", kind)
-    if found is None:
-        return kind, "", 1.0
-    return found[1], *readable_unit(found[2])
+    return (kind, NUMBER) if found is None else (found[1], readable_unit(found[2]))
 
 
-def readable_unit(unit: str) -> tuple[str, float]:
-    """Return a unit as people read it, such as " mm" of "m", and the factor from SI."""
-    return _READABLE.get(unit, (f" {unit}", 1.0))
+def readable_unit(unit: str) -> Unit:
+    """Return the unit that people are told numbers of an SI unit in."""
+    return _READABLE.get(unit, Unit(unit, float))

@@ -51,8 +51,8 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
 
 
 def _size(one: KindErrors, value: float) -> str:
-    _, unit, factor = readable_kind(one.kind)
-    return f"{factor * value:.3g}{unit}"
+    _, unit = readable_kind(one.kind)
+    return f"{unit.of_si(value):.3g}{unit.sign}"
 
 
 def _named(one: KindErrors) -> str:

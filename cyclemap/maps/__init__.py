@@ -39,6 +39,8 @@ bifurcations, Bifurcation, saddle_nodes, period_doublings, border_collisions : w
 bifurcation_curves, BifurcationCurve, follow_bifurcation, CodimensionTwo : the same in a plane of
     two parameters
 slow_folds, SlowFold : when a parameter that moves takes stable points away, and how late that shows
+rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to
+    1
 response, Response : derivatives of law, winding, stable points and passage times by the parameter,
     under noise
 tongue, Tongue, tongues, TongueBoundaries : the parameters that lock to p/q
@@ -65,8 +67,6 @@ sample_staircase, sample_staircases, Staircase : noisy paths of the lifted orien
 predict_staircase, StaircaseSummary, SlowZone : where such a path rests, how long, how high it steps
 find_steps, Steps : the dwells and steps of a path
 compare_steps, StepComparison : found beside predicted
-rest_multiplier, RestMultiplier : how much of an error the last cycles of a path keep, on its way to
-    1
 DriftingMap, predict_drift, DriftSummary : a map that changes with the cycle
 """
 
@@ -101,6 +101,12 @@ if TYPE_CHECKING:
         lyapunov_exponents,
         orbit_diagram,
     )
+    from cyclemap.maps.families.lost_directions import (
+        RestMultiplier,
+        SlowFold,
+        rest_multiplier,
+        slow_folds,
+    )
     from cyclemap.maps.families.orbit_equations import Bifurcation
     from cyclemap.maps.families.response import Response, response
     from cyclemap.maps.families.rotation_numbers import (
@@ -109,7 +115,6 @@ if TYPE_CHECKING:
         rotation_numbers,
         rotation_plane,
     )
-    from cyclemap.maps.families.slow_folds import SlowFold, slow_folds
     from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
     from cyclemap.maps.lifts.branches import Branch, branches, preimages
     from cyclemap.maps.lifts.circle_map import CircleMap
@@ -146,7 +151,6 @@ if TYPE_CHECKING:
         survival_probabilities,
     )
     from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
-    from cyclemap.maps.staircases.early_warning import RestMultiplier, rest_multiplier
     from cyclemap.maps.staircases.slow_zones import (
         DriftSummary,
         SlowZone,

@@ -162,8 +162,8 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
 
 def draw_interval(axes: Axes, one: Estimate) -> None:
     """The interval of one parameter on an axis of its own, its name at the left."""
-    unit, factor = readable_unit(one.unit)
-    value, lower, upper = factor * one.value, factor * one.lower, factor * one.upper
+    unit = readable_unit(one.unit)
+    value, lower, upper = (unit.of_si(end) for end in (one.value, one.lower, one.upper))
     color = PREDICTED if one.identifiable else QUIET
     axes.plot([lower, upper], [0.0, 0.0], color=color, linewidth=2.2, solid_capstyle="butt")
     axes.plot(value, 0.0, "o", color=color, markersize=5)
@@ -180,7 +180,7 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     for side in ("left", "top", "right"):
         axes.spines[side].set_visible(False)
     axes.tick_params(axis="x", labelsize=7, length=2, pad=1)
-    words = f"{one.name.replace('_', ' ')}{f' ({unit.strip()})' if unit else ''}"
+    words = f"{one.name.replace('_', ' ')}{f' ({unit.sign.strip()})' if unit.sign else ''}"
     axes.text(-0.03, 0.5, words, transform=axes.transAxes, ha="right", va="center", fontsize=8)
 
 
@@ -254,10 +254,10 @@ def worse_than_isotropic(found: Identification) -> list[str]:
     for one in found.errors:
         mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
         if mean > WORSE * one.isotropic_mean:
-            kind, unit, factor = readable_kind(one.kind)
+            kind, unit = readable_kind(one.kind)
             worse.append(
-                f"{one.block}, {kind} ({factor * mean:.3g} against "
-                f"{factor * one.isotropic_mean:.3g}{unit})"
+                f"{one.block}, {kind} ({unit.of_si(mean):.3g} against "
+                f"{unit.of_si(one.isotropic_mean):.3g}{unit.sign})"
             )
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 

@@ -152,7 +152,7 @@ def root(
     None without one.
     """
     at = near.astype(LONG)
-    step = LONG(1e-7)
+    step = LONG(1e-9)  # shorter than any walk ends before a break
     columns = [
         (residual(at + step * unit) - residual(at - step * unit)) / (2 * step)
         for unit in np.eye(3, dtype=LONG)[:free]

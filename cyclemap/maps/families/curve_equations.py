@@ -24,7 +24,7 @@ from cyclemap.maps.lifts.lift_checks import distance_to_break
 
 KINDS = {"saddle-node": 1.0, "period-doubling": -1.0, "border-collision": 0.0}
 _STEP = 1e-5  # of a range: for second-order differences in a parameter
-_WIDE, _NARROW = 4e-3, 1e-8  # radians: spacing of the five-point differences of (F^n)'
+_WIDE, _NARROW = 4e-3, 1e-6  # radians: spacing of the five-point differences of (F^n)'
 _ITERATIONS, _CLOSE = 12, 1e-13
 _ANGLES = np.linspace(0.0, TWO_PI, 64, endpoint=False)
 _STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / 12.0
@@ -87,7 +87,9 @@ class CurveSpot:
         """
         growth = np.maximum(1.0, np.abs(np.cumprod(np.append(1.0, self.state.slopes[:-1]))))
         free = float(np.min(distance_to_break(self.state.member.breaks, self.state.theta) / growth))
-        narrow = min(_WIDE, max(free / 8.0, _NARROW))
+        if free < 8.0 * _NARROW:  # at a break there is no such derivative
+            return np.full(2, np.nan), np.full(2, np.inf)
+        narrow = min(_WIDE, free / 8.0)
         found = []
         for width in (narrow, 2.0 * narrow):
             theta = self.state.theta[0] + width * np.arange(-2.0, 3.0)

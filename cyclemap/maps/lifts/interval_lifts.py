@@ -38,11 +38,20 @@ def ball_library() -> Any:  # typed as Any: an extra that need not be there
     return flint
 
 
+def _chained(
+    function: Callable[[Ball], Ball], slope: Callable[[Ball], Ball]
+) -> Callable[[Jet], Jet]:
+    """A method of jets for a function and its derivative."""
+
+    def method(jet: Jet) -> Jet:
+        return Jet(function(jet.value), slope(jet.value) * jet.slope)
+
+    return method
+
+
 @dataclass(frozen=True, eq=False)
 class Jet:
-    """A value and its slope by the orbit's start, both balls: numpy's functions of object arrays
-    call its methods.
-    """
+    """A value and its slope by the orbit's start, both balls."""
 
     value: Ball
     slope: Ball
@@ -94,49 +103,17 @@ class Jet:
     def __eq__(self, other: object) -> bool:
         raise TypeError("intervals cannot be compared")
 
-    def sin(self) -> Jet:
-        """Called by np.sin, as the rest by the functions of their names."""
-        return Jet(self.value.sin(), self.value.cos() * self.slope)
-
-    def cos(self) -> Jet:
-        """cos, slope -sin."""
-        return Jet(self.value.cos(), -self.value.sin() * self.slope)
-
-    def tan(self) -> Jet:
-        """tan, slope 1 + tan²."""
-        tangent = self.value.tan()
-        return Jet(tangent, (1 + tangent * tangent) * self.slope)
-
-    def exp(self) -> Jet:
-        """exp, its own slope."""
-        power = self.value.exp()
-        return Jet(power, power * self.slope)
-
-    def log(self) -> Jet:
-        """The natural logarithm."""
-        return Jet(self.value.log(), self.slope / self.value)
-
-    def sqrt(self) -> Jet:
-        """The square root."""
-        root = self.value.sqrt()
-        return Jet(root, self.slope / (2 * root))
-
-    def sinh(self) -> Jet:
-        """sinh, slope cosh."""
-        return Jet(self.value.sinh(), self.value.cosh() * self.slope)
-
-    def cosh(self) -> Jet:
-        """cosh, slope sinh."""
-        return Jet(self.value.cosh(), self.value.sinh() * self.slope)
-
-    def tanh(self) -> Jet:
-        """tanh, slope 1 - tanh²."""
-        bent = self.value.tanh()
-        return Jet(bent, (1 - bent * bent) * self.slope)
-
-    def arctan(self) -> Jet:
-        """arctan, slope 1/(1 + x²)."""
-        return Jet(self.value.atan(), self.slope / (1 + self.value * self.value))
+    # numpy's functions of object arrays call the methods of their names.
+    sin = _chained(lambda x: x.sin(), lambda x: x.cos())
+    cos = _chained(lambda x: x.cos(), lambda x: -x.sin())
+    tan = _chained(lambda x: x.tan(), lambda x: 1 + x.tan() ** 2)
+    exp = _chained(lambda x: x.exp(), lambda x: x.exp())
+    log = _chained(lambda x: x.log(), lambda x: 1 / x)
+    sqrt = _chained(lambda x: x.sqrt(), lambda x: 1 / (2 * x.sqrt()))
+    sinh = _chained(lambda x: x.sinh(), lambda x: x.cosh())
+    cosh = _chained(lambda x: x.cosh(), lambda x: x.sinh())
+    tanh = _chained(lambda x: x.tanh(), lambda x: 1 - x.tanh() ** 2)
+    arctan = _chained(lambda x: x.atan(), lambda x: 1 / (1 + x * x))
 
     def arctan2(self, across: Jet | float) -> Jet:
         """The angle of the point (across, self); where it may jump from π to -π its slope is

@@ -16,10 +16,10 @@ from cyclemap.maps.estimate import INTEGRAL, LIFT, Estimate
 from cyclemap.maps.lifts.branches import branches, preimages_on
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.map_algebra import nth_iterate
-from cyclemap.maps.noise.cells import Cells, cells_between
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.fourier_basis import Complex, FourierDiscretisation
 from cyclemap.maps.operator.poisson_equation import Rule, StationaryLaw, checked_values
+from cyclemap.maps.passages.cell_passage import Cells, cells_between
 
 NOISELESS_CELLS = 1_024
 CELLS = 512  # under noise, where errors fall with their square

@@ -423,6 +423,11 @@ def _monotone_rotation(
 
 
 def _proved_rotation(circle_map: CircleMap, budget: _Budget) -> RotationNumber:
+    if circle_map.max_error > 0.0 or circle_map.pieces is not None:
+        raise InvalidInput(
+            "no proof: a map that is not exact has bounds that hold for all within its max_error; "
+            "leave out proved"
+        )
     iterates, max_period, tolerance = budget
     searched = rotation_number(
         circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance

@@ -128,6 +128,15 @@ class OrientationLaw:
     error: float
     density: Array
 
+    @property
+    def peaks(self) -> Array:
+        """Directions (rad) at which the density is highest thereabouts, and above the uniform
+        one.
+        """
+        before, after = np.roll(self.density, 1), np.roll(self.density, -1)
+        highest = (self.density > before) & (self.density >= after)
+        return np.radians(np.flatnonzero(highest & (self.density > 1.0 / TWO_PI)))
+
 
 def orientation_law(
     turn: Array, strategy: ResetStrategy, sigma: float, pushes: int = 50, modes: int | None = None

@@ -135,19 +135,27 @@ def test_saddle_nodes_of_twice_the_period_end_in_the_generalised_flip_that_the_d
         assert abs(here - there) <= here.error_bound + there.error_bound < 1e-8
 
 
-def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
-    """Slopes ±q - 0.2 cos θ on the halves: at q = ±0.2 a fold runs into the kink at 0 or π."""
+@pytest.mark.parametrize("drift", [0.0, 0.5])
+def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one(drift):
+    """Slopes ±q - 0.2 cos θ on the halves: at q = ±0.2 a fold runs into the kink at 0 or π; seen
+    turned by an angle that moves with p all is the same.
+    """
 
     def family(p, q):
+        turn = drift * p
         return CircleMap(
             lambda x: (
                 x
                 + p
-                + q * (np.abs(np.mod(x + np.pi, TWO_PI) - np.pi) - np.pi / 2)
-                - 0.2 * np.sin(x)
+                + q * (np.abs(np.mod(x - turn + np.pi, TWO_PI) - np.pi) - np.pi / 2)
+                - 0.2 * np.sin(x - turn)
             ),
-            lambda x: 1 + q * np.where(np.mod(x, TWO_PI) < np.pi, 1.0, -1.0) - 0.2 * np.cos(x),
-            breaks=[0.0, np.pi],
+            lambda x: (
+                1
+                + q * np.where(np.mod(x - turn, TWO_PI) < np.pi, 1.0, -1.0)
+                - 0.2 * np.cos(x - turn)
+            ),
+            breaks=[turn, turn + np.pi],
         )
 
     found = bifurcations(lambda p: family(p, 0.1), (0.05, 0.8), resolution=4)
@@ -155,6 +163,7 @@ def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
     for start in found:
         curve = follow_bifurcation(family, start, 0.1, (-1.0, 1.0), (-0.5, 0.5))
         kinds.setdefault(curve.kind, []).append(curve)
+        assert curve.residual < 1e-12
         if curve.kind == "border-collision":
             assert np.max(np.abs(np.abs(curve.first) - np.abs(curve.second) * np.pi / 2)) < 1e-12
         assert [point.kind for point in curve.special] == ["border saddle-node"] * 2
@@ -163,6 +172,27 @@ def test_curves_at_a_kink_meet_where_a_slope_beside_it_is_one():
             assert abs(abs(point.second) - 0.2) <= point.second.error_bound < 1e-5
     assert set(kinds) == {"border-collision", "saddle-node"}
     assert kinds["saddle-node"][0].ends == ("border collision", "border collision")
+
+
+def test_at_a_jump_the_far_side_has_no_orbit_whose_multiplier_could_pass_one():
+    """Slope 1.5 + q below a jump, 0.5 above it: the orbit that comes from above stays stable."""
+
+    def family(p, q):
+        def lift(theta):
+            turns = np.floor(theta / TWO_PI)
+            away = theta - TWO_PI * turns
+            low, high = 0.5 * away, (1.5 + q) * (away - TWO_PI) + 0.7 * TWO_PI
+            return p + TWO_PI * turns + np.where(away < np.pi, low, high)
+
+        return CircleMap(lift, None, [0.0, np.pi])
+
+    start = next(
+        found
+        for found in bifurcations(lambda p: family(p, 0.0), (-0.5, 0.5), resolution=4)
+        if found.jump and found.theta < 1.0
+    )
+    curve = follow_bifurcation(family, start, 0.0, (-1.0, 1.0), (-0.9, 0.9))
+    assert np.max(np.abs(curve.first)) < 1e-12 and curve.special == ()
 
 
 @pytest.mark.slow
