@@ -21,3 +21,13 @@ def shorter_way(angle: Any) -> Array:
     -0.25
     """
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)
+
+
+def evenly_spread(count: int, most: int) -> list[int]:
+    """Return at most so many of the places 0, ..., count - 1, evenly spread.
+
+    >>> evenly_spread(7, 3), evenly_spread(2, 3), evenly_spread(0, 3)
+    ([0, 3, 6], [0, 1], [])
+    """
+    places: list[int] = np.linspace(0, count - 1, min(most, count)).round().astype(int).tolist()
+    return places

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
 from cyclemap.views import style
 
@@ -58,7 +58,7 @@ def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) 
     surfaces = paths_on_four_surfaces(measured, cycles, drawn)
     crossed = []
     for paths in surfaces:
-        chosen = np.unique(np.linspace(0, len(paths.theta0) - 1, COUNTED).round().astype(int))
+        chosen = evenly_spread(len(paths.theta0), COUNTED)
         theta = paths.theta0[chosen]
         apart = np.abs(shorter_way(theta - theta[:, None])) >= APART
         # Every second station: the paths bend too little between them to hide a crossing.

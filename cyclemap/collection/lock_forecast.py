@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, evenly_spread
 from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
@@ -114,13 +114,11 @@ def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None
         raise InvalidInput(
             f"{loop.material.name} has no samples of what is believed of it: identify it from data"
         )
-    chosen = np.unique(
-        np.linspace(0, len(posterior) - 1, min(_SAMPLES, len(posterior))).round().astype(int)
-    )
+    chosen = evenly_spread(len(posterior), _SAMPLES)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     theta = TWO_PI * np.arange(_NODES) / _NODES
     turns = np.empty((len(chosen), _NODES))
-    for row, index in enumerate(chosen.tolist()):
+    for row, index in enumerate(chosen):
         turns[row] = run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta
         if progress is not None:
             progress((row + 1) / len(chosen))

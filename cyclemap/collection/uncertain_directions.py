@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, shorter_way
+from cyclemap.arrays import TWO_PI, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
@@ -296,8 +296,7 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     some = [index for index, found in enumerate(points) if found.size]
     none = [index for index, found in enumerate(points) if not found.size]
     if not some:
-        even = np.linspace(0, len(none) - 1, _JUDGES).round().astype(int)
-        return sorted({none[index] for index in even}), []
+        return sorted(none[index] for index in evenly_spread(len(none), _JUDGES)), []
     middle = np.angle(np.exp(1j * np.concatenate([points[index] for index in some])).sum())
     order = np.argsort([shorter_way(points[index] - middle)[0] for index in some])
     ends = 0.5 * (1.0 - LEVEL) + LEVEL * np.linspace(0.0, 1.0, _JUDGES)

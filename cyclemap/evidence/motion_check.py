@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, Mask, shorter_way
+from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
@@ -127,11 +127,6 @@ def _loop_of(name: object, loop: CollectionLoop | None) -> CollectionLoop | None
     return replace(loop or CollectionLoop.mit("isotropic"), slider=Slider.mit(name), footprint=None)
 
 
-def _sample(count: int) -> Array:
-    """Some of so many pushes, evenly spread."""
-    return np.unique(np.linspace(0, count - 1, min(count, _MOST)).round().astype(int))
-
-
 def check_orientations(
     theta: Array, theta_next: Array, loop: CollectionLoop | None, convention: Convention = OURS
 ) -> tuple[str, ...]:
@@ -146,7 +141,7 @@ def check_orientations(
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
     if theta.size < FEWEST or not isinstance(loop, CollectionLoop) or not convention.is_ours:
         return said
-    chosen = _sample(theta.size)
+    chosen = evenly_spread(theta.size, _MOST)
     coarse, off = replace(loop, accuracy=1e-6), dict[str, float]()
     for name, (sense, zero) in ANGLES.items():
         before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
@@ -286,7 +281,7 @@ def check_motion(
     rows = table[np.isfinite(table[_POSES].astype(float)).all(axis=1)]
     if len(rows) < FEWEST:
         return None
-    written = _Written.of(rows.iloc[_sample(len(rows))], convention)
+    written = _Written.of(rows.iloc[evenly_spread(len(rows), _MOST)], convention)
     test = _Alike(written) if loop is None else _prediction(written, loop)
     if test is None or test.count < FEWEST:
         return None

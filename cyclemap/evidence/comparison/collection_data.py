@@ -170,7 +170,7 @@ def measured_pairs(path: str | Path) -> Theta0Pairs:
 
 
 def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> CollectionData:
-    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
+    cycle = pairs.numbers
     kept = cycle >= first
     if not kept.any():
         raise InvalidInput(

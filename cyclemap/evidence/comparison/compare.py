@@ -194,10 +194,8 @@ def compare(
         progress=lambda done: report(0.1 * done),
     )
     pairs = collection.pairs
-    numbers = (
-        () if pairs is None else [one for one in (pairs.cycle, pairs.path_cycle) if one is not None]
-    )
-    wanted = 1 + int(max((np.max(one) for one in numbers), default=0.0))
+    known = () if pairs is None else (pairs.cycle, pairs.path_cycle)
+    wanted = 1 + int(max((np.max(cycles) for cycles in known if cycles is not None), default=0.0))
     given = collection.loop or prediction
     chosen = as_prediction(
         given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)

@@ -92,8 +92,7 @@ def cycle_agreement(
     """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted
     map.
     """
-    cycle = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-    (predicted, *sampled), best = prediction.turns(pairs.theta, cycle), None
+    (predicted, *sampled), best = prediction.turns(pairs.theta, pairs.numbers), None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
@@ -131,20 +130,20 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
     The F ratio of the least-squares fit of six harmonics: mean square explained over mean square
     left, whatever the size of the noise. A ``CollectionStatistic``.
     """
-    found = np.zeros(len(paths))
+    ratios = np.zeros(len(paths))
     order = min(HARMONICS, (paths.shape[1] - 3) // 4)
     if order < 0:
-        return found
+        return ratios
     off = paths[:, 1:] - ensemble.model.images(paths)
-    for number, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
+    for index, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
         # By singular vectors: a path that sees few directions fixes fewer coefficients.
         basis, sizes, _ = np.linalg.svd(fourier_columns(theta, order), full_matrices=False)
         basis = basis[:, sizes > 1e-9 * sizes[0]]
         explained = float(np.sum((basis.T @ values) ** 2))
         left = float(values @ values) - explained
         free = values.size - basis.shape[1]
-        found[number] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
-    return found
+        ratios[index] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+    return ratios
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,7 +237,7 @@ def direction_agreement(
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
-    simulated, matches = [kernel_modes(one) for one in null] if zones else [], []
+    simulated, matches = [kernel_modes(run) for run in null] if zones else [], []
     for zone in zones:
         mode, off, p_value = _nearest(predicted, zone.centre), None, None
         seen = None if mode is None else _nearest(measured, mode)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection import CollectionLoop, drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
@@ -61,13 +61,13 @@ class Prediction:
         """Turns (1 + k, n), rad, from ``theta`` (n,) in the pushes ``cycle`` (n,): of the map, then
         of each sample.
         """
-        maps = (self.map, *self.samples)
-        return np.array(
-            [
-                one.turn(theta) if isinstance(one, CircleMap) else one.images(theta, cycle) - theta
-                for one in maps
-            ]
-        )
+        turns = []
+        for known in (self.map, *self.samples):
+            if isinstance(known, CircleMap):
+                turns.append(known.turn(theta))
+            else:
+                turns.append(known.images(theta, cycle) - theta)
+        return np.array(turns)
 
 
 def as_prediction(
@@ -135,5 +135,4 @@ def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
     if posterior is None:
         return []
-    picked = np.linspace(0, len(posterior) - 1, min(SAMPLES, len(posterior))).round().astype(int)
-    return [sampled_loop(loop, number) for number in picked.tolist()]
+    return [sampled_loop(loop, index) for index in evenly_spread(len(posterior), SAMPLES)]

@@ -208,7 +208,7 @@ def _quantities(
 ) -> tuple[QuantityAgreement, ...]:
     errors = np.zeros(len(QUANTITIES)) if shifts is None else np.std(shifts, axis=0, ddof=1)
     columns = zip(QUANTITIES, measured.T, predicted.T, errors.tolist(), strict=True)
-    return tuple(quantity_agreement(*one) for one in columns)
+    return tuple(quantity_agreement(*column) for column in columns)
 
 
 def mean_distances(
@@ -257,12 +257,11 @@ def quantity_agreement(
     >>> found.bias, found.spread, found.rmse, found.percent
     (0.5, 0.0, 0.5, 25.0)
     """
-    off, mean, deviation = predicted - measured, float(np.mean(measured)), float(np.std(measured))
-    bias, rmse, error = (
-        float(np.mean(off)),
-        float(np.sqrt(np.mean(off**2))),
-        mean_error(off, model_error),
-    )
+    off = predicted - measured
+    mean, deviation = float(np.mean(measured)), float(np.std(measured))
+    bias, rmse = float(np.mean(off)), float(np.sqrt(np.mean(off**2)))
+    error = mean_error(off, model_error)
+    seen = SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
     return QuantityAgreement(
         name=name,
         count=off.size,
@@ -275,9 +274,7 @@ def quantity_agreement(
         rmse=rmse,
         bias_error=error,
         model_error=model_error,
-        agrees=within_error(
-            bias, error, off.size, SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
-        ),
+        agrees=within_error(bias, error, off.size, seen),
         percent=100.0 * rmse / abs(mean) if mean else float("inf"),
         std_percent=100.0 * deviation / abs(mean) if mean else float("inf"),
         explains=rmse < deviation,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
@@ -210,8 +210,6 @@ class _Collected:
     loop: CollectionLoop = field(init=False)
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
-    tip_errors: dict[str, float] = field(default_factory=dict)
-    pushes: dict[str, dict[str, list[MeasuredPush]]] = field(default_factory=dict)
     filled: dict[tuple[str, ...], str] = field(default_factory=dict)
     rods_set: int = 0
     notes: list[tuple[str, str]] = field(default_factory=list)
@@ -277,14 +275,21 @@ class _Collected:
         if count > 0:
             self._note(f"{count} left out: {reason}")
 
-    def _add(self, block: DataBlock, words: str, noise: Mapping[str, float] | None = None) -> None:
+    def _add(
+        self,
+        block: DataBlock,
+        words: str,
+        noise: Mapping[str, float] | None = None,
+        pushes: Sequence[MeasuredPush] = (),
+        strayed: float | None = None,
+    ) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
-        data tell it.
+        data tell it. pushes, strayed : see `SessionBlock`.
         """
         for kind in set(block.kinds.tolist()):
             size = math.inf if noise is None else noise[kind]
             self.noise[kind] = max(size, self.noise.get(kind, 0.0))
-        self.blocks.append(SessionBlock(block, self.plate, self.session))
+        self.blocks.append(SessionBlock(block, self.plate, self.session, pushes, strayed))
         self._note(f"{words} of {self.plate}")
 
     def _add_pushes(self, pushes: PushTable, sort: str, progress: Progress) -> None:
@@ -315,8 +320,7 @@ class _Collected:
         """Add the cycles of a set of pushes that were repeated at one contact."""
         pairs = rows.pairs
         assert pairs is not None
-        number = np.arange(float(pairs.theta.size)) if pairs.cycle is None else pairs.cycle
-        late = number >= self.first
+        late = pairs.numbers >= self.first
         count = int(np.sum(late))
         self._leave_out(f"cycles before {self.first}", late.size - count)
         for reason, dropped in pairs.dropped.items():
@@ -326,7 +330,7 @@ class _Collected:
             return
         place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
         loop = replace(self.loop, push=replace(self.loop.push, **place))
-        since = number[late] - self.first
+        since = pairs.numbers[late] - self.first
         share = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
         block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
@@ -393,16 +397,16 @@ class _Collected:
         pushes: Sequence[MeasuredPush],
         noise: Mapping[str, float] | None = None,
         set_by_marks: bool = False,
+        strayed: float | None = None,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if not kept:
             return
-        sessions = self.pushes.setdefault(self.plate, {})
-        sessions.setdefault(self.session, _thinned(pushes, _MOST_TURNS))
         first_set = self.rods_set + 1 if set_by_marks else None
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
         self.rods_set += len(kept) if set_by_marks else 0
-        self._add(block, f"{_counted(kept, pushes)} push ends", noise)
+        words = f"{_counted(kept, pushes)} push ends"
+        self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
@@ -427,11 +431,12 @@ class _Collected:
             pushes = read_measured_pushes(table, rows)
             errors = [tip_error(table, row) for row in rows]
             small = [error for error in errors if error <= LARGEST_TIP_ERROR]
-            self.tip_errors[self.session] = float(np.mean(small)) if small else 0.0
+            strayed = float(np.mean(small)) if small else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
-            self._add_push_ends(pushes, _told_noise(table, rows), FRAMES_AGREE in table.header)
+            by_marks = FRAMES_AGREE in table.header
+            self._add_push_ends(pushes, _told_noise(table, rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
             kept = _thinned(drags, self.most)
@@ -453,7 +458,7 @@ class _Collected:
 
     def named(self, population: bool) -> tuple[DataBlock, ...]:
         """Return the blocks of all files, with notes on odd sessions; see `named_blocks`."""
-        odd, open_ones = odd_sessions(self.given, self.tip_errors, self.pushes)
+        odd, open_ones = odd_sessions(self.given, self.blocks)
         for session, reason in open_ones.items():
             self.notes.append((session, f"{reason}; nothing tells which of the two is odd"))
         for session, reason in odd.items():
@@ -517,11 +522,10 @@ def _cycle_groups(count: int) -> Labels:
 
 def _thinned(rows: Sequence[T], most: int) -> list[T]:
     """At most so many of the rows, evenly spread."""
-    places = np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int)
-    return [rows[place] for place in np.unique(places)]
+    return [rows[place] for place in evenly_spread(len(rows), most)]
 
 
-def _counted(kept: Sequence[Any], rows: Sequence[Any]) -> str:
+def _counted(kept: Sequence[object], rows: Sequence[object]) -> str:
     return str(len(kept)) if len(kept) == len(rows) else f"{len(kept)} of {len(rows)}"
 
 
@@ -640,12 +644,9 @@ def collected_blocks(
     """
     whole_number("first cycle", first, least=0)
     chosen = dict(select or {})
-    wanted, objects = chosen.get("object"), MIT_SHAPE_NAMES
-    if isinstance(wanted, str):
-        loop, objects = loop_of_plate(loop, wanted), (wanted,)
-    elif loop.slider.name not in MIT_SHAPE_NAMES:
-        objects = () if loop.slider.name == OWN_OUTLINE else (file_stem(loop.slider.name),)
-    selection = RowSelection(objects, chosen)
+    if isinstance(chosen.get("object"), str):
+        loop = loop_of_plate(loop, str(chosen["object"]))
+    selection = RowSelection(_known_objects(loop, chosen), chosen)
     length = math.nan if push_length is None else push_length
     collected = _Collected(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
@@ -665,26 +666,47 @@ def collected_blocks(
         listed = ", ".join(sorted(shapes))
         raise InvalidInput(f"the data are of several objects: {listed}; select one")
     if not collected.blocks:
-        others = [(str(file.path), file.reason) for file in unused]
-        reasons = joined_notes([*collected.notes, *others])
-        listed = "; ".join(reasons) or ", ".join(str(path) for path in paths)
-        facts = ", ".join(f"{name}: {value}" for name, value in chosen.items() if name != "object")
-        if facts and not unused:
-            raise InvalidInput(f"no such {facts}; {listed}")
-        raise InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+        reasons = joined_notes([*collected.notes, *_told(unused)]) or tuple(map(str, paths))
+        raise _nothing(reasons, loop, chosen, bool(unused))
+    others = [(about, f"not used: {reason}") for about, reason in _told(unused)]
     blocks = collected.named(population)
     plates = {own.plate for own in collected.blocks}
     return CollectedBlocks(
         blocks,
-        joined_notes(
-            [*collected.notes, *((str(file.path), f"not used: {file.reason}") for file in unused)]
-        ),
+        joined_notes([*collected.notes, *others]),
         next(iter(surfaces), None),
         loop if len(plates) > 1 else loop_of_plate(loop, *plates),
         np.concatenate(collected.scans) if collected.scans else None,
         collected.last_cycle,
         {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
     )
+
+
+def _told(files: Sequence[UnreadableFile]) -> list[tuple[str, str]]:
+    return [(str(file.path), file.reason) for file in files]
+
+
+def _nothing(
+    notes: Sequence[str], loop: CollectionLoop, chosen: Mapping[str, str | float], is_told: bool
+) -> InvalidInput:
+    """What is said where nothing is left of the data; is_told : whether the notes tell of files of
+    no use.
+    """
+    listed = "; ".join(notes)
+    facts = [f"{name}: {value}" for name, value in chosen.items() if name != "object"]
+    if facts and not is_told:
+        return InvalidInput(f"no such {', '.join(facts)}; {listed}")
+    return InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
+
+
+def _known_objects(loop: CollectionLoop, chosen: Mapping[str, str | float]) -> tuple[str, ...]:
+    """The objects whose rows are kept; () where it is not told which is the loop's."""
+    if isinstance(chosen.get("object"), str):
+        return (str(chosen["object"]),)
+    name = loop.slider.name
+    if name in MIT_SHAPE_NAMES:
+        return MIT_SHAPE_NAMES
+    return () if name == OWN_OUTLINE else (file_stem(name),)
 
 
 def telling_parameters(

@@ -35,11 +35,17 @@ _TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS = 0.15, 4.0, 20
 
 @dataclass(frozen=True, eq=False)
 class SessionBlock:
-    """A block of data, of which plate it is, and in which session; empty where nothing tells."""
+    """A block of data, of which plate it is, and in which session; empty where nothing tells.
+
+    pushes : of the block, some of them. strayed : how far the robot was from where it was sent,
+        m, on average; None where that is not known.
+    """
 
     block: DataBlock
     plate: str
     session: str
+    pushes: Sequence[MeasuredPush] = ()
+    strayed: float | None = None
 
 
 def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
@@ -93,17 +99,18 @@ def named_blocks(
 
 
 def odd_sessions(
-    loop: CollectionLoop,
-    tip_errors: Mapping[str, float],
-    pushes: Mapping[str, Mapping[str, Sequence[MeasuredPush]]],
+    loop: CollectionLoop, known: Sequence[SessionBlock]
 ) -> tuple[dict[str, str], dict[str, str]]:
     """Return sessions whose robot strayed, or whose plate turned, unlike in the others, each with
     the reason; and those of which nothing tells whether they or another one is odd.
 
-    tip_errors : by session, how far the robot was from where it was sent, m. pushes : by plate and
-        session. Of two sessions that turn a plate unlike the odd one is that whose robot strayed
-        more.
+    Of two sessions that turn a plate unlike the odd one is that whose robot strayed more.
     """
+    tip_errors = {row.session: row.strayed for row in known if row.strayed is not None}
+    pushes: dict[str, dict[str, Sequence[MeasuredPush]]] = {}
+    for row in known:
+        if len(row.pushes) >= _FEWEST_TURNS:
+            pushes.setdefault(row.plate, {}).setdefault(row.session, row.pushes)
     usual = float(np.median([*tip_errors.values()])) if tip_errors else 0.0
     odd, open_ones = dict[str, str](), dict[str, str]()
     for session, size in tip_errors.items():
@@ -113,11 +120,10 @@ def odd_sessions(
                 f"{1e3 * usual:.2g} mm in others"
             )
     for plate, sessions in pushes.items():
-        counted = {name: own for name, own in sessions.items() if len(own) >= _FEWEST_TURNS}
-        if len(counted) < 2:
+        if len(sessions) < 2:
             continue
         slider = loop_of_plate(loop, plate).slider
-        turns = {name: flat_turns(own, slider) for name, own in counted.items()}
+        turns = {name: flat_turns(own, slider) for name, own in sessions.items()}
         for session, reason in _turned_unlike(turns).items():
             astray = tip_errors.get(session, 0.0)
             others = max(tip_errors.get(name, 0.0) for name in turns if name != session)

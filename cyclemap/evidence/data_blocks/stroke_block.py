@@ -221,10 +221,7 @@ def _stroke_block(
 
         return function
 
-    def stayed(values: Values) -> int:
-        return int(np.sum(misfit(np.arange(len(strokes)), values)[2]))
-
-    before = np.array([stroke.start.theta for stroke in strokes])
+    turned = [(stroke.start.theta, stroke.end.theta - stroke.start.theta) for stroke in strokes]
     groups = np.repeat([stroke.contact for stroke in strokes], len(rows))
     return DataBlock(
         name,
@@ -234,8 +231,8 @@ def _stroke_block(
         np.tile([*kinds.values()], len(strokes)),
         own_parameters,
         part,
-        np.column_stack([before, measured[:, 2] - before]),
-        stayed=stayed,
+        np.array(turned),
+        stayed=lambda values: int(np.sum(misfit(np.arange(len(strokes)), values)[2])),
     )
 
 
@@ -319,16 +316,8 @@ def cycle_pair_block(
     if angles.size == 0 or measured.shape != angles.shape:
         told = f"{angles.size} orientations and {measured.size} turns"
         raise InvalidInput(f"{told}: give one turn for each, one at least")
-    gone = np.zeros(angles.size) if share is None else finite_array("share of wear", share, ndim=1)
-    if gone.shape != angles.shape or gone.min() < 0.0 or gone.max() > 1.0:
-        raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
-    # How much each surface counts, and its own parameters in the order of CYCLE_UNKNOWNS.
-    surfaces = [(1.0 - gone, CYCLE_UNKNOWNS)]
-    own_parameters: tuple[Parameter, ...] = ()
-    if share is not None:
-        own_parameters = _WORN_PARAMETERS
-        worn_names = tuple(parameter.name for parameter in own_parameters)
-        surfaces.append((gone, (*worn_names, *CYCLE_UNKNOWNS[len(WORN) :])))
+    surfaces = _surfaces(angles.size, share)
+    own_parameters = () if share is None else _WORN_PARAMETERS
     parameters = tuple(dict.fromkeys(name for _, names in surfaces for name in names))
     places = 2.0 * np.pi * np.arange(NODES) / NODES
     between = interpolation(angles, NODES)
@@ -357,6 +346,19 @@ def cycle_pair_block(
     return DataBlock(
         "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
     )
+
+
+def _surfaces(count: int, share: ArrayLike | None) -> list[tuple[Array, tuple[str, ...]]]:
+    """How much each surface counts in the cycles, and its own parameters in the order of
+    CYCLE_UNKNOWNS.
+    """
+    if share is None:
+        return [(np.ones(count), CYCLE_UNKNOWNS)]
+    gone = finite_array("share of wear", share, ndim=1)
+    if gone.shape != (count,) or gone.min() < 0.0 or gone.max() > 1.0:
+        raise InvalidInput("the share of wear must be a number from 0 to 1 for each cycle")
+    names = (*(parameter.name for parameter in _WORN_PARAMETERS), *CYCLE_UNKNOWNS[len(WORN) :])
+    return [(1.0 - gone, CYCLE_UNKNOWNS), (gone, names)]
 
 
 def cycles_by_unknowns(

@@ -212,23 +212,15 @@ class DataBlock:
         """Return the block of one plate or session of several: `plate_dome`, if `owned`, is then
         `plate_dome[hex]`.
         """
-        named = {
-            one.name: replace(
-                one, name=f"{one.name}[{owner}]", description=f"{one.description}; {owner}"
-            )
-            for one in owned
-            if one.name in self.parameters
-        }
-        return replace(
-            self,
-            parameters=tuple(
-                named[name].name if name in named else name for name in self.parameters
-            ),
-            own_parameters=(
-                *named.values(),
-                *(one for one in self.own_parameters if one.name not in named),
-            ),
-        )
+        asked = [parameter for parameter in owned if parameter.name in self.parameters]
+        names = {parameter.name: f"{parameter.name}[{owner}]" for parameter in asked}
+        new = [
+            replace(row, name=names[row.name], description=f"{row.description}; {owner}")
+            for row in asked
+        ]
+        kept = [row for row in self.own_parameters if row.name not in names]
+        parameters = tuple(names.get(name, name) for name in self.parameters)
+        return replace(self, parameters=parameters, own_parameters=(*new, *kept))
 
 
 def set_fields(frozen: object, **values: object) -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.errors import InvalidInput
@@ -75,8 +75,8 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
     every = [starting_space(sampled_loop(loop, number)).nominal for number in range(len(posterior))]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
-    chosen = np.unique(np.linspace(0, len(every) - 1, min(samples, len(every))).round().astype(int))
-    return Beliefs(loop, tuple(every[index] for index in chosen.tolist()), covariance)
+    chosen = evenly_spread(len(every), samples)
+    return Beliefs(loop, tuple(every[index] for index in chosen), covariance)
 
 
 def push_sensitivity(
@@ -163,7 +163,7 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
             gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))}
         )
     samples, count, _, unknowns = by.shape
-    chosen = np.unique(np.linspace(0, count - 1, _ASKED).round().astype(int))
+    chosen = evenly_spread(count, _ASKED)
     gradient = by[:, chosen, :3].reshape(samples, -1, unknowns)
 
     def words(variance: Array) -> dict[str, float]:

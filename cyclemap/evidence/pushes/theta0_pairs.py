@@ -123,6 +123,11 @@ class Theta0Pairs:
         return self.theta_next - self.theta
 
     @property
+    def numbers(self) -> Array:
+        """(n,) numbers of the pushes, from 0 where they are not told."""
+        return np.arange(float(self.theta.size)) if self.cycle is None else self.cycle
+
+    @property
     def unbroken(self) -> Theta0Pairs:
         """The same pairs with the longest stretch of the path in which each ends where the next
         begins.

@@ -6,7 +6,6 @@ import math
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -34,6 +33,16 @@ _CLEARANCE, _ROUNDING, _MOST_SHIFTS = 1e-7, 1e-7, 10
 _SAMPLE_SPACING = 0.5e-3
 # An object that has moved this far (m, at its rim) moves; recorded poses at rest tremble by less.
 _MOVED = 0.5e-3
+# What is told of a replay as it is.
+TOLD = (
+    "start_gap",
+    "straightness",
+    "strokes",
+    "touched",
+    "left",
+    "touch_agrees",
+    "leaving_agrees",
+)
 
 
 def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
@@ -230,35 +239,21 @@ class Replay:
         """(n,) rad, predicted minus measured turn."""
         return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, float]:
         """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and
         whether.
         """
-        weight, found = np.diff(self.travel), dict[str, Any]()
+        weight, numbers = np.diff(self.travel), dict[str, float]()
         for name, error in (("error", self.error), ("turn_error", self.turn_error)):
             # The root mean square along the rod's way, by the trapezium rule.
             middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
-            mean_square = (
-                float(weight @ middle) / float(weight.sum()) if weight.sum() > 0.0 else math.nan
-            )
-            found |= {name: float(error[-1]), f"rms_{name}": math.sqrt(mean_square)}
+            square = np.average(middle, weights=weight) if weight.any() else math.nan
+            numbers |= {name: float(error[-1]), f"rms_{name}": math.sqrt(square)}
         for name, poses in (("measured", self.measured), ("predicted", self.predicted)):
             x, y, turn = (poses[-1] - poses[0]).tolist()
-            found |= {f"{name}_motion": math.hypot(x, y), f"{name}_turn": turn}
-        told = (
-            "start_gap",
-            "straightness",
-            "strokes",
-            "touched",
-            "left",
-            "touch_agrees",
-            "leaving_agrees",
-        )
-        return {
-            **found,
-            "shift": math.hypot(*self.shift.tolist()),
-            **{name: getattr(self, name) for name in told},
-        }
+            numbers |= {f"{name}_motion": math.hypot(x, y), f"{name}_turn": turn}
+        numbers["shift"] = math.hypot(*self.shift.tolist())
+        return numbers | {name: getattr(self, name) for name in TOLD}
 
 
 def replay_push(

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
-from cyclemap.evidence.replay.replay_push import Replay, replay_push
+from cyclemap.evidence.replay.replay_push import TOLD, Replay, replay_push
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -94,13 +94,7 @@ REPLAY_COLUMNS = (
     "measured_turn",
     "predicted_turn",
     "shift",
-    "start_gap",
-    "straightness",
-    "strokes",
-    "touched",
-    "left",
-    "touch_agrees",
-    "leaving_agrees",
+    *TOLD,
     "path",
 )
 
@@ -296,7 +290,7 @@ def replay_pushes(
         *found.unreadable,
         *(UnreadableFile(Path(file), _A_SCAN) for file in found.scans["path"].unique()),
     ]
-    rows: list[dict[str, Any]] = []
+    rows: list[dict[str, object]] = []
     replays: list[Replay] = []
     done = 0
     for file in map(Path, found.table["path"].unique()):
@@ -324,7 +318,7 @@ class _Replayer:
         self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
         self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
-    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, Any], Replay]:
+    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, object], Replay]:
         """Return the row of a push, and its replay; raises CycleMapError where there is none."""
         name = facts.object
         if name is None:

@@ -159,16 +159,13 @@ def set_laws(
     >>> set_laws(pushes, harmonics=1).dtheta.law.coefficients.round(6).tolist()[:2]
     [1.2, 0.1]
     """
-    found = []
+    laws = []
     for done, quantity in enumerate(QUANTITIES, 1):
-        found.append(
-            motion_law(
-                quantity, pushes.theta, getattr(pushes, quantity), harmonics=harmonics, seed=seed
-            )
-        )
+        values = getattr(pushes, quantity)
+        laws.append(motion_law(quantity, pushes.theta, values, harmonics=harmonics, seed=seed))
         if progress is not None:
             progress(done / len(QUANTITIES))
-    return SetLaws(pushes.name, pushes.count, *found)
+    return SetLaws(pushes.name, pushes.count, *laws)
 
 
 def motion_law(

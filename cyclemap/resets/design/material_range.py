@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import non_negative_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -216,21 +216,14 @@ def material_range(
 def _posterior_range(material: Material) -> MaterialRange:
     assert material.posterior is not None
     count = len(material.posterior)
-    rows = np.unique(
-        np.linspace(0, count - 1, min(SEARCHED_SAMPLES + JUDGED_SAMPLES, count)).round().astype(int)
-    )
+    rows = evenly_spread(count, SEARCHED_SAMPLES + JUDGED_SAMPLES)
     samples = []
-    for place, row in enumerate(rows.tolist()):
+    for place, row in enumerate(rows):
         one = material.sample(row)
         worn = 0.0 if one.wear is None else one.wear.cycles * place / max(len(rows) - 1, 1)
         name = f"{material.name} (sample {row} of its posterior)"
         samples.append(replace(one, name=name, friction=one.friction_after(worn), wear=None))
-    chosen = (
-        np.linspace(0, len(rows) - 1, min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
-        .round()
-        .astype(int)
-        .tolist()
-    )
+    chosen = evenly_spread(len(rows), min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
     others = tuple(samples[place] for place in chosen)
     tried = tuple(one for place, one in enumerate(samples) if place not in chosen)
     told = (
