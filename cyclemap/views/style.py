@@ -4,6 +4,7 @@ markers, name tags.
 
 import math
 import re
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -366,8 +367,13 @@ def _key_width(label: str) -> float:
 
 
 def _text_width(text: str, font: FontProperties) -> float:
-    """The width of a line, inches."""
-    return float(text_to_path.get_text_width_height_descent(text, font, ismath=False)[0]) / 72.0
+    """The width of a line as it is rendered, inches."""
+    shown = typeset(printable(text))
+    with warnings.catch_warnings():
+        # Of letters that the font lacks rendering tells.
+        warnings.simplefilter("ignore", UserWarning)
+        width, _, _ = text_to_path.get_text_width_height_descent(shown, font, ismath=False)
+    return float(width) / 72.0
 
 
 def _width(axes: Axes) -> float:

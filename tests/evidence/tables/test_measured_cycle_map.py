@@ -164,8 +164,8 @@ def test_nothing_is_told_of_orientations_that_were_not_measured() -> None:
             one.theta for one in (*found.late.passages, *found.late.undecided, found.late.slowest)
         ]
         told += [one.points[0] for one in found.late.fixed_points] + [
-            found.quietest[0],
-            found.loudest[0],
+            found.quietest.theta,
+            found.loudest.theta,
         ]
         assert all(low - 0.02 <= theta <= high + 0.02 for theta in told)
         assert is_covered(found.pairs.theta, [found.late.slowest.theta]).all()
