@@ -202,7 +202,7 @@ def identified_errors(count: int) -> np.ndarray:
 def world_of(kind: str, surface: SurfaceParameters, loop: cm.CollectionLoop) -> World:
     """Return a world of a kind with these numbers, as far as it has them."""
     if kind == "mujoco":
-        from tests.calibration.mujoco_world import MujocoWorld
+        from tests.benchmarks.peers.mujoco_world import MujocoWorld
 
         left_out = dict.fromkeys(("offset_x", "offset_y", "pin_friction_radius"), 0.0)
         surface = SurfaceParameters.from_values(surface.values() | left_out)
