@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import hypothesis
 import pytest
 
 # As the command line does, and before numpy is imported: threads would only get in each other's
@@ -17,6 +18,11 @@ import pytest
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 REPOSITORY = Path(__file__).parents[1]
+
+# The same examples in every run; `--hypothesis-profile=search` looks at others.
+hypothesis.settings.register_profile("seeded", derandomize=True, deadline=None)
+hypothesis.settings.register_profile("search", deadline=None)
+hypothesis.settings.load_profile("seeded")
 
 # What a shell starts in the background ignores interrupts, and so would all that it starts: some
 # tests send them.

@@ -128,13 +128,13 @@ def test_equal_turns_tell_nothing_for_all_their_orders_are_one(turn_deg) -> None
 def test_a_climb_that_never_turns_back_tells_nothing_whatever_its_turns_depend_on(
     seed, mean_deg, pull
 ) -> None:
-    """Turns that swing with θ0 and in any order: all orders lie between the same ends."""
+    """Turns that swing with θ0 and in any order: all orders lie between the same ends, where no
+    turn leaps over the 120 degrees that the widest arc leaves out.
+    """
     random, path = np.random.default_rng(seed), [0.0]
     for _ in range(49):
-        path.append(
-            path[-1]
-            + np.radians(mean_deg) * np.exp(pull * np.cos(path[-1]) + random.standard_normal())
-        )
+        swing = np.exp(pull * np.cos(path[-1]) + random.standard_normal())
+        path.append(path[-1] + min(np.radians(mean_deg) * swing, np.radians(119.0)))
     assert evidence_of(path) == 0.0
 
 

@@ -29,9 +29,10 @@ class ArcEvidence:
         E_n = L(recorded) / mean of L over the recorded order and N orders drawn at random.
 
     Recorded and drawn orders are exchangeable, so the mean of E_n is 1 whatever the law of the
-    turns (0 for 0 / 0 only lessens it). A climb that never turns back lies between its first and
-    its last θ0 in every order: its E_n is 1 at most, however slow it is and however its turns
-    depend on θ0, as those of the mechanics do. A collection that keeps to half a circle with turns
+    turns (0 for 0 / 0 only lessens it). A climb that never turns back, by turns of less than 120
+    degrees, cannot leap over what an arc leaves out, and lies between its first and its last θ0 in
+    every order: its E_n is 1 at most, however slow it is and however its turns depend on θ0, as
+    those of the mechanics do. A collection that keeps to half a circle with turns
     that would carry it off in most other orders has an E_n near N + 1. A single visit elsewhere
     ends it; what gathers more loosely, blocks of pushes tell (`VisitEvidence`).
 
