@@ -59,7 +59,18 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
+    from cyclemap.evidence.comparison.collection_null import (
+        CollectionModel,
+        collection_p_values,
+        simulated_ensemble,
+    )
     from cyclemap.evidence.comparison.compare import Comparison, compare
+    from cyclemap.evidence.comparison.replay_push import Replay, replay_push
+    from cyclemap.evidence.comparison.replay_table import (
+        ReplayedPushes,
+        dataset_sliders,
+        replay_pushes,
+    )
     from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
         WrenchTwists,
@@ -80,17 +91,7 @@ if TYPE_CHECKING:
         SurfaceParameters,
     )
     from cyclemap.evidence.identified_material import identified_material
-    from cyclemap.evidence.laws.fit_map import (
-        FittedMap,
-        MeasuredStaircase,
-        WornLaw,
-        fit_map,
-        fit_worn_law,
-        measured_staircase,
-    )
-    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-    from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
-    from cyclemap.evidence.orientations.circular_distance import (
+    from cyclemap.evidence.laws.circular_distance import (
         CircularLaw,
         PValue,
         circular_wasserstein,
@@ -99,11 +100,31 @@ if TYPE_CHECKING:
         total_variation,
         watson_statistic,
     )
-    from cyclemap.evidence.orientations.collection_null import (
-        CollectionModel,
-        collection_p_values,
-        simulated_ensemble,
+    from cyclemap.evidence.laws.fit_map import (
+        FittedMap,
+        MeasuredStaircase,
+        WornLaw,
+        fit_map,
+        fit_worn_law,
+        measured_staircase,
     )
+    from cyclemap.evidence.laws.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
+    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
+    from cyclemap.evidence.laws.push_sets import (
+        PushSet,
+        PushStatistics,
+        push_sets,
+        push_statistics,
+    )
+    from cyclemap.evidence.laws.set_fit import (
+        SetFit,
+        SetLaws,
+        TurnHistogram,
+        fit_set,
+        set_laws,
+        turn_histogram,
+    )
+    from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
     from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
     from cyclemap.evidence.push_plan.plan_table import table_to_fill
     from cyclemap.evidence.push_probe import (
@@ -130,24 +151,7 @@ if TYPE_CHECKING:
         turn_bins,
     )
     from cyclemap.evidence.recorded_push import RecordingNoise
-    from cyclemap.evidence.replay.replay_push import Replay, replay_push
-    from cyclemap.evidence.replay.replay_table import ReplayedPushes, dataset_sliders, replay_pushes
     from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
-    from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-    from cyclemap.evidence.tables.push_sets import (
-        PushSet,
-        PushStatistics,
-        push_sets,
-        push_statistics,
-    )
-    from cyclemap.evidence.tables.set_fit import (
-        SetFit,
-        SetLaws,
-        TurnHistogram,
-        fit_set,
-        set_laws,
-        turn_histogram,
-    )
 else:
     import_on_first_use(__name__)
 

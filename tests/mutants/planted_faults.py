@@ -21,8 +21,8 @@ OPERATOR = "tests/maps/operator"
 ORBITS = "tests/maps/orbits"
 STAIRCASES = "tests/maps/staircases"
 COLLECTION = "tests/collection/test_loop.py tests/collection"
-LAWS = "tests/evidence/laws tests/evidence/tables"
-ORIENTATIONS = "tests/evidence/orientations tests/evidence/comparison"
+LAWS = "tests/evidence/laws"
+ORIENTATIONS = "tests/evidence/laws/test_circular_distance.py tests/evidence/comparison"
 IDENTIFICATION = "tests/evidence/identification"
 PUSHES = "tests/evidence/pushes"
 DESIGN = "tests/resets/test_orientation_law.py tests/resets/test_strategy.py tests/resets"
@@ -551,7 +551,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("law(theta) + law.noise(theta) * rng", "law(theta) + 0.0 * rng"),
         ],
     ),
-    "evidence/orientations/circular_distance.py": (
+    "evidence/laws/circular_distance.py": (
         ORIENTATIONS,
         [
             (
@@ -576,7 +576,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/orientations/collection_null.py": (
+    "evidence/comparison/collection_null.py": (
         ORIENTATIONS,
         [
             ("seed + _APART * (number + 1)", "seed"),
@@ -654,8 +654,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "evidence/tables/measured_cycle_map.py": (
-        "tests/evidence/tables",
+    "evidence/laws/measured_cycle_map.py": (
+        "tests/evidence/laws",
         [
             (
                 "reached = sign * (paths - start) >= TWO_PI - past",

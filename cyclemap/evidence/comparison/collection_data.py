@@ -18,6 +18,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_session
 from cyclemap.evidence.pushes.columns import PLACES, Row
@@ -25,7 +26,6 @@ from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.evidence.tables.push_sets import selected_pushes
 from cyclemap.mechanics import SidePush, Slider, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES

@@ -11,6 +11,11 @@ import numpy as np
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
+from cyclemap.evidence.comparison.collection_null import (
+    collection_p_values,
+    collection_statistics,
+    simulated_ensemble,
+)
 from cyclemap.evidence.comparison.cycle_agreement import (
     CycleAgreement,
     DirectionAgreement,
@@ -26,11 +31,6 @@ from cyclemap.evidence.comparison.prediction import Prediction, Predictor, as_pr
 from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     push_agreements,
-)
-from cyclemap.evidence.orientations.collection_null import (
-    collection_p_values,
-    collection_statistics,
-    simulated_ensemble,
 )
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs

@@ -14,17 +14,17 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.evidence.comparison.collection_null import Ensemble
 from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
-from cyclemap.evidence.laws.fit_map import HARMONICS
-from cyclemap.evidence.laws.linear_fit import fourier_columns
-from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.orientations.circular_distance import (
+from cyclemap.evidence.laws.circular_distance import (
     PValue,
     kernel_modes,
     monte_carlo_p_value,
 )
-from cyclemap.evidence.orientations.collection_null import Ensemble
+from cyclemap.evidence.laws.fit_map import HARMONICS
+from cyclemap.evidence.laws.linear_fit import fourier_columns
+from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     MapAgreement,

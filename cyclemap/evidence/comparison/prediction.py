@@ -14,7 +14,7 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.orientations.collection_null import CollectionModel
+from cyclemap.evidence.comparison.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
 
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a

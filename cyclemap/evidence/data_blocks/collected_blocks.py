@@ -42,6 +42,7 @@ from cyclemap.evidence.data_blocks.stroke_block import (
 )
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
+from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import push_from_contact
 from cyclemap.evidence.pushes.columns import ENDS, named_column
@@ -74,7 +75,6 @@ from cyclemap.evidence.pushes.push_table import (
     UnreadableFile,
     load_pushes,
 )
-from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table

@@ -14,7 +14,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import (
+from cyclemap.evidence.laws.circular_distance import (
     CircularLaw,
     PValue,
     circular_wasserstein,

@@ -10,7 +10,7 @@ from made_replays import START, clock, loop_on, model_of, record_of
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
+from cyclemap.evidence.comparison.replay_table import REPLAY_COLUMNS, replay_pushes
 from cyclemap.mechanics import (
     FrameShift,
     PatchFootprint,

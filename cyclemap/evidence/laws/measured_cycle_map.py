@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
+from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     Theta0Pairs,
     angle_histogram,
     is_covered,
 )
-from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 from cyclemap.written import ANGLE
 

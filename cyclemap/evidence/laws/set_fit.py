@@ -11,21 +11,21 @@ from numpy.typing import ArrayLike, NDArray
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.laws.circular_distance import PValue, monte_carlo_p_value
 from cyclemap.evidence.laws.linear_fit import (
     cycle_folds,
     fourier_columns,
     nested_errors,
     weighted_least_squares,
 )
+from cyclemap.evidence.laws.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
 from cyclemap.evidence.laws.periodic_law import (
     PeriodicLaw,
     fit_periodic_law,
     paired_arrays,
     scatter_weights,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue, monte_carlo_p_value
-from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-from cyclemap.evidence.tables.push_sets import (
+from cyclemap.evidence.laws.push_sets import (
     FEWEST,
     QUANTITIES,
     PushSet,

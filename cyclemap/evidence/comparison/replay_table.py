@@ -13,6 +13,7 @@ import numpy as np
 
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.comparison.replay_push import TOLD, Replay, replay_push
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
 from cyclemap.evidence.pushes.columns import column_value
@@ -30,7 +31,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
-from cyclemap.evidence.replay.replay_push import TOLD, Replay, replay_push
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
