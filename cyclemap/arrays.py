@@ -23,6 +23,16 @@ def shorter_way(angle: Any) -> Array:
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)
 
 
+def stretches(mask: Mask) -> list[tuple[int, int]]:
+    """Return where each stretch begins in which a mask holds, and the place behind its end.
+
+    >>> stretches(np.array([True, True, False, True]))
+    [(0, 2), (3, 4)]
+    """
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return [(first, end) for first, end in edges.reshape(-1, 2).tolist()]
+
+
 def evenly_spread(count: int, most: int) -> list[int]:
     """Return at most so many of the places 0, ..., count - 1, evenly spread.
 

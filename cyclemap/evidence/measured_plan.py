@@ -12,7 +12,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
-from cyclemap.evidence.identification.data_block import part_of, usual_beliefs
+from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.known_floor import (
     ELLIPSE,
@@ -25,6 +25,7 @@ from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
+from cyclemap.progress import part_of
 
 # Directions, and whether there are any, are known when this share of what is left to believe
 # agrees.

@@ -22,7 +22,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     field_factors,
 )
 from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.mechanics import Material, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Material, Pose, QuasiStaticModel, SidePush, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
@@ -64,6 +64,15 @@ def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> 
             material = replace(material, floor=seen.shape, posterior=None)
     footprint = plate_footprint(material, slider)
     return replace(loop, slider=slider, material=material, footprint=footprint)
+
+
+def loop_of_plate(loop: CollectionLoop, plate: str | None) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
+    for another name, or none.
+    """
+    if plate is None or plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
 
 
 def frame_shift(material: Material, plate: str) -> Place:

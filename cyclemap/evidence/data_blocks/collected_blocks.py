@@ -31,7 +31,6 @@ from cyclemap.evidence.data_blocks.session_blocks import (
     PLATE_OWNED,
     SESSION_OWNED,
     SessionBlock,
-    loop_of_plate,
     named_blocks,
     odd_sessions,
 )
@@ -40,11 +39,11 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     drag_turn_block,
     push_end_block,
 )
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
+from cyclemap.evidence.identification.data_block import DataBlock, Labels
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
-from cyclemap.evidence.predicted_strokes import push_from_contact
+from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
 from cyclemap.evidence.pushes.columns import ENDS, named_column
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -76,6 +75,7 @@ from cyclemap.evidence.pushes.push_table import (
     load_pushes,
 )
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
 

@@ -60,7 +60,6 @@ USUAL = MappingProxyType(
         "rod_off_y": (0.0, SET_OFF),
     }
 )
-Progress = Callable[[float], None]
 Function = Callable[[Values], tuple[Array, Array]]
 
 
@@ -400,13 +399,3 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
         for name in names
         if plain[name] in USUAL and name not in of_sessions
     }
-
-
-def part_of(progress: Progress | None, number: float, count: float) -> Progress:
-    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
-    that is done.
-
-    >>> part_of(print, 1, 4)(0.5)
-    0.375
-    """
-    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -16,9 +16,8 @@ from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, 
 from cyclemap.evidence.identification.data_block import (
     BELIEF_KINDS,
     JointProblem,
-    Progress,
-    part_of,
 )
+from cyclemap.progress import Progress, part_of
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9

@@ -147,6 +147,7 @@ _ALL = (
     Column("angle", Kind.NUMBER, {"t": 1.0}),
     Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
+    Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
     Column("dtheta", Kind.TURN),
     Column("force_ratio", Kind.NUMBER),
     # After the drag back; of staircases and pairs.
@@ -176,6 +177,11 @@ def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     if name is None or not text:
         return math.nan
     return COLUMNS[column].names[name] * table.number(row, name)
+
+
+def column_values(table: CsvTable, column: str) -> list[Any]:
+    """Return what each row of a table of ours tells for a column, as `column_value` does."""
+    return [column_value(table, row, column) for row in table.rows]
 
 
 # -- tables of one's own

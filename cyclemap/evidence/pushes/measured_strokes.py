@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,12 +18,12 @@ from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
 from cyclemap.evidence.pushes.columns import Row, column_value
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
+from cyclemap.progress import Progress
 from cyclemap.text_files import CsvRow, CsvTable, file_stem, require_columns
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
 Place = tuple[float, float]
-Progress = Callable[[float], None]
 # The robot was further than this from where it was sent: the push is not the one that was asked
 # for.
 LARGEST_TIP_ERROR = 5e-3
@@ -262,10 +262,13 @@ def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measu
         labels = [known.index(place) for place in places]
     pushes = []
     for row, label in zip(rows, labels, strict=True):
-        start, end, tip_start, tip_end = push_ends(table, row)
-        lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
+        x0, y0, theta0, x1, y1, theta1, *tip = (
+            table.number(row, column) for column in PUSH_END_COLUMNS
+        )
+        end = Pose(x1, y1, theta0 + float(shorter_way(theta1 - theta0)))
         try:
-            pushes.append(MeasuredPush(start, lifted, tip_start, tip_end, label))
+            rod = (tip[0], tip[1]), (tip[2], tip[3])
+            pushes.append(MeasuredPush(Pose(x0, y0, theta0), end, *rod, contact=label))
         except InvalidInput as cause:
             raise table.error(row.line, str(cause)) from cause
     return tuple(pushes)
@@ -299,8 +302,8 @@ def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[Measur
 
 def tip_error(table: CsvTable, row: CsvRow) -> float:
     """Return how far the robot was from where it was sent (m), 0 where no column tells."""
-    told = "tip_err_mm" in table.header and table.text(row, "tip_err_mm")
-    return 1e-3 * table.number(row, "tip_err_mm") if told else 0.0
+    error = float(column_value(table, row, "tip_error"))
+    return 0.0 if math.isnan(error) else error
 
 
 def _whole(table: CsvTable, rows: Sequence[CsvRow], columns: Sequence[str]) -> list[CsvRow]:
@@ -317,16 +320,6 @@ def _whole(table: CsvTable, rows: Sequence[CsvRow], columns: Sequence[str]) -> l
         )
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     return kept
-
-
-def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
-    """Return the object's poses before and after a push, angles as written, and the rod's places
-    then (m, world).
-    """
-    x0, y0, theta0, x1, y1, theta1, *tip = (
-        table.number(row, column) for column in PUSH_END_COLUMNS
-    )
-    return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])
 
 
 def push_noise(read: tuple[float, float]) -> Array:
