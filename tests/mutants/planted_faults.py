@@ -719,7 +719,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     ),
     "evidence/pushes/columns.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
-        [('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}')],
+        [
+            ('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}'),
+            ('{"tip_err_mm": 1e-3}', '{"tip_err_mm": 1.0}'),
+        ],
     ),
     "evidence/pushes/conventions.py": (
         PUSHES,
@@ -746,8 +749,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("number + 1.0), math.nan)", "number), math.nan)"),
             ("across / along if along else math.nan", "along / across if along else math.nan"),
-            ("if far > _LONGEST_PUSH:", "if far > 1e9 * _LONGEST_PUSH:"),
-            ("if len(lost) >= _MOST_LOST * len(table.rows):", "if len(lost) > len(table.rows):"),
+            ("if length > _LONGEST_PUSH:", "if length > 1e9 * _LONGEST_PUSH:"),
+            ("known_columns(table, ENDS, _MOST_LOST)", "known_columns(table, ENDS)"),
         ],
     ),
     "evidence/pushes/contact_forces.py": (
@@ -778,11 +781,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/pushes/measured_strokes.py": (
         f"{PUSHES}/test_measured_strokes.py {PUSHES}",
         [
+            ('rows["tip_error"] > LARGEST_TIP_ERROR', 'rows["tip_error"] > 1e9'),
             (
-                "if tip_error(table, row) <= LARGEST_TIP_ERROR\n",
-                "if tip_error(table, row) <= 1e9\n",
+                'ends = rows["theta0"] + shorter_way(rows["theta1"] - rows["theta0"])',
+                'ends = rows["theta1"]',
             ),
-            ("return 1e-3 * table.number", "return table.number"),
         ],
     ),
     "resets/design/orientation_law.py": (

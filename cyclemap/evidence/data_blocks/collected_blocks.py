@@ -18,8 +18,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
-    TWIST_COLUMNS,
-    WRENCH_COLUMNS,
     force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
@@ -44,29 +42,33 @@ from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SUR
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
-from cyclemap.evidence.pushes.columns import ENDS, named_column
+from cyclemap.evidence.pushes.columns import (
+    DRAG_ENDS,
+    ENDS,
+    RODS,
+    TWIST_COLUMNS,
+    WRENCH_COLUMNS,
+    known_columns,
+    named_column,
+)
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
-    DRAG_COLUMNS,
     LARGEST_TIP_ERROR,
     NO_LENGTH,
-    PUSH_END_COLUMNS,
     ROD_OFF,
     MeasuredPush,
     Place,
     RowSelection,
+    measured_drags,
+    measured_pushes,
     push_noise,
     pushes_of,
-    read_measured_drags,
-    read_measured_pushes,
     select_pushes,
-    selected_rows,
+    selected,
     session_name,
-    tip_error,
     told,
     told_push,
 )
-from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
@@ -77,7 +79,7 @@ from cyclemap.evidence.pushes.push_table import (
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
+from cyclemap.text_files import CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -94,10 +96,12 @@ PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
 )
 
 _COLUMNS = {
-    PUSH_ENDS: {*PUSH_END_COLUMNS},
-    DRAG_BACKS: {*DRAG_COLUMNS},
-    WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS},
+    PUSH_ENDS: (*ENDS, *RODS),
+    DRAG_BACKS: DRAG_ENDS,
+    WRENCHES: (*WRENCH_COLUMNS, *TWIST_COLUMNS),
 }
+# How far off readings are.
+ERRORS = ("error", "turn_error")
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses "
@@ -161,13 +165,16 @@ def _sorts_of_table(file: Path) -> tuple[list[str], str]:
         table = read_csv_table(file)
     except DataFileError as error:
         return [], str(error).removeprefix(f"{file}").lstrip(":, ")
-    columns = {*table.header}
-    sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
-    posed = not sorts and all(named_column(table, name) for name in ENDS)
-    if posed or any(columns >= names for names in _ORIENTATIONS):
+    sorts = [sort for sort, wanted in _COLUMNS.items() if _has(table, wanted)]
+    posed = not sorts and _has(table, ENDS)
+    if posed or any({*table.header} >= names for names in _ORIENTATIONS):
         sorts.append(CYCLES)
     unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
     return sorts, "" if sorts else unknown
+
+
+def _has(table: CsvTable, columns: Iterable[str]) -> bool:
+    return all(named_column(table, column) for column in columns)
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
@@ -210,7 +217,7 @@ class _Collected:
     loop: CollectionLoop = field(init=False)
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
-    filled: dict[tuple[str, ...], str] = field(default_factory=dict)
+    filled: dict[tuple[float, ...], str] = field(default_factory=dict)
     rods_set: int = 0
     notes: list[tuple[str, str]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
@@ -227,7 +234,8 @@ class _Collected:
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
             table = convention_of(path).table(read_csv_table(path))
-            _, facts, left_out = selected_rows(table, selection)
+            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
+            facts = told_rows.to_dict("records")
         else:
             reading = part_of(progress, 0, 2)
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
@@ -250,7 +258,7 @@ class _Collected:
             chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
             own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
             if is_table:
-                self._add_table(sort, table, selected_rows(table, own)[0])
+                self._add_table(sort, selected(told_rows, own)[0])
             else:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
                 self._add_pushes(pushes_of(pushes, own), sort, done)
@@ -408,50 +416,51 @@ class _Collected:
         words = f"{_counted(kept, pushes)} push ends"
         self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
 
-    def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _refuse_repeated(self, rows: pandas.DataFrame) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
         come again.
         """
-        if not {FRAMES_AGREE, *ERRORS} & {*table.header}:
+        if rows[["frames_agree", *ERRORS]].isna().all(axis=None):
             return
-        for row in rows:
-            readings = tuple(table.text(row, name) for name in PUSH_END_COLUMNS)
+        for row in rows.to_dict("records"):
+            readings = tuple(row[name] for name in (*ENDS, *RODS))
+            here = f"{row['path']}, line {row['line']}"
             if readings in self.filled:
                 again = (
-                    f"the push of {self.filled[readings]} again, all readings the same, "
+                    f"the push of {self.filled[readings]}, again, all readings the same, "
                     "would count twice"
                 )
-                raise table.error(row.line, f"{again}: leave one of them out")
-            self.filled[readings] = f"{table.path}, line {row.line},"
+                raise DataFileError(f"{here}: {again}: leave one of them out")
+            self.filled[readings] = here
 
-    def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _add_table(self, sort: str, rows: pandas.DataFrame) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
         if sort == PUSH_ENDS:
-            self._refuse_repeated(table, rows)
-            pushes = read_measured_pushes(table, rows)
-            errors = [tip_error(table, row) for row in rows]
-            small = [error for error in errors if error <= LARGEST_TIP_ERROR]
-            strayed = float(np.mean(small)) if small else 0.0
+            self._refuse_repeated(rows)
+            pushes = measured_pushes(rows)
+            errors = rows["tip_error"].fillna(0.0)
+            small = errors[errors <= LARGEST_TIP_ERROR]
+            strayed = float(small.mean()) if len(small) else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
-            by_marks = FRAMES_AGREE in table.header
-            self._add_push_ends(pushes, _told_noise(table, rows), by_marks, strayed)
+            by_marks = bool(rows["frames_agree"].notna().any())
+            self._add_push_ends(pushes, _told_noise(rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
-            drags = read_measured_drags(table, rows)
+            drags = measured_drags(rows)
             kept = _thinned(drags, self.most)
             block = drag_turn_block(kept, self.loop.slider, self.target)
-            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(table, rows))
+            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(rows))
         else:
-            self._add_wrenches(table, rows)
+            self._add_wrenches(rows)
 
-    def _add_wrenches(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _add_wrenches(self, rows: pandas.DataFrame) -> None:
         extent = self.loop.slider.outline.extent
-        data = read_wrench_twists(table, rows, extent)
+        data = read_wrench_twists(rows, extent)
         scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
         words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
         self._add(wrench_twist_block(data, self.loop.slider), words)
-        sources = {table.text(row, "source") for row in rows if "source" in table.header}
+        sources = told(rows["source"])
         if len(sources) > 1:
             listed = ", ".join(sorted(sources))
             self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
@@ -488,14 +497,14 @@ def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
     return np.array([known.index(place) for place in places])
 
 
-def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
+def _told_noise(rows: pandas.DataFrame) -> dict[str, float] | None:
     """How far measured pushes and drags are off, by kind of noise, where a table tells how far its
     readings are.
     """
-    if not {*ERRORS} <= set(table.header):
+    length, angle = rows[[*ERRORS]].max().tolist()
+    if math.isnan(length) or math.isnan(angle):
         return None
-    millimetres, degrees = (max(table.number(row, name) for row in rows) for name in ERRORS)
-    along, _, turned, dragged = push_noise((1e-3 * millimetres, math.radians(degrees))).tolist()
+    along, _, turned, dragged = push_noise((length, angle)).tolist()
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 

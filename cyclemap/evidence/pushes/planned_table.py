@@ -21,7 +21,7 @@ import numpy as np
 
 from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.pushes.measured_strokes import DRAG_COLUMNS, PUSH_END_COLUMNS
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS
 from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
 
@@ -170,7 +170,7 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         )
         mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
         warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
-    names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
+    names = ["object", "rep", *ENDS, *RODS, *DRAG_ENDS[3:], *ERRORS]
     import pandas
 
     frame = pandas.DataFrame([row.told() for row in filled], columns=names)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -16,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
-from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import (
-    COLUMNS,
     ENDS,
     RODS,
     Row,
-    column_values,
+    known_columns,
     named_column,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
@@ -39,16 +37,15 @@ from cyclemap.evidence.pushes.push_files import (
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.progress import Progress, part_of
-from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
+from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
 
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
-# What stands in a field without a number; the share of rows that may have no pose; m, beyond which
-# no push goes.
-_NOTHING, _MOST_LOST, _LONGEST_PUSH = ("", "nan", "na", "null", "none"), 0.5, 3.0
+# The share of rows that may have no pose; m, beyond which no push goes.
+_MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
@@ -66,8 +63,6 @@ PUSH_COLUMNS = (
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
-# What a table of poses may tell.
-_READ = tuple(name for name in PUSH_COLUMNS if name in COLUMNS)
 _TEXT = ("surface", "object", "path")
 
 
@@ -91,51 +86,24 @@ def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
     table = convention.table(read_csv_table(path))
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
-    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
     if all(named_column(table, column) for column in ENDS):
         doubt_degrees(
             table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header]
         )
-        return [unknown | row for row in _posed(table).to_dict("records")]
+        return [*_posed(table).assign(samples=0).to_dict("records")]
     pairs = read_theta0_pairs(table.path, convention=convention)
     numbers = np.full(pairs.theta.size, math.nan)
     if "theta0_accum_deg" in table.header and pairs.cycle is not None:
         numbers = pairs.cycle
     names = ("repetition", "theta0", "theta_next")
     columns = np.transpose([numbers, pairs.theta, pairs.theta_next]).tolist()
+    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
     return [unknown | dict(zip(names, row, strict=True)) for row in columns]
-
-
-def _posed_rows(table: CsvTable) -> list[CsvRow]:
-    """The rows that have both poses; those without are warned of."""
-    names = [str(named_column(table, column)) for column in ENDS]
-    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
-    for row in table.rows:
-        lacks = next((name for name in names if table.text(row, name).lower() in _NOTHING), None)
-        if lacks is None:
-            kept.append(row)
-        else:
-            lost.append((row, lacks))
-    if not lost:
-        return kept
-    first, name = lost[0]
-    if len(lost) >= _MOST_LOST * len(table.rows):
-        told = f"{name} is '{table.text(first, name)}'; it must be a number, and {len(lost)}"
-        raise table.error(first.line, f"{told} of {len(table.rows)} rows lack one")
-    told = f"{len(lost)} of {len(table.rows)} rows left out for want of a pose"
-    warnings.warn(
-        f"{table.path}: {told}, the first in line {first.line}", DoubtfulInput, stacklevel=4
-    )
-    return kept
 
 
 def _posed(table: CsvTable) -> pandas.DataFrame:
     """The pushes of a table of poses."""
-    import pandas
-
-    rows = replace(table, rows=tuple(_posed_rows(table)))
-    frame = pandas.DataFrame({column: column_values(rows, column) for column in _READ})
-    frame["line"] = [row.line for row in rows.rows]
+    frame = known_columns(table, ENDS, _MOST_LOST)
     _refuse_other_units(table, frame)
     rod = np.hypot(frame["tip_x1"] - frame["tip_x0"], frame["tip_y1"] - frame["tip_y0"])
     frame["length"] = rod.fillna(frame["length"])
