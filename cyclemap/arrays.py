@@ -11,6 +11,8 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
+# A point of the plane, m.
+Place = tuple[float, float]
 TWO_PI = 2.0 * np.pi
 
 

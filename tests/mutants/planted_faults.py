@@ -768,7 +768,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_pose_streams.py",
         [
             (
-                "= bool((change[first : last + 1] > high).any())",
+                "= bool((change[first:end] > high).any())",
                 "= True",
             ),
             (

@@ -21,7 +21,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
-from cyclemap.evidence.pushes.columns import PLACES, Row
+from cyclemap.evidence.pushes.columns import PLACES, Row, Selection
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
@@ -104,7 +104,7 @@ def collection_data(
     loop: CollectionLoop | None,
     *,
     first: int = 0,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     push_length: float | None = None,
     progress: Progress | None = None,
 ) -> CollectionData:

@@ -4,7 +4,6 @@ of a collection.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -34,6 +33,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
     turn_bins,
 )
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE, DIRECTION
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
@@ -310,7 +310,7 @@ def staircase_agreement(
     path: Array,
     null: Array,
     summary: StaircaseSummary | None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> StaircaseAgreement:
     """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same
     start.
@@ -318,10 +318,10 @@ def staircase_agreement(
     summary : of the map where it does not wear. progress : called with the fraction done, in (0,
         1].
     """
-    report, simulated = progress or (lambda fraction: None), []
-    for done, run in enumerate(null, 1):
+    simulated = []
+    for index, run in enumerate(null):
         simulated.append(_numbers(run))
-        report(done / len(null))
+        part_of(progress, index, len(null))(1.0)
     quantities = {
         name: simulated_quantity(value, np.array([numbers[name] for numbers in simulated]))
         for name, value in _numbers(path).items()

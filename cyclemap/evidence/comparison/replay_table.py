@@ -5,19 +5,19 @@ speed.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cyclemap.arrays import Place
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.comparison.replay_push import TOLD, Replay, replay_push
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
-from cyclemap.evidence.pushes.columns import ENDS, RODS, Row
+from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, Selection
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
@@ -217,7 +217,7 @@ def replay_pushes(
     path: str | Path,
     loop: CollectionLoop,
     *,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     progress: Progress | None = None,
 ) -> ReplayedPushes:
     """Replay every push of a file, a folder or a tree along its own tip path; see `replay_push`.
@@ -285,6 +285,7 @@ def replay_pushes(
     left_out += [UnreadableFile(Path(file), _A_SCAN) for file in pushes.scans["path"].unique()]
     rows: list[Row] = []
     replays: list[Replay] = []
+    done = 0
     for name, own in pushes.table.groupby("path", sort=False):
         file = Path(str(name))
         if own[[*RODS]].isna().all(axis=None):
@@ -298,8 +299,8 @@ def replay_pushes(
             else:
                 rows.append(row)
                 replays.append(replay)
-            done = (len(rows) + len(left_out)) / (len(pushes.table) + len(left_out))
-            part_of(progress, 1.0 + (_PARTS - 1.0) * done, _PARTS)(0.0)
+            done += 1
+            part_of(progress, 1.0 + (_PARTS - 1.0) * done / len(pushes.table), _PARTS)(0.0)
     part_of(progress, 0, 1)(1.0)
     left_out.sort(key=lambda entry: entry.path)
     table = pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))
@@ -344,7 +345,7 @@ class _Replayer:
         return {**told, **replay.summary(), **isotropic}, replay
 
 
-def _record(push: Row, origin: tuple[float, float]) -> PushRecord:
+def _record(push: Row, origin: Place) -> PushRecord:
     """The recording of a push, with its world's origin at a place, m; of a row of a CSV table its
     poses before and after, between which the rod went straight.
     """

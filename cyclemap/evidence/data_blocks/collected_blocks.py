@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array, evenly_spread
+from cyclemap.arrays import Array, Place, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
@@ -48,6 +48,7 @@ from cyclemap.evidence.pushes.columns import (
     RODS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
+    Selection,
     known_columns,
     named_column,
 )
@@ -57,7 +58,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
     NO_LENGTH,
     ROD_OFF,
     MeasuredPush,
-    Place,
     RowSelection,
     measured_drags,
     measured_pushes,
@@ -573,7 +573,7 @@ class CollectedBlocks:
 def collected_blocks(
     paths: Sequence[str | Path],
     loop: CollectionLoop,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     *,
     first: int = 0,
     wear: bool = False,
@@ -696,7 +696,7 @@ def _told(files: Sequence[UnreadableFile]) -> list[tuple[str, str]]:
 
 
 def _nothing(
-    notes: Sequence[str], loop: CollectionLoop, chosen: Mapping[str, str | float], is_told: bool
+    notes: Sequence[str], loop: CollectionLoop, chosen: Selection, is_told: bool
 ) -> InvalidInput:
     """What is said where nothing is left of the data; is_told : whether the notes tell of files of
     no use.
@@ -708,7 +708,7 @@ def _nothing(
     return InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
 
 
-def _known_objects(loop: CollectionLoop, chosen: Mapping[str, str | float]) -> tuple[str, ...]:
+def _known_objects(loop: CollectionLoop, chosen: Selection) -> tuple[str, ...]:
     """The objects whose rows are kept; () where it is not told which is the loop's."""
     if isinstance(chosen.get("object"), str):
         return (str(chosen["object"]),)

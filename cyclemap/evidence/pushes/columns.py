@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _NOTHING = ("", "nan", "na", "null", "none")
 # A row of a table by its columns: numbers, NaN where unknown, and texts, None where unknown.
 Row = dict[str, Any]
+# The values of facts, SI units and radians, by which rows are chosen.
+Selection = Mapping[str, str | float]
 
 DEGREE = math.radians(1.0)
 ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": 2.0 * math.pi}

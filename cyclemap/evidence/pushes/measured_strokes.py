@@ -6,16 +6,16 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import Array, Place, shorter_way
 from cyclemap.errors import DataFileError, InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, Row
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, Row, Selection
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
 from cyclemap.progress import Progress
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
-Place = tuple[float, float]
 # The robot was further than this from where it was sent: the push is not the one that was asked
 # for.
 LARGEST_TIP_ERROR = 5e-3
@@ -47,7 +46,7 @@ class RowSelection:
     """
 
     objects: tuple[str, ...] = ()
-    chosen: Mapping[str, str | float] = field(default_factory=dict)
+    chosen: Selection = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in self.chosen:

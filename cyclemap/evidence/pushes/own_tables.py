@@ -95,12 +95,6 @@ class OwnTable:
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
             columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
-        elif "tip_x1" in columns:
-            # The names by which rods' places are read, too.
-            columns = {
-                {"theta0": "th0", "theta1": "th1"}.get(name, name): one
-                for name, one in columns.items()
-            }
         return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 

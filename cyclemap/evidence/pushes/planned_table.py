@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS
 from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
@@ -75,7 +75,7 @@ def mark_columns(state: str) -> tuple[str, str, str, str]:
     return f"a_x{state}_mm", f"a_y{state}_mm", f"b_x{state}_mm", f"b_y{state}_mm"
 
 
-def marks_of(slider: Slider) -> tuple[tuple[float, float], tuple[float, float]]:
+def marks_of(slider: Slider) -> tuple[Place, Place]:
     """Return the two places on an object (m, its frame) that are measured: corner 0 and the one
     farthest from it.
 

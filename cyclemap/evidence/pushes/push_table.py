@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import (
     ENDS,
@@ -390,7 +389,7 @@ def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
 
 
 @cache
-def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
+def _mit_outline(name: str | None) -> Array | None:
     """The closed outline of an MIT shape as a polyline, m; None for any other object."""
     return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
 

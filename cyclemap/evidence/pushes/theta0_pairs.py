@@ -13,9 +13,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
@@ -390,7 +390,7 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
     return tuple(sorted((low, high if high >= low else high + TWO_PI) for low, high in arcs))
 
 
-def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
+def is_covered(measured: ArrayLike, theta: ArrayLike) -> Mask:
     """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured``
     (n,), n ≥ 1, rad.
     """
@@ -426,7 +426,7 @@ class TurnBins:
 
     centre: Array
     median: Array
-    count: NDArray[np.int64]
+    count: Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -542,7 +542,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
 
 
-def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
+def bin_index(theta: Array, bins: int) -> Whole:
     """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput
     for fewer than one.
     """
