@@ -11,15 +11,14 @@ from __future__ import annotations
 import cmath
 import math
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import suppress
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread, shorter_way
+from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
@@ -51,9 +50,12 @@ _WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
-# So many of the pushes have to be nearer in the other reading.
-_MOST_AGREE = 0.7
-_PREDICTED = "pushes end, beside isotropic friction's,"
+# Another point of the object explains motions where it leaves this share of what any other reading
+# does, and pushes turn the object by so much (rad); lengths are in no unit where they are off by
+# this factor's logarithm.
+_CLEARLY, _LEAST_SWEPT, _SCALED = 0.8, 0.2, 0.1
+# No point of an object lies further from its origin than so many of its levers.
+_WITHIN = 1.3
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
 _BY_ROD = (
     "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
@@ -107,7 +109,7 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         known = _loop_of(name, loop)
         if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
-        found = _check_motion(rows, known, convention, pushes.convention_told)
+        found = check_motion(rows, known, convention, pushes.convention_told)
         checks += [] if found is None else [found]
     if len(checks) <= _MOST_TOLD:
         return tuple(dict.fromkeys((*said, *(check.words for check in checks))))
@@ -187,11 +189,9 @@ class _Written:
     """Pushes as they are written: places, displacements, first and last places of the rod as
     complex numbers, angles and turns; m and rad as read.
 
-    taken : in which they were read. rows : of the table, for what is no motion. tips : (n, 2), NaN
-        where unknown.
+    rows : of the table, for what is no motion. tips : (n, 2), NaN where unknown.
     """
 
-    taken: Convention
     rows: pandas.DataFrame
     place: Array
     angle: Array
@@ -200,16 +200,15 @@ class _Written:
     tips: Array
 
     @classmethod
-    def of(cls, rows: pandas.DataFrame, taken: Convention) -> _Written:
+    def of(cls, rows: pandas.DataFrame, convention: Convention) -> _Written:
         x0, y0, theta, x1, y1, turn = rows[_POSES].to_numpy(dtype=float).T
-        ends, ours = rows[[*RODS]].to_numpy(dtype=float), _Reading(taken)
+        ends, ours = rows[[*RODS]].to_numpy(dtype=float), _Reading(convention)
         return cls(
-            taken,
             rows,
             ours.place(x0 + 1j * y0),
-            taken.sense * (theta - taken.theta(0.0)),
+            convention.sense * (theta - convention.theta(0.0)),
             ours.place(x1 - x0 + 1j * (y1 - y0)),
-            taken.sense * turn,
+            convention.sense * turn,
             ours.place(ends[:, ::2] + 1j * ends[:, 1::2]),
         )
 
@@ -218,15 +217,10 @@ class _Written:
         """Whether it is known of every push where the rod went."""
         return bool((np.abs(self.tips[:, 1] - self.tips[:, 0]) > 0.0).all())
 
-    @property
-    def is_spread(self) -> bool:
-        """Whether directions are spread: they tell a zero of angles then."""
-        return bool(abs(np.exp(1j * self.angle).mean()) <= _SPREAD)
-
     def where(self, kept: Mask) -> _Written:
         """Some of the pushes."""
         arrays = (self.place, self.angle, self.moved, self.turn, self.tips)
-        return _Written(self.taken, self.rows[kept], *(values[kept] for values in arrays))
+        return _Written(self.rows[kept], *(values[kept] for values in arrays))
 
     def read(self, reading: _Reading) -> tuple[Array, Array, Array]:
         """Orientations, displacements in the object's frame before the push, and turns."""
@@ -236,149 +230,142 @@ class _Written:
 
 
 @dataclass(frozen=True, eq=False)
-class _Test:
-    """Pushes, and how far off each is, (n,) m, in a reading.
-
-    what : they do, in words. others : than the reading taken. lever : m, of turns. lengths_known :
-        whether what is expected has lengths. by_rod : whether the rod's places tell it, and no
-        contact. also : what else than another reading would do, in words.
-    """
-
-    what: str
-    written: _Written
-    distances: Callable[[_Reading], Array]
-    others: list[_Reading]
-    lever: float = 0.0
-    lengths_known: bool = False
-    by_rod: bool = False
-    also: str = ""
-
-    def distance(self, reading: _Reading) -> float:
-        """The median of the distances."""
-        return float(np.median(self.distances(reading)))
-
-
-@dataclass(frozen=True, eq=False)
 class _Looked:
     """How far off (m, in the median) the reading taken is and the next best, which that is, and
     others that are as good.
     """
 
-    test: _Test
+    test: _Predicted
+    taken: _Reading
     here: float
     best: float
     other: _Reading
     twins: list[_Reading]
 
     @classmethod
-    def at(cls, test: _Test) -> _Looked:
-        taken = _Reading(test.written.taken)
-        found = [(test.distance(reading), reading) for reading in test.others]
+    def at(cls, test: _Predicted, taken: _Reading) -> _Looked:
+        found = [(test.distance(reading), reading) for reading in test.readings(taken)]
         enough = _HARDLY * min((distance for distance, _ in found), default=math.inf) + _NOTHING
         # They come by how much they change: the first that is hardly worse than the best is taken.
         best, other = next((near for near in found if near[0] <= enough), (math.inf, taken))
         enough = _HARDLY * best + _NOTHING
         twins = [reading for distance, reading in found if reading != other and distance <= enough]
-        return cls(test, test.distance(taken), best, other, twins)
-
-    @property
-    def taken(self) -> Convention:
-        """In which the pushes were read."""
-        return self.test.written.taken
+        return cls(test, taken, test.distance(taken), best, other, twins)
 
     @property
     def is_turned(self) -> bool:
         """Whether the other reading has another zero of angles."""
-        return self.other.convention.offset != self.taken.offset
+        return self.other.convention.offset != self.taken.convention.offset
 
     def explains(self, moved: float) -> bool:
-        """Whether the other reading explains motions, of size `moved` (m), far better, and most
-        pushes agree in that.
-        """
+        """Whether the other reading explains motions, of size `moved` (m), far better."""
         other, here = self.other, self.here
         limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
         most = (_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length * moved
-        if self.best > min(limit * here, most) or here <= _WELL * moved:
-            return False
-        nearer = self.test.distances(other) < self.test.distances(_Reading(self.taken))
-        return float(np.mean(nearer)) > _MOST_AGREE
+        far_better = self.best <= min(limit * here, most) and here > _WELL * moved
+        return far_better and self.test.closer(other, self.taken)
 
 
-def _check_motion(
-    table: pandas.DataFrame, loop: CollectionLoop | None, convention: Convention, told: bool
+def check_motion(
+    table: pandas.DataFrame,
+    loop: CollectionLoop | None,
+    convention: Convention = OURS,
+    told: bool = False,
 ) -> MotionCheck | None:
     """Test the reading of pushes, rows of `PushTable.table`, against their motions; None where
     these cannot tell.
 
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
-        own frame, which tells whether angles and axes turn the same way, not which way that is.
-        convention : in which the table was read. told : whether somebody said it, who is then
+        own frame, which tells whether angles and axes turn the same
+        way, not which way that is. convention : in which the table was read. told : whether
+        somebody said it, who is then
         warned, not refused.
+
+    Raises OtherConvention where another reading explains the motions far better, with the options
+    that say it.
     """
     rows = table[np.isfinite(table[_POSES].astype(float)).all(axis=1)]
     if len(rows) < FEWEST:
         return None
     written = _Written.of(rows.iloc[evenly_spread(len(rows), _MOST)], convention)
-    test = _alike(written) if loop is None else _prediction(written, _plain(loop))
-    if test is None or len(test.written.turn) < FEWEST:
+    test = _Alike(written) if loop is None else _prediction(written, loop)
+    if test is None or test.count < FEWEST:
         return None
     moved = float(np.median(np.hypot(np.abs(written.moved), test.lever * written.turn)))
-    looked, by_rod = _Looked.at(test), False
-    if (
-        loop is not None
-        and looked.here > _EXPLAINS * moved
-        and written.has_tips
-        and not test.by_rod
-    ):
-        # What the rod's places explain, and the contacts that are told do not, was not pushed
-        # there. A zero of angles that is free to be anything explains pushes that are alike,
-        # wherever they were made.
-        of_rod = _Looked.at(_with_tips(written, _plain(loop)))
-        share = 1.0 if looked.is_turned else _BEATEN
-        by_rod = min(of_rod.here, of_rod.best) < share * min(looked.here, looked.best)
-        looked = of_rod if by_rod else looked
-    nearest = min(looked.here, looked.best)
-    if looked.explains(moved):
-        line = _refusal(looked)
+    looked, by_rod = _Looked.at(test, _Reading(convention)), False
+    if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
+        looked, by_rod = _by_rod(looked, written, loop)
+    off_centre = looked.test.off_centre(looked.taken, min(_BEATEN * looked.here, looked.best))
+    if looked.explains(moved) or (off_centre and looked.here > _WELL * moved):
+        line = off_centre or _refusal(looked)
         if not told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
-    elif looked.test.lengths_known and nearest > max(_FAR * moved, looked.test.lever):
+    elif loop is not None and looked.test.lengths_known:
+        _doubt_far(looked, max(_FAR * moved, looked.test.lever))
+    return MotionCheck(looked.here, by_rod, _words(looked) + by_rod * _BY_ROD)
+
+
+def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_Looked, bool]:
+    """What the rod's places explain, and the contacts that are told do not, was not pushed
+    there.
+    """
+    if not written.has_tips:
+        return looked, False
+    of_rod = _Looked.at(_WithTips(written, _plain(loop)), looked.taken)
+    # A zero of angles that is free to be anything explains pushes that are alike, wherever they
+    # were made.
+    share = 1.0 if looked.is_turned else _BEATEN
+    if min(of_rod.here, of_rod.best) < share * min(looked.here, looked.best):
+        return of_rod, True
+    return looked, False
+
+
+def _doubt_far(looked: _Looked, limit: float) -> None:
+    """Warn where no reading comes nearer than `limit`, m."""
+    if min(looked.here, looked.best) > limit:
         far = (
             f"{looked.test.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
             f"{1e3 * looked.best:.3g} mm in any reading"
         )
         doubt = f"{far}: are object, push and units those of the data?"
-        warnings.warn(doubt, DoubtfulInput, stacklevel=3)
-    return MotionCheck(looked.here, by_rod, _words(looked) + by_rod * _BY_ROD)
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
 def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
-    test, other, taken = looked.test, looked.other.convention, looked.taken
-    count = len(test.written.turn)
-    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {count} pushes"
+    test, other, taken = looked.test, looked.other.convention, looked.taken.convention
+    off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
-    if looked.other.length != 1.0 or looked.other.angle != 1.0:
+    scale = looked.other.length
+    if looked.other.angle == 1.0 and _is_no_unit(scale):
+        also = f", with {other.options()}" if other != taken else ""
+        told = f"were its lengths {scale:.3g} times as long{also}, {nearer}"
+        return f"{off}; {told}: are they pixels? Multiply them by the length of one first"
+    if scale != 1.0 or looked.other.angle != 1.0:
         unit, kind = _unit(looked.other)
         also = f" {other.options()}" if other != taken else ""
         return f"{off}; were its {kind} in {unit}, {nearer}: give --units {unit}{also}"
-    changed = []
-    if other.angles != taken.angles:
-        changed.append(f'angles = "{other.angles}"')
-    if other.frame != taken.frame:
-        changed.append(f'frame = "{other.frame}"')
-    if looked.is_turned:
-        changed.append(f"offset_deg = {math.degrees(other.offset):.0f}")
-    mend = f"give {other.options()}{test.also} (in collection.toml: [data] {', '.join(changed)})"
+    also = test.alternative(looked.taken)
+    changed = ", ".join(_keys(other, taken))
+    mend = f"give {other.options()}{also} (in collection.toml: [data] {changed})"
     named = [
         twin.convention.options()
         for twin in looked.twins
         if twin.convention.offset == taken.offset and twin.length == 1.0
     ]
-    if named and not test.also:
+    if named and not also:
         mend += f"; or, which turns the world's frame against that, {' or '.join(named[:2])}"
     return f"{off}, read with {taken.words()}; with {other.words()}, {nearer}: {mend}"
+
+
+def _keys(convention: Convention, taken: Convention) -> Iterator[str]:
+    if convention.angles != taken.angles:
+        yield f'angles = "{convention.angles}"'
+    if convention.frame != taken.frame:
+        yield f'frame = "{convention.frame}"'
+    if convention.offset != taken.offset:
+        yield f"offset_deg = {math.degrees(convention.offset):.0f}"
 
 
 def _unit(reading: _Reading) -> tuple[str, str]:
@@ -389,8 +376,14 @@ def _unit(reading: _Reading) -> tuple[str, str]:
     return min(away, key=lambda name: away[name]), "lengths"
 
 
+def _is_no_unit(scale: float) -> bool:
+    """Whether no unit is that many times another."""
+    factors = [a / b for a, b in product(LENGTH_UNITS.values(), LENGTH_UNITS.values())]
+    return min(abs(math.log(scale / factor)) for factor in factors) > _SCALED
+
+
 def _words(looked: _Looked) -> str:
-    taken, other = looked.taken, looked.other.convention
+    taken, other = looked.taken.convention, looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
     told = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
     if looked.best <= looked.here / _BEATEN and other != taken:
@@ -399,118 +392,204 @@ def _words(looked: _Looked) -> str:
     return f"{told}, {best} in the next best reading"
 
 
+def _conventions() -> list[Convention]:
+    """All that have a name, those that change least first."""
+    every = [Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)]
+    return sorted(
+        every, key=lambda one: (one.angles != "counter-clockwise") + (one.frame != RIGHT_HANDED)
+    )
+
+
 def _middle(motion: Array) -> complex:
     """The median of complex numbers, of each part by itself."""
     return complex(np.median(motion.real), np.median(motion.imag))
 
 
-def _alike(written: _Written) -> _Test:
-    """Pushes at one place of one object, told by no loop: they move it alike in its own frame,
-    whatever that is. The other sense of angles, and other units of them, are asked for; axes laid
-    the other way do the same.
-    """
-    labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
-    own = written.where((labels == labels.value_counts(sort=False).idxmax()).to_numpy())
-    taken = written.taken
+class _Predicted:
+    """Pushes whose motion in the object's own frame a loop predicts."""
 
-    def distances(reading: _Reading) -> Array:
-        motion = own.read(reading)[1]
+    what = "pushes end, beside isotropic friction's,"
+
+    def __init__(
+        self, written: _Written, motion: Array, turn: Array, lever: float, lengths_known: bool
+    ) -> None:
+        self.written, self.motion, self.turn, self.lever = written, motion, turn, lever
+        self.lengths_known, self.count = lengths_known, len(turn)
+        # Directions that are spread tell a zero of angles.
+        self.is_spread = abs(np.exp(1j * written.angle).mean()) <= _SPREAD
+
+    def distances(self, reading: _Reading) -> Array:
+        """How far off each push is (n,), m: place, and turn by the object's lever."""
+        _, motion, turn = self.written.read(reading)
+        away = np.abs(motion - self.motion)
+        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
+        off = 0.0 if reading.angle != 1.0 else self.lever * (turn - self.turn)
+        return np.asarray(np.hypot(away, off))
+
+    def distance(self, reading: _Reading) -> float:
+        """The median of `distances`."""
+        return float(np.median(self.distances(reading)))
+
+    def closer(self, other: _Reading, taken: _Reading) -> bool:
+        """Whether most pushes agree that the other is nearer."""
+        return float(np.mean(self.distances(other) < self.distances(taken))) > 0.7
+
+    def readings(self, taken: _Reading) -> list[_Reading]:
+        """All others than the one taken."""
+        named = [convention for convention in _conventions() if convention != taken.convention]
+        turned = self._turned(taken) if self.is_spread else []
+        found = [_Reading(convention) for convention in (*named, *turned)]
+        lengths = LENGTH_UNITS.values() if self.lengths_known else ()
+        factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
+        scale = float(np.median(np.abs(self.motion)) / np.median(np.abs(self.written.moved)))
+        factors += [scale] if math.isfinite(scale) and scale > 0.0 and _is_no_unit(scale) else []
+        for convention in (taken.convention, *_conventions()):
+            found += [_Reading(convention, length=factor) for factor in factors]
+            found += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
+        return found
+
+    def _turned(self, taken: _Reading) -> list[Convention]:
+        """The two senses, each with the zero of its angles where motions want it."""
+        found = []
+        for convention in _conventions():
+            if convention.angles == "compass" or convention.frame == "swapped":
+                continue
+            _, motion, _ = self.written.read(_Reading(convention))
+            zero = cmath.phase(_middle(motion / self.motion))
+            offset = math.radians(round(math.degrees(zero)))
+            off = [
+                math.remainder(offset - one, 2.0 * math.pi)
+                for one in (0.0, taken.convention.offset)
+            ]
+            if min(map(abs, off)) > _LEAST_OFFSET:
+                found.append(replace(convention, offset=offset))
+        return found
+
+    def off_centre(self, taken: _Reading, limit: float) -> str:
+        """What is wrong where the places are those of another point of the object than its origin,
+        as one that leaves less than `limit` (m) in the median tells; empty where none does.
+        """
+        _, motion, turn = self.written.read(taken)
+        swept = np.exp(1j * turn) - 1.0
+        if len(self.motion) == 0 or float(np.median(np.abs(swept))) < _LEAST_SWEPT:
+            return ""
+        off = motion - self.motion
+        point = _middle(off / np.where(swept == 0.0, math.inf, swept))
+        away = np.hypot(np.abs(off - swept * point), self.lever * (turn - self.turn))
+        left = float(np.median(away))
+        if left > _CLEARLY * limit or abs(point) > _WITHIN * self.lever:
+            return ""
+        where = f"({1e3 * point.real:.3g}, {1e3 * point.imag:.3g}) mm"
+        told = (
+            f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
+        )
+        mend = "give the poses of its origin, or the outline in the frame of that point"
+        return f"{told} mm, were its places those of a point of the object {where} from its origin: {mend}"
+
+    def alternative(self, taken: _Reading) -> str:
+        """What else would do; nothing."""
+        return ""
+
+
+class _Alike(_Predicted):
+    """Pushes at one place of one object, told by no loop: they move it alike in its own frame,
+    whatever that is.
+    """
+
+    what = "pushes that should be alike lie, in the object's own frame,"
+
+    def __init__(self, written: _Written) -> None:
+        labels = written.rows.groupby(["object", *_CONTACT], dropna=False, sort=False).ngroup()
+        largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
+        super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
+        self.count = int(largest.sum())
+
+    def off_centre(self, taken: _Reading, limit: float) -> str:
+        """Nothing: alike are pushes of any point."""
+        return ""
+
+    def distances(self, reading: _Reading) -> Array:
+        """How far each push is from the median of all (n,), m."""
+        _, motion, _ = self.written.read(reading)
         return np.asarray(np.abs(motion - _middle(motion)))
 
-    angles = "clockwise" if taken.sense > 0.0 else "counter-clockwise"
-    others = [_Reading(replace(taken, angles=angles))]
-    others += [_Reading(taken, angle=factor) for factor in _TURNED.values()]
-    frame = "mirrored" if taken.frame == RIGHT_HANDED else RIGHT_HANDED
-    also = f", or --frame {frame} where it is the axes that are, or --angles compass for "
-    what = "pushes that should be alike lie, in the object's own frame,"
-    return _Test(
-        what, own, distances, others if own.is_spread else [], also=f"{also}headings from y"
-    )
+    def readings(self, taken: _Reading) -> list[_Reading]:
+        """The other sense of angles, and other units of them."""
+        if not self.is_spread:
+            return []
+        angles = "clockwise" if taken.convention.sense > 0.0 else "counter-clockwise"
+        other = _Reading(replace(taken.convention, angles=angles))
+        return [other, *(_Reading(taken.convention, angle=factor) for factor in _TURNED.values())]
+
+    def alternative(self, taken: _Reading) -> str:
+        """Axes laid the other way do the same."""
+        frame = "mirrored" if taken.convention.frame == RIGHT_HANDED else RIGHT_HANDED
+        return (
+            f", or --frame {frame} where it is the axes that are, or --angles compass for "
+            "headings from y"
+        )
 
 
-def _with_tips(written: _Written, plain: CollectionLoop) -> _Test:
+class _WithTips(_Predicted):
     """Pushes whose contact is told by the rod's places alone: what a loop predicts depends on the
     reading.
     """
-    lever, model = 0.5 * plain.slider.outline.extent, replace(plain, accuracy=1e-4).model
 
-    def distances(reading: _Reading) -> Array:
-        theta, _, turn = written.read(reading)
-        place, tips = reading.place(written.place), reading.place(written.tips)
-        # A rod inside the object: as far off as nothing is.
-        ends = np.full((len(theta), 3), 1e3)
-        for end, here, angle, (first, last) in zip(ends, place, theta, tips, strict=True):
-            pose = Pose(float(here.real), float(here.imag), float(angle))
-            rod = (float(first.real), float(first.imag)), (float(last.real), float(last.imag))
-            with suppress(CycleMapError):
-                end[:] = predicted_push_ends(model, [MeasuredPush(pose, pose, *rod)])[0][0]
-        away = place + reading.place(written.moved) - (ends[:, 0] + 1j * ends[:, 1])
-        return np.asarray(np.hypot(np.abs(away), lever * (theta + turn - ends[:, 2])))
+    def __init__(self, written: _Written, loop: CollectionLoop) -> None:
+        super().__init__(written, np.zeros(0), np.zeros(0), 0.5 * loop.slider.outline.extent, False)
+        self.model, self.count = replace(loop, accuracy=1e-4).model, len(written.turn)
 
-    return _Test(_PREDICTED, written, distances, _named(written.taken), lever, by_rod=True)
+    def distances(self, reading: _Reading) -> Array:
+        theta, _, turn = self.written.read(reading)
+        place, tips = reading.place(self.written.place), reading.place(self.written.tips)
+        predicted = np.array(
+            [
+                self._end(*push)
+                for push in zip(place.tolist(), theta.tolist(), *tips.T.tolist(), strict=True)
+            ]
+        )
+        away = np.abs(place + reading.place(self.written.moved) - predicted[:, 0])
+        return np.asarray(np.hypot(away, self.lever * (theta + turn - predicted[:, 1].real)))
+
+    def _end(
+        self, place: complex, theta: float, first: complex, last: complex
+    ) -> tuple[complex, float]:
+        pose = Pose(place.real, place.imag, theta)
+        tips = (first.real, first.imag), (last.real, last.imag)
+        try:
+            x, y, theta = predicted_push_ends(self.model, [MeasuredPush(pose, pose, *tips)])[0][0]
+        except CycleMapError:
+            # A rod inside the object: as far off as nothing is.
+            return complex(1e3, 1e3), 1e3
+        return complex(x, y), theta
+
+    def readings(self, taken: _Reading) -> list[_Reading]:
+        return [
+            _Reading(convention) for convention in _conventions() if convention != taken.convention
+        ]
 
 
-def _prediction(written: _Written, plain: CollectionLoop) -> _Test | None:
-    """The pushes with what isotropic friction makes of them; None where it makes nothing of
-    most.
-    """
-    rows = written.rows
-    if not rows[["side", "fraction"]].notna().all(axis=None) and written.has_tips:
-        return _with_tips(written, plain)
+def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
+    """The pushes with what isotropic friction makes of them;
+    None where it makes nothing of most."""
+    rows, plain = written.rows, _plain(loop)
+    labelled = rows[["side", "fraction"]].notna().all(axis=None)
+    if not labelled and written.has_tips:
+        return _WithTips(written, plain)
     contacts = rows[_CONTACT].assign(length=rows["length"].round(3))
     labels = contacts.groupby([*contacts], dropna=False).ngroup().to_numpy()
-    expected, turned = np.full(len(rows), np.nan, dtype=complex), np.full(len(rows), np.nan)
+    motion, turn = np.full(len(rows), np.nan, dtype=complex), np.full(len(rows), np.nan)
     for label in np.unique(labels):
         alike = labels == label
         length = float(np.median(rows["length"][alike]))
-        with suppress(CycleMapError):
-            push = told_push(plain.push, dict(rows[_CONTACT][alike].iloc[0]), length)
+        try:
+            push = told_push(loop.push, dict(rows[_CONTACT][alike].iloc[0]), length)
             cycle = replace(plain, push=push).cycle(0.0)
-            expected[alike], turned[alike] = complex(*cycle.push_displacement), cycle.push_turn
-    good = np.isfinite(turned)
-    if good.sum() < max(FEWEST, 0.5 * len(rows)):
-        return _with_tips(written, plain) if written.has_tips else None
-    own, expected, turned = written.where(good), expected[good], turned[good]
-    lever, lengths_known = 0.5 * plain.slider.outline.extent, bool(rows["length"].notna().all())
-
-    def distances(reading: _Reading) -> Array:
-        _, motion, turn = own.read(reading)
-        # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
-        off = 0.0 if reading.angle != 1.0 else lever * (turn - turned)
-        return np.asarray(np.hypot(np.abs(motion - expected), off))
-
-    others = _named(written.taken)
-    others += [_Reading(zero) for zero in _turned(own, expected)] if own.is_spread else []
-    lengths = LENGTH_UNITS.values() if lengths_known else ()
-    factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
-    for convention in (written.taken, *_conventions()):
-        others += [_Reading(convention, length=factor) for factor in factors]
-        others += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
-    return _Test(_PREDICTED, own, distances, others, lever, lengths_known)
-
-
-def _conventions() -> list[Convention]:
-    """All that have a name, those that change least first."""
-    every = [Convention(angles, frame) for angles, frame in product(ANGLES, FRAMES)]
-    return sorted(
-        every,
-        key=lambda known: (known.angles != "counter-clockwise") + (known.frame != RIGHT_HANDED),
-    )
-
-
-def _named(taken: Convention) -> list[_Reading]:
-    """All conventions that have a name but the one taken."""
-    return [_Reading(convention) for convention in _conventions() if convention != taken]
-
-
-def _turned(written: _Written, expected: Array) -> Iterator[Convention]:
-    """The two senses, each with the zero of its angles where motions want it."""
-    for convention in _conventions():
-        if convention.angles == "compass" or convention.frame == "swapped":
+        except CycleMapError:
             continue
-        _, motion, _ = written.read(_Reading(convention))
-        zero = cmath.phase(_middle(motion / expected))
-        offset = math.radians(round(math.degrees(zero)))
-        off = (math.remainder(offset - own, TWO_PI) for own in (0.0, written.taken.offset))
-        if min(map(abs, off)) > _LEAST_OFFSET:
-            yield replace(convention, offset=offset)
+        motion[alike], turn[alike] = complex(*cycle.push_displacement), cycle.push_turn
+    good = np.isfinite(turn)
+    if good.sum() < max(FEWEST, 0.5 * len(rows)):
+        return _WithTips(written, plain) if written.has_tips else None
+    lever, lengths_known = 0.5 * loop.slider.outline.extent, bool(rows["length"].notna().all())
+    return _Predicted(written.where(good), motion[good], turn[good], lever, lengths_known)

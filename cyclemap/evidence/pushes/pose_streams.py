@@ -40,6 +40,8 @@ _AGREE, _AGREE_LEAST = 5.0, 2e-3
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
 # out.
 _FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+# Of rings those explain nearly as many rests as the best that explain this share of them.
+_NEARLY = 0.85
 # Where more rests than this share have the ring at one place, none tells it; then those are home
 # that lie near the first, as a share of how far the others are.
 _ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
@@ -233,7 +235,9 @@ def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
     backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
     usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
     limit, limit_back = _spread(clean), _spread(backs)
-    pushes, unclear, numbers, paused = [], [], [], 0
+    pushes, numbers, paused = [], [], 0
+    # What comes before the first push is a push's end at most.
+    unclear = [(0, where[0])] if where[0] > 1 else []
     # What is unclear is a number left out, so that nothing is taken to follow across it.
     for number, (first, last) in enumerate(spans):
         is_open = not home[last]
@@ -302,7 +306,7 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
         return None, 1.0
     most = max(count for count, *_ in found)
     # Of those that explain nearly as many the ring nearest to the centre.
-    near = [entry for entry in found if entry[0] >= 0.7 * most]
+    near = [entry for entry in found if entry[0] >= _NEARLY * most]
     home, sense = min(near, key=lambda entry: (entry[1], -entry[0]))[2:]
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken
