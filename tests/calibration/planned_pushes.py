@@ -314,7 +314,7 @@ def chosen_of(
             zip(beliefs, (centre + 0.7 * width * draw).tolist(), strict=True)
         )
         jacobian = block.residuals(values)[1].reshape(len(pushes), 3, -1)
-        rows.append(over_noise(jacobian[..., columns], jacobian[..., rod], noise))
+        rows.append(over_noise(jacobian[..., columns], SET_OFF * jacobian[..., rod], noise))
     by = np.array(rows)
     asked = Target(
         by.reshape(len(by), -1, len(beliefs)),

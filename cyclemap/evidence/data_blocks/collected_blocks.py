@@ -39,8 +39,15 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     cycle_pair_block,
     drag_turn_block,
     push_end_block,
+    set_ups,
 )
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
+from cyclemap.evidence.identification.data_block import (
+    DataBlock,
+    Labels,
+    Progress,
+    part_of,
+    usual_beliefs,
+)
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import push_from_contact
@@ -51,6 +58,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
     PUSH_END_COLUMNS,
+    READ,
     ROD_OFF,
     MeasuredPush,
     Place,
@@ -62,6 +70,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     select_pushes,
     selected_rows,
     session_name,
+    set_up_errors,
     tip_error,
     told,
     told_push,
@@ -195,7 +204,7 @@ class _Collected:
 
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
-        each was read. noise : of each kind; infinite where some data do not tell it.
+        each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some data do not tell it.
     """
 
     given: CollectionLoop
@@ -211,7 +220,7 @@ class _Collected:
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
     filled: dict[tuple[str, ...], str] = field(default_factory=dict)
-    rods_set: int = 0
+    set_up: dict[str, tuple[float, float]] = field(default_factory=dict)
     notes: list[tuple[str, str]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
     last_cycle: float = 0.0
@@ -395,18 +404,23 @@ class _Collected:
     def _add_push_ends(
         self,
         pushes: Sequence[MeasuredPush],
-        noise: Mapping[str, float] | None = None,
+        read: tuple[float, float] | None = None,
         set_by_marks: bool = False,
         strayed: float | None = None,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if not kept:
             return
-        first_set = self.rods_set + 1 if set_by_marks else None
+        first_set = None
+        if set_by_marks:
+            errors = set_up_errors(read or READ).tolist()
+            first_set = len(self.set_up) // len(errors) + 1
+            unknown = set_ups(first_set, len(kept))
+            for parameter, error in zip(unknown, errors * len(kept), strict=True):
+                self.set_up[parameter.name] = 0.0, error
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
-        self.rods_set += len(kept) if set_by_marks else 0
         words = f"{_counted(kept, pushes)} push ends"
-        self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
+        self._add(block, words, _told_noise(read), _thinned(pushes, _MOST_TURNS), strayed)
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
@@ -436,12 +450,13 @@ class _Collected:
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
             by_marks = FRAMES_AGREE in table.header
-            self._add_push_ends(pushes, _told_noise(table, rows), by_marks, strayed)
+            self._add_push_ends(pushes, _told_errors(table, rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
             drags = read_measured_drags(table, rows)
             kept = _thinned(drags, self.most)
             block = drag_turn_block(kept, self.loop.slider, self.target)
-            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(table, rows))
+            noise = _told_noise(_told_errors(table, rows))
+            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
         else:
             self._add_wrenches(table, rows)
 
@@ -488,14 +503,21 @@ def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
     return np.array([known.index(place) for place in places])
 
 
-def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
-    """How far measured pushes and drags are off, by kind of noise, where a table tells how far its
-    readings are.
-    """
+def _told_errors(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[float, float] | None:
+    """How far readings are off, m and rad, where a table tells it."""
     if not {*ERRORS} <= set(table.header):
         return None
     millimetres, degrees = (max(table.number(row, name) for row in rows) for name in ERRORS)
-    along, _, turned, dragged = push_noise((1e-3 * millimetres, math.radians(degrees))).tolist()
+    return 1e-3 * millimetres, math.radians(degrees)
+
+
+def _told_noise(read: tuple[float, float] | None) -> dict[str, float] | None:
+    """How far measured pushes and drags are off, by kind of noise, where it is told how far
+    readings are.
+    """
+    if read is None:
+        return None
+    along, _, turned, dragged = push_noise(read).tolist()
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
@@ -550,6 +572,8 @@ class CollectedBlocks:
         How many the last is behind the first; 0 where unknown.
     noise : mapping of str to float
         Of the kinds of noise that all of their data tell.
+    set_up : mapping of str to tuple[float, float]
+        What is believed of how each push was set up by hand, by name: 0 and a deviation, SI units.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -559,6 +583,13 @@ class CollectedBlocks:
     scans: Array | None
     last_cycle: float
     noise: Mapping[str, float]
+    set_up: Mapping[str, tuple[float, float]]
+
+    def beliefs(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+        """Return what is usual of parameters (see `usual_beliefs`), and of how pushes were set
+        up."""
+        of_pushes = {name: self.set_up[name] for name in names if name in self.set_up}
+        return usual_beliefs(names) | of_pushes
 
 
 def collected_blocks(
@@ -679,6 +710,7 @@ def collected_blocks(
         np.concatenate(collected.scans) if collected.scans else None,
         collected.last_cycle,
         {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
+        collected.set_up,
     )
 
 

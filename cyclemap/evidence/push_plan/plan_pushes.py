@@ -27,11 +27,9 @@ from cyclemap.evidence.push_plan.sensitivity import (
     sampled_beliefs,
     target_of,
 )
-from cyclemap.evidence.pushes.measured_strokes import push_noise
+from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
 
 MOST_PUSHES = 32
-# How far a ruler and a phone are off, m and rad.
-READ = (1e-3, math.radians(1.0))
 # Of random pushes, how many sets are looked at; how often every push may be exchanged.
 _RANDOM_SETS, _ROUNDS = 12, 2
 # Of what exchanges gain less than this share is left.
@@ -166,10 +164,10 @@ def plan_pushes(
 
     Notes
     -----
-    A rod is taken to be set 2 mm off its mark (standard deviation), so that pushes which depend on
-    that tell less. No push is planned twice: most of what a model misses of a push it misses again
-    when that is repeated. Errors of pushes are taken as independent and alike, of a long push as of
-    a short one.
+    A rod is taken to be set 2 mm off its mark (standard deviation), and an object to lie as wrongly
+    as it is read, so that pushes which depend on that tell less. No push is planned twice: most of
+    what a model misses of a push it misses again when that is repeated. Errors of pushes are taken
+    as independent and alike, of a long push as of a short one.
 
     Examples
     --------
@@ -193,16 +191,15 @@ def plan_pushes(
         raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
     for side in room:
         positive_number("width and depth of a room", side)
-    noise = push_noise(
-        (non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1]))
-    )
+    for error, unit in zip(read, ("m", "rad"), strict=True):
+        non_negative_number(f"error in {unit}", error)
     report = progress or (lambda fraction: None)
     known = sampled_beliefs(loop, whole_number("samples", samples, least=2))
     longest = 0.6 * max(room)
     offered = candidate_pushes(
         loop, whole_number("candidates", candidates, least=asked), grid, longest, seed
     )
-    ends, by, by_set = push_sensitivity(known, offered, noise)
+    ends, by, by_set = push_sensitivity(known, offered, read)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
     kept = [index for index, push in enumerate(fitting) if push is not None]
@@ -212,7 +209,7 @@ def plan_pushes(
             f"{len(offered)} pushes"
         )
         raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
-    wanted = target_of(known, target, by, noise)
+    wanted = target_of(known, target, by, push_noise(read))
     report(0.8)
     design = Design(known.covariance, by_set[:, kept], wanted)
     first = design.greedy(min(max(asked, *COUNTS), len(kept)))
