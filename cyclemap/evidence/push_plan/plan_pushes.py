@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import non_negative_number, positive_number, whole_number
+from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
@@ -30,6 +30,8 @@ from cyclemap.evidence.push_plan.sensitivity import (
 from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
 
 MOST_PUSHES = 32
+# Candidates times samples: each is a push that is run, and some thousand numbers.
+MOST_RUNS = 50_000
 # Of random pushes, how many sets are looked at; how often every push may be exchanged.
 _RANDOM_SETS, _ROUNDS = 12, 2
 # Of what exchanges gain less than this share is left.
@@ -145,8 +147,8 @@ def plan_pushes(
     samples : int, default 30
         How many floors are looked at.
     candidates : int, default 160
-        Among how many pushes is chosen; the time goes with both, 5 s on two cores for the
-        defaults.
+        Among how many pushes is chosen; time and memory go with both, 5 s on two cores for the
+        defaults. Their product is at most 50,000.
     seed : int, default 0
         Of the choice of candidates.
     progress : callable or None, optional
@@ -160,7 +162,8 @@ def plan_pushes(
     Raises
     ------
     InvalidInput
-        For a material without samples, a room too small, or numbers that make no sense.
+        For a material without samples, a room too small, more samples and candidates than there is
+        room for, or numbers that make no sense.
 
     Notes
     -----
@@ -194,11 +197,11 @@ def plan_pushes(
     for error, unit in zip(read, ("m", "rad"), strict=True):
         non_negative_number(f"error in {unit}", error)
     report = progress or (lambda fraction: None)
-    known = sampled_beliefs(loop, whole_number("samples", samples, least=2))
-    longest = 0.6 * max(room)
-    offered = candidate_pushes(
-        loop, whole_number("candidates", candidates, least=asked), grid, longest, seed
-    )
+    whole_number("samples", samples, least=2)
+    whole_number("candidates", candidates, least=asked)
+    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+    known = sampled_beliefs(loop, samples)
+    offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
     ends, by, by_set = push_sensitivity(known, offered, read)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]

@@ -183,6 +183,8 @@ def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
         told="width and depth of a room must be a finite number",
     )
     refused(plan_pushes, unknown, seed=-1, told="seed must be at least 0")
+    refused(plan_pushes, unknown, candidates=10**12, told="3e\\+13, of at most 5e\\+04")
+    refused(plan_pushes, unknown, samples=400, told="samples times candidates: 6.4e\\+04")
     refused(
         plan_pushes,
         unknown,
