@@ -118,8 +118,8 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         if known.has_interval(one):
             told.append(f"{_ends(one)} (in {one.share:.0%} of samples)")
         elif count:
-            ends = dict.fromkeys((angle(one.lower, 0), angle(one.upper % (2.0 * math.pi), 0)))
-            few.append(f"{count} at {' to '.join(ends)}")
+            both = dict.fromkeys((angle(one.lower, 0), angle(one.upper % (2.0 * math.pi), 0)))
+            few.append(f"{count} at {' to '.join(both)}")
     places = [f"95 % of them at {listed(told)}"] if told else []
     places += [f"only {listed(few)}"] if few else []
     of = f"{known.locks} of {known.samples} samples {'has' if known.locks == 1 else 'have'}"
