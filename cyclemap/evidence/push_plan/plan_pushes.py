@@ -217,30 +217,17 @@ def plan_pushes(
     design = Design(known.covariance, by_set[:, kept], wanted)
     first = design.greedy(min(max(asked, *COUNTS), len(kept)))
     chosen = design.ordered(design.exchanged(first[:asked]))
-    rng = np.random.default_rng(seed)
-    sets = [rng.permutation(len(kept)).tolist() for _ in range(_RANDOM_SETS)]
-    knowledge = []
-    for some in sorted({0, asked, *(few for few in COUNTS if few <= len(first))}):
-        drawn = [design.knowledge(order[:some]) for order in sets]
-        mean = {
-            name: math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
-            for name in drawn[0]
-        }
-        knowledge.append(
-            Knowledge(some, design.knowledge(chosen if some == asked else first[:some]), mean)
-        )
     losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
     missed = chosen[int(np.argmax(losses))]
     report(1.0)
     pushes = tuple(push for index in chosen if (push := fitting[kept[index]]) is not None)
     shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
-    likely = ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift
     return PushPlan(
         loop,
         target,
         pushes,
-        likely,
-        tuple(knowledge),
+        ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift,
+        _knowledge(design, first, chosen, seed),
         design.knowledge([index for index in chosen if index != missed]),
         wanted.chance,
         room,
@@ -248,6 +235,25 @@ def plan_pushes(
         len(known.values),
         len(kept),
     )
+
+
+def _knowledge(
+    design: Design, first: list[int], chosen: list[int], seed: int
+) -> tuple[Knowledge, ...]:
+    """What will be known after none, after some of `first`, after those `chosen`, and after as many
+    random ones.
+    """
+    rng, count = np.random.default_rng(seed), design.rows.shape[1]
+    sets = [rng.permutation(count).tolist() for _ in range(_RANDOM_SETS)]
+    told = []
+    for some in sorted({0, len(chosen), *(few for few in COUNTS if few <= len(first))}):
+        planned = design.knowledge(chosen if some == len(chosen) else first[:some])
+        drawn = [design.knowledge(order[:some]) for order in sets]
+        random = {}
+        for name in planned:
+            random[name] = math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
+        told.append(Knowledge(some, planned, random))
+    return tuple(told)
 
 
 class Design:
