@@ -18,6 +18,8 @@ from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_w
 from cyclemap.views.sentences import angle, uncertainty_sentence
 from cyclemap.views.style import FORCE, MEASURED_EDGE
 
+# Floors that are looked at are too few to be surer than this.
+_SUREST = 0.99
 _COLUMNS = 4
 # Inches of a panel, of the labels beside it, and of the words.
 _WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
@@ -34,7 +36,9 @@ def known_words(known: Mapping[str, float]) -> str:
     """
     if "wrong" in known:
         where = f", where to ±{angle(2.0 * known['direction'], 0)}" if "direction" in known else ""
-        return f"whether it locks in with {1.0 - known['wrong']:.0%} certainty{where}"
+        sure = 1.0 - known["wrong"]
+        certainty = f"more than {_SUREST:.0%}" if sure > _SUREST else f"{sure:.0%}"
+        return f"whether it locks in with {certainty} certainty{where}"
     if "map" in known:
         return f"the map within ±{angle(2.0 * known['map'])}"
     return f"a push within ±{2.0 * MM * known['place']:.1f} mm and ±{angle(2.0 * known['turn'])}"
@@ -53,11 +57,11 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
         "pushes": "where pushes end",
     }
     read = f"{MM * plan.read[0]:.2g} mm and {math.degrees(plan.read[1]):.2g}°"
-    locks = (
-        ""
-        if plan.chance is None
-        else f"Of floors as {floor} has them {plan.chance:.0%} lock it in. "
-    )
+    locks = ""
+    if plan.chance is not None:
+        count = round(plan.chance * plan.samples)
+        lock = "locks" if count < 2 else "lock"
+        locks = f"Of {plan.samples} floors as {floor} has them {count or 'none'} {lock} it in. "
     return (
         f"{number} pushes of {name} that tell most of {asked[plan.target]}.",
         f"{locks}Known now: {known_words(after[0].planned)}. After these {number}: "

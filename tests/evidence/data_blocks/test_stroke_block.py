@@ -223,6 +223,19 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
     refused(predicted_push_ends, model, [deep], told="deep inside")
 
 
+def test_an_object_that_lay_turned_from_what_was_read_is_one_that_was_read_so() -> None:
+    pushes = made_pushes(4)
+    turned = [
+        replace(push, start=replace(push.start, theta=push.start.theta + 0.02)) for push in pushes
+    ]
+    by_hand, plain = push_end_block(pushes, RECT1, None, 1), push_end_block(turned, RECT1)
+    off = {row.name: 0.02 * ("turn" in row.name) for row in by_hand.own_parameters}
+    rods = dict.fromkeys((row.name for row in TIP_OFFSET), 0.0)
+    told, expected = by_hand.residuals(VALUES | off)[0], plain.residuals(VALUES | rods)[0]
+    assert told == pytest.approx(expected, abs=1e-12)
+    assert np.abs(told - by_hand.residuals(VALUES | dict.fromkeys(off, 0.0))[0]).max() > 0.02
+
+
 def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> None:
     pushes = made_pushes(8)
     missed = [
