@@ -24,9 +24,9 @@ _COLUMNS = 4
 # Inches of a panel, of the labels beside it, and of the words.
 _WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
 _FOOT = (
-    "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where "
-    "it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from the near "
-    "left corner of the room."
+    "Filled: the object as it is set, its ring a circle, corners a and b to set and to measure. "
+    "Dashed: where it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from "
+    "the near left corner of the room."
 )
 
 
@@ -130,6 +130,8 @@ def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
     where = f"side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm"
     axes.set_title(f"{index + 1}: {where}", fontsize=8.5)
     axes.set_ylabel("y (mm)", fontsize=7)
-    set_to = f"set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm"
-    turned = f"θ {math.degrees(start.theta):.0f}°"
-    axes.set_xlabel(f"x (mm); {set_to}, {turned}", fontsize=8)
+    places = (MM * placed(pose, marks)).tolist()
+    set_to = "; ".join(
+        f"{name} to {x:.0f}, {y:.0f}" for name, (x, y) in zip("ab", places, strict=True)
+    )
+    axes.set_xlabel(f"x (mm); {set_to}; θ {math.degrees(start.theta):.0f}°", fontsize=8)
