@@ -198,24 +198,23 @@ def cycle_map_by_unknowns(
 def _direction(known: Beliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
     theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
-    rows, margins = [], []
+    rows, margins = list[Array](), list[float]()
     for values in known.values:
         turn, slope, by = cycle_map_by_unknowns(known.loop, values, theta)
-        following = np.roll(turn, -1)
-        stable = np.flatnonzero((turn > 0.0) & (following <= 0.0) & (slope > -2.0) & (slope < 0.0))
-        rows.append([-by[index] / slope[index] for index in stable.tolist()])
+        falls = (turn > 0.0) & (np.roll(turn, -1) <= 0.0)
+        stable = falls & (slope > -2.0) & (slope < 0.0)
         # The turn that decides: the extreme that is nearest to nought, whose sign would end or
         # begin the lock.
         extremes = [int(np.argmin(turn)), int(np.argmax(turn))]
         nearest = min(extremes, key=lambda index: abs(float(turn[index])))
-        rows[-1].insert(0, by[nearest])
+        rows.append(np.vstack([by[nearest], -by[stable] / slope[stable, None]]))
         margins.append(abs(float(turn[nearest])))
-    most = max(map(len, rows))
-    gradient = np.array([row + [np.zeros(len(UNKNOWNS))] * (most - len(row)) for row in rows])
-    margin = np.array(margins)
-    has = np.array([[place < len(row) for place in range(1, most)] for row in rows]).reshape(
-        len(rows), most - 1
-    )
+    gradient = np.zeros((len(rows), max(map(len, rows)), len(UNKNOWNS)))
+    has = np.zeros(gradient.shape[:2], dtype=bool)
+    for sample, row in enumerate(rows):
+        gradient[sample, : len(row)] = row
+        has[sample, : len(row)] = True
+    margin, has = np.array(margins), has[:, 1:]
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:
