@@ -15,11 +15,9 @@ from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
 from cyclemap.views import style
 from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_way
-from cyclemap.views.sentences import angle, uncertainty_sentence
+from cyclemap.views.sentences import angle, chance, uncertainty_sentence
 from cyclemap.views.style import FORCE, MEASURED_EDGE
 
-# Floors that are looked at are too few to be surer than this.
-_SUREST = 0.99
 _COLUMNS = 4
 # Inches of a panel, of the labels beside it, and of the words.
 _WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
@@ -36,9 +34,7 @@ def known_words(known: Mapping[str, float]) -> str:
     """
     if "wrong" in known:
         where = f", where to ±{angle(2.0 * known['direction'], 0)}" if "direction" in known else ""
-        sure = 1.0 - known["wrong"]
-        certainty = f"more than {_SUREST:.0%}" if sure > _SUREST else f"{sure:.0%}"
-        return f"whether it locks in with {certainty} certainty{where}"
+        return f"whether it locks in with {chance(1.0 - known['wrong'])} certainty{where}"
     if "map" in known:
         return f"the map within ±{angle(2.0 * known['map'])}"
     return f"a push within ±{2.0 * MM * known['place']:.1f} mm and ±{angle(2.0 * known['turn'])}"
@@ -77,13 +73,13 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
     """Whether what was measured is enough, how well directions are known, and what was read and
     left out.
     """
-    chance = measured.directions.chance
+    locks = measured.directions.chance
     if not measured.is_enough(within):
         told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
-    elif chance >= SURE:
+    elif locks >= SURE:
         told = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
     else:
-        told = f"Enough: it locks in nowhere, with a chance of {1.0 - chance:.0%}"
+        told = f"Enough: it locks in nowhere, with a chance of {chance(1.0 - locks)}"
     known = uncertainty_sentence(measured.loop.material.name, measured.directions)
     return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 

@@ -145,7 +145,7 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
             likely.append(f"{place} ({direction.share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
     seen = forecast.orientations
-    locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
+    locks = f"the loop locks in with a chance of {chance(forecast.chance)}{where}"
     told = (
         f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen "
         f"({seen.lower:.0f} to {seen.upper:.0f})"
@@ -441,6 +441,17 @@ def angle(radians: float, decimals: int = 1) -> str:
     """
     # Adding zero turns a rounded -0.0 into 0.0.
     return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
+
+
+def chance(share: float) -> str:
+    """A chance for people: what some hundred samples tell is never quite sure.
+
+    >>> chance(0.0), chance(0.421), chance(1.0)
+    ('less than 1%', '42%', 'more than 99%')
+    """
+    if share < 0.01:
+        return "less than 1%"
+    return "more than 99%" if share > 0.99 else f"{share:.0%}"
 
 
 def number(value: float) -> str:

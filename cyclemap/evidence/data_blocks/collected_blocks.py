@@ -250,8 +250,11 @@ class _Collected:
         for reason, count in left_out.items():
             self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
+            by_marks = is_table and FRAMES_AGREE in table.header
             for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
-                self._note(words)
+                # A table that was planned tells its axes and angles.
+                if not by_marks:
+                    self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
