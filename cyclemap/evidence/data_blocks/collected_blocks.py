@@ -204,7 +204,8 @@ class _Collected:
 
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
-        each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some data do not tell it.
+        each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some
+        data do not tell it.
     """
 
     given: CollectionLoop
@@ -423,7 +424,9 @@ class _Collected:
                 self.set_up[parameter.name] = 0.0, error
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
         words = f"{_counted(kept, pushes)} push ends"
-        self._add(block, words, _told_noise(read), _thinned(pushes, _MOST_TURNS), strayed)
+        self._add(
+            block, words, _told_noise(read, set_by_marks), _thinned(pushes, _MOST_TURNS), strayed
+        )
 
     def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
@@ -514,13 +517,17 @@ def _told_errors(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[float, float]
     return 1e-3 * millimetres, math.radians(degrees)
 
 
-def _told_noise(read: tuple[float, float] | None) -> dict[str, float] | None:
+def _told_noise(
+    read: tuple[float, float] | None, set_by_marks: bool = False
+) -> dict[str, float] | None:
     """How far measured pushes and drags are off, by kind of noise, where it is told how far
-    readings are.
+    readings are; of pushes that a robot made the angle before them is noise, too.
     """
     if read is None:
         return None
     along, _, turned, dragged = push_noise(read).tolist()
+    if not set_by_marks:
+        turned = math.hypot(turned, read[1])
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 

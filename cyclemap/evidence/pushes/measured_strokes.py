@@ -334,21 +334,22 @@ def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
 
 
 def push_noise(read: tuple[float, float]) -> Array:
-    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from
-    what a model says.
+    """Return the deviation (4,) of measured ends of a push (m, m, rad) that was set up by hand, and
+    of a drag (rad), from what a model says.
 
-    read : m and rad, how far off a reading is, before and after. What the best model misses of
-        pushes and drags on real floors comes on top; it is taken as independent from push to push,
-        and of a long push as of a short one. What follows from how a push was set up is no noise:
-        it depends on the push (`set_up_errors`).
+    read : m and rad, how far off a reading is, before and after; what is wrong of the angle before
+        a push is no noise, nor where its rod was set: what follows depends on the push
+        (`set_up_errors`). What the best model misses of pushes and drags on real floors comes on
+        top; it is taken as independent from push to push, and of a long push as of a short one.
 
     >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
     >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
     (2.062, 2.0, 6.0)
     """
-    place, turn = (math.sqrt(2.0) * error for error in read)
-    along = math.hypot(place, _MISSED[0])
-    return np.array((along, along, math.hypot(turn, _MISSED[1]), math.hypot(turn, _MISSED_DRAG)))
+    place, turn = read
+    along = math.hypot(place, place, _MISSED[0])
+    turned, dragged = math.hypot(turn, _MISSED[1]), math.hypot(turn, turn, _MISSED_DRAG)
+    return np.array((along, along, turned, dragged))
 
 
 def set_up_errors(read: tuple[float, float]) -> Array:
