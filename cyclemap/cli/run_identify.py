@@ -22,7 +22,6 @@ from cyclemap.evidence.data_blocks.collected_blocks import (
     collected_blocks,
     telling_parameters,
 )
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
 from cyclemap.evidence.identification.known_floor import (
     held_values,
@@ -157,7 +156,7 @@ def _identified(
         name for name in telling_parameters(blocks, believed) if name not in fixed
     )
     held = held_values(blocks, space, named, known)
-    beliefs = usual_beliefs(named) | known_beliefs(known, named, plate)
+    beliefs = collected.beliefs(named) | known_beliefs(known, named, plate)
     groups = sum(len(set(block.groups.tolist())) for block in blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:

@@ -12,7 +12,6 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.known_floor import (
     ELLIPSE,
@@ -171,7 +170,7 @@ def identified_plan(
         collected.blocks,
         free,
         held_values(collected.blocks, space, free, floor) | fixed,
-        priors=usual_beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
+        priors=collected.beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
         noise={**collected.noise, **known_spread(floor, collected.blocks)},
         starts=starts,
         student=4.0,

@@ -36,8 +36,9 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     cycle_pair_block,
     drag_turn_block,
     push_end_block,
+    set_ups,
 )
-from cyclemap.evidence.identification.data_block import DataBlock, Labels
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
@@ -56,6 +57,7 @@ from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
+    READ,
     ROD_OFF,
     MeasuredPush,
     RowSelection,
@@ -66,9 +68,11 @@ from cyclemap.evidence.pushes.measured_strokes import (
     select_pushes,
     selected,
     session_name,
+    set_up_errors,
     told,
     told_push,
 )
+from cyclemap.evidence.pushes.planned_table import FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
@@ -202,7 +206,8 @@ class _Collected:
 
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
-        each was read. noise : of each kind; infinite where some data do not tell it.
+        each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some
+        data do not tell it.
     """
 
     given: CollectionLoop
@@ -218,7 +223,7 @@ class _Collected:
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
     filled: dict[tuple[float, ...], str] = field(default_factory=dict)
-    rods_set: int = 0
+    set_up: dict[str, tuple[float, float]] = field(default_factory=dict)
     notes: list[tuple[str, str]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
     last_cycle: float = 0.0
@@ -249,8 +254,11 @@ class _Collected:
         for reason, count in left_out.items():
             self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
+            by_marks = is_table and FRAMES_AGREE in table.header
             for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
-                self._note(words)
+                # A table that was planned tells its axes and angles.
+                if not by_marks:
+                    self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
@@ -403,24 +411,31 @@ class _Collected:
     def _add_push_ends(
         self,
         pushes: Sequence[MeasuredPush],
-        noise: Mapping[str, float] | None = None,
+        read: tuple[float, float] | None = None,
         set_by_marks: bool = False,
         strayed: float | None = None,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if not kept:
             return
-        first_set = self.rods_set + 1 if set_by_marks else None
+        first_set = None
+        if set_by_marks:
+            errors = set_up_errors(read or READ).tolist()
+            first_set = len(self.set_up) // len(errors) + 1
+            unknown = set_ups(first_set, len(kept))
+            for parameter, error in zip(unknown, errors * len(kept), strict=True):
+                self.set_up[parameter.name] = 0.0, error
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
-        self.rods_set += len(kept) if set_by_marks else 0
         words = f"{_counted(kept, pushes)} push ends"
-        self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
+        self._add(
+            block, words, _told_noise(read, set_by_marks), _thinned(pushes, _MOST_TURNS), strayed
+        )
 
     def _refuse_repeated(self, rows: pandas.DataFrame) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
         come again.
         """
-        if rows[["frames_agree", *ERRORS]].isna().all(axis=None):
+        if rows[[FRAMES_AGREE, *ERRORS]].isna().all(axis=None):
             return
         for row in rows.to_dict("records"):
             readings = tuple(row[name] for name in (*ENDS, *RODS))
@@ -444,13 +459,14 @@ class _Collected:
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
-            by_marks = bool(rows["frames_agree"].notna().any())
-            self._add_push_ends(pushes, _told_noise(rows), by_marks, strayed)
+            by_marks = bool(rows[FRAMES_AGREE].notna().any())
+            self._add_push_ends(pushes, _told_errors(rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
             drags = measured_drags(rows)
             kept = _thinned(drags, self.most)
             block = drag_turn_block(kept, self.loop.slider, self.target)
-            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(rows))
+            noise = _told_noise(_told_errors(rows))
+            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
         else:
             self._add_wrenches(rows)
 
@@ -497,14 +513,23 @@ def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
     return np.array([known.index(place) for place in places])
 
 
-def _told_noise(rows: pandas.DataFrame) -> dict[str, float] | None:
-    """How far measured pushes and drags are off, by kind of noise, where a table tells how far its
-    readings are.
-    """
+def _told_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:
+    """How far readings are off, m and rad, where a table tells it."""
     length, angle = rows[[*ERRORS]].max().tolist()
-    if math.isnan(length) or math.isnan(angle):
+    return None if math.isnan(length) or math.isnan(angle) else (length, angle)
+
+
+def _told_noise(
+    read: tuple[float, float] | None, set_by_marks: bool = False
+) -> dict[str, float] | None:
+    """How far measured pushes and drags are off, by kind of noise, where it is told how far
+    readings are; of pushes that a robot made the angle before them is noise, too.
+    """
+    if read is None:
         return None
-    along, _, turned, dragged = push_noise((length, angle)).tolist()
+    along, _, turned, dragged = push_noise(read).tolist()
+    if not set_by_marks:
+        turned = math.hypot(turned, read[1])
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
@@ -559,6 +584,8 @@ class CollectedBlocks:
         How many the last is behind the first; 0 where unknown.
     noise : mapping of str to float
         Of the kinds of noise that all of their data tell.
+    set_up : mapping of str to tuple[float, float]
+        What is believed of how each push was set up by hand, by name: 0 and a deviation, SI units.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -568,6 +595,13 @@ class CollectedBlocks:
     scans: Array | None
     last_cycle: float
     noise: Mapping[str, float]
+    set_up: Mapping[str, tuple[float, float]]
+
+    def beliefs(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+        """Return what is usual of parameters (see `usual_beliefs`), and of how pushes were set
+        up."""
+        of_pushes = {name: self.set_up[name] for name in names if name in self.set_up}
+        return usual_beliefs(names) | of_pushes
 
 
 def collected_blocks(
@@ -688,6 +722,7 @@ def collected_blocks(
         np.concatenate(collected.scans) if collected.scans else None,
         collected.last_cycle,
         {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
+        collected.set_up,
     )
 
 

@@ -20,7 +20,6 @@ from cyclemap.evidence.identification.surface_parameters import (
     Parameter,
     ParameterSpace,
 )
-from cyclemap.evidence.pushes.measured_strokes import SET_OFF
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -56,8 +55,6 @@ USUAL = MappingProxyType(
         "pin_friction_radius": (1.5e-3, 1e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
-        "rod_off_x": (0.0, SET_OFF),
-        "rod_off_y": (0.0, SET_OFF),
     }
 )
 Function = Callable[[Values], tuple[Array, Array]]

@@ -33,8 +33,12 @@ NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, o
 # How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
 # drags, rad.
 _MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
-# How far off its mark a rod is set by hand, m along x and y, and what that of one push is called.
+# How far a ruler and a phone are off, m and rad.
+READ = (1e-3, math.radians(1.0))
+# How far off its mark a rod is set by hand, m along x and y; what how one push was set up is called.
 SET_OFF, ROD_OFF = 2e-3, "rod_off_"
+# No object lies as it was read to lie, rad.
+_LEAST_TURNED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -271,17 +275,34 @@ def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:
 
 
 def push_noise(read: tuple[float, float]) -> Array:
-    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from
-    what a model says.
+    """Return the deviation (4,) of measured ends of a push (m, m, rad) that was set up by hand, and
+    of a drag (rad), from what a model says.
 
-    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on
-        real floors comes on top; it is taken as independent from push to push, and of a long
-        push as of a short one. What a rod does that was set off its mark is no noise: it depends on
-        the push, by how much the rod was off.
+    read : m and rad, how far off a reading is, before and after; what is wrong of the angle before
+        a push is no noise, nor where its rod was set: what follows depends on the push
+        (`set_up_errors`). What the best model misses of pushes and drags on real floors comes on
+        top; it is taken as independent from push to push, and of a long push as of a short one.
 
     >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
     >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
-    (1.803, 2.0, 6.0)
+    (2.062, 2.0, 6.0)
     """
-    along, turned = (math.hypot(*errors) for errors in zip(read, _MISSED, strict=True))
-    return np.array((along, along, turned, math.hypot(read[1], _MISSED_DRAG)))
+    place, turn = read
+    along = math.hypot(place, place, _MISSED[0])
+    turned, dragged = math.hypot(turn, _MISSED[1]), math.hypot(turn, turn, _MISSED_DRAG)
+    return np.array((along, along, turned, dragged))
+
+
+def set_up_errors(read: tuple[float, float]) -> Array:
+    """Return the deviation (3,) of how a push was set up by hand from what is read of it: where the
+    rod touches the object (m, m), and how the object lay turned (rad).
+
+    read : m and rad, how far off a reading is. The rod is off its mark, and where the object lay is
+        only known as well as it was read: as it moves, what is wrong of its angle grows to a place.
+
+    >>> along, _, turned = set_up_errors((1e-3, 0.02)).tolist()
+    >>> round(1e3 * along, 3), round(turned, 3)
+    (2.236, 0.02)
+    """
+    along = math.hypot(SET_OFF, read[0])
+    return np.array((along, along, max(read[1], _LEAST_TURNED)))

@@ -138,7 +138,7 @@ def _is_ours(names: set[str]) -> bool:
         return "theta0_deg" in names and names <= _ORIENTATIONS
     if names >= {*RODS, "th0", "th1"}:
         return True
-    known = {name for column in COLUMNS.values() for name in column.names} - {*RODS}
+    known = {name for column in COLUMNS.values() for name in column.names}
     return names <= known and all(names & COLUMNS[name].names.keys() for name in ENDS)
 
 
