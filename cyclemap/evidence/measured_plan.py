@@ -14,7 +14,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.known_floor import (
-    ELLIPSE,
+    FLOOR_TOLD,
     held_values,
     known_beliefs,
     known_shapes,
@@ -163,7 +163,7 @@ def identified_plan(
     plate = known_plate(floor, collected.loop.slider)
     shapes = () if plate is None or plate.plate == ANY_PLATE else (plate,)
     fixed = known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    telling = telling_parameters(collected.blocks, known_beliefs(floor, ELLIPSE))
+    telling = telling_parameters(collected.blocks, known_beliefs(floor, FLOOR_TOLD))
     free = [name for name in telling if name not in fixed]
     space = starting_space(loop, floor)
     identification = identify(

@@ -760,26 +760,25 @@ def telling_parameters(
     off.
 
     The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates,
-    the rod, how each data set's frame is shifted, friction in the ring with drags or cycles, how
-    the surface wears; of four sessions and more, how the
-    floor's shape varies with the place. believed : of a known floor, what its samples tell of the
-    ellipse; single pushes and drags take
-    the rest of it as it stands.
+    the rod, how each data set's frame is shifted, friction in the ring with cycles, how the surface
+    wears; of four sessions and more, how the floor's shape varies with the place. believed : of a
+    known floor, what its samples tell of ellipse and ring (`FLOOR_TOLD`); single pushes and drags
+    take the rest of it as it stands, and drags the ring: they scatter by more than any ring
+    explains, and would take that for friction in it.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
-    of_ellipse = {
-        name
-        for block in blocks
-        if block.curve or block.motions is None
-        for name in block.parameters
+    by_cycles = {name for block in blocks if block.curve for name in block.parameters}
+    of_ellipse = by_cycles | {
+        name for block in blocks if block.motions is None for name in block.parameters
     }
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
+    told = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in told]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:

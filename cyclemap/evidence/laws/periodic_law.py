@@ -177,8 +177,8 @@ class PeriodicLaw:
     total_std : float
         Standard deviation of the values fitted.
     lag_correlation : float
-        Of each residual with the next in order of recording; far from 0, the covariance, that
-        of independent residuals, is too small.
+        Of each residual with the next in order of recording, 0 where all are rounding; far from 0,
+        the covariance, that of independent residuals, is too small.
     rmse_by_order : ndarray, shape (orders,), or None
         Root mean square error in values left out, by order, inf where it cannot be fitted; None
         where the order was given.
@@ -423,6 +423,8 @@ def law_of(
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
     off = fit.residuals
     power = float(off @ off)
+    # Residuals of rounding size follow each other by how sums are rounded, not by the data.
+    rounding = 1e-26 * float(values @ values)
     return PeriodicLaw(
         fit.coefficients,
         fit.covariance,
@@ -432,7 +434,7 @@ def law_of(
         rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
-        lag_correlation=float(off[1:] @ off[:-1]) / power if power > 0.0 else 0.0,
+        lag_correlation=float(off[1:] @ off[:-1]) / power if power > rounding else 0.0,
         rmse_by_order=rmse_by_order,
     )
 
