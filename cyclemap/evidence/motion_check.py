@@ -55,7 +55,7 @@ _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
 # this factor's logarithm.
 _CLEARLY, _LEAST_SWEPT, _SCALED = 0.8, 0.2, 0.1
 # No point of an object lies further from its origin than so many of its levers.
-_WITHIN = 1.3
+_WITHIN = 2.2
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
 _BY_ROD = (
     "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
@@ -107,6 +107,12 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         said += check_orientations(now, later, None if loop is None else _plain(loop), convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
         known = _loop_of(name, loop)
+        if rows["fraction"].isna().all() and rows["side"].nunique() > 1 and not _tells_rods(rows):
+            told = (
+                "pushes on several sides, and no column tells where on them: add fraction (0 to 1 "
+            )
+            mend = "from a side's first corner), or the rod's places; the collection's is taken"
+            warnings.warn(told + mend, DoubtfulInput, stacklevel=2)
         if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
         found = check_motion(rows, known, convention, pushes.convention_told)
@@ -117,6 +123,10 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     told = f"read with {convention.words()}: pushes of {len(checks)} objects end"
     told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
     return (*said, told + any(check.by_rod for check in checks) * _BY_ROD)
+
+
+def _tells_rods(rows: pandas.DataFrame) -> bool:
+    return bool(rows[[*RODS]].notna().all(axis=None))
 
 
 def _plain(loop: CollectionLoop) -> CollectionLoop:

@@ -200,8 +200,6 @@ _ALL = (
     Column("dtheta_to_next", Kind.TURN, {"dtheta_to_next_deg": DEGREE}),
 )
 COLUMNS: Mapping[str, Column] = {column.name: column for column in _ALL}
-# Names of orientations that in tables of ours are in radians.
-_IN_RADIANS = {"theta0", "th0", "theta1", "th1"}
 
 
 def named_column(table: CsvTable, column: str) -> str | None:
@@ -331,7 +329,7 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
     asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
     if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}"
+        told_by = f"Say --columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         raise InvalidInput(
             f"is {after} the orientation after the push, or before the next one? {told_by}"
         )
@@ -393,10 +391,11 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
         _refuse_likely_turns(most, *next(iter(columns.items())))
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
         if _may_be_either(unit, most, columns):
-            if not set(columns) <= _IN_RADIANS:
+            if len(columns) == 1:
                 told = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
                 mend = "radians, or degrees? Say --units rad or --units deg"
                 raise InvalidInput(f"{told}: {mend}")
+            # No two columns of degrees go on as smoothly.
             unit = "rad"
     else:
         unit = "m" if most <= _NO_METRES else "mm"

@@ -404,7 +404,10 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
                 columns = map(group.column, range(group.num_columns))
                 decoded += 8 * sum(column.num_values for column in columns)
         _check_size(decoded)
-        frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
+        frames = [pandas.read_parquet(file) for file in files]
+        # An index that has a name is a column.
+        frames = [one.reset_index(drop=one.index.name is None) for one in frames]
+        frame = pandas.concat(frames, ignore_index=True)
     found: Columns = {}
     for column in frame.columns:
         values = frame[column]
