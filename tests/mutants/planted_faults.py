@@ -590,7 +590,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/comparison/cycle_agreement.py": (
         "tests/evidence/comparison",
         [
-            ("explained / basis.shape[1] * free / left", "explained * free / left"),
+            ("explained / rank * free / left", "explained * free / left"),
             (
                 "monte_carlo_p_value(abs(value - centre), np.abs(known - centre))",
                 "monte_carlo_p_value(value, known)",

@@ -136,13 +136,13 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
         return ratios
     off = paths[:, 1:] - ensemble.model.images(paths)
     for index, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
-        # By singular vectors: a path that sees few directions fixes fewer coefficients.
-        basis, sizes, _ = np.linalg.svd(fourier_columns(theta, order), full_matrices=False)
-        basis = basis[:, sizes > 1e-9 * sizes[0]]
-        explained = float(np.sum((basis.T @ values) ** 2))
-        left = float(values @ values) - explained
-        free = values.size - basis.shape[1]
-        ratios[index] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+        # A path that sees few directions fixes fewer coefficients.
+        columns = fourier_columns(theta, order)
+        coefficients, _, rank, _ = np.linalg.lstsq(columns, values, rcond=1e-9)
+        fitted = columns @ coefficients
+        left = float(np.sum((values - fitted) ** 2))
+        explained, free = float(fitted @ fitted), values.size - rank
+        ratios[index] = explained / rank * free / left if left > 0.0 else 0.0
     return ratios
 
 

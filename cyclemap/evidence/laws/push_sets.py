@@ -213,8 +213,7 @@ def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) ->
     follows = known[:-1] & (np.diff(number) == 1.0)
     steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    start = path[known]
-    return Theta0Pairs(start, start + turn[known], path, {}, number[known], number)
+    return Theta0Pairs.along(path, turn, known, number)
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:
