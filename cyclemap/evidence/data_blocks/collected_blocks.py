@@ -105,7 +105,7 @@ _COLUMNS = {
     WRENCHES: (*WRENCH_COLUMNS, *TWIST_COLUMNS),
 }
 # How far off readings are.
-ERRORS = ("error", "turn_error")
+ERRORS = ("read_error", "read_turn_error")
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses "

@@ -184,8 +184,8 @@ _ALL = (
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
     Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
     # How far off readings are, and whether rod and object were seen in one frame.
-    Column("error", Kind.NUMBER, {"error_mm": 1e-3}),
-    Column("turn_error", Kind.NUMBER, {"error_deg": DEGREE}),
+    Column("read_error", Kind.NUMBER, {"error_mm": 1e-3}),
+    Column("read_turn_error", Kind.NUMBER, {"error_deg": DEGREE}),
     Column("frames_agree", Kind.NUMBER),
     *(Column(name, Kind.NUMBER) for name in (*WRENCH_COLUMNS, *TWIST_COLUMNS)),
     Column("source", Kind.TEXT),
