@@ -50,8 +50,8 @@ from cyclemap.evidence.pushes.columns import (
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
     Selection,
+    has_columns,
     known_columns,
-    named_column,
 )
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
@@ -83,7 +83,7 @@ from cyclemap.evidence.pushes.push_table import (
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import CsvTable, file_stem, read_csv_table
+from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -169,16 +169,12 @@ def _sorts_of_table(file: Path) -> tuple[list[str], str]:
         table = read_csv_table(file)
     except DataFileError as error:
         return [], str(error).removeprefix(f"{file}").lstrip(":, ")
-    sorts = [sort for sort, wanted in _COLUMNS.items() if _has(table, wanted)]
-    posed = not sorts and _has(table, ENDS)
+    sorts = [sort for sort, wanted in _COLUMNS.items() if has_columns(table, wanted)]
+    posed = not sorts and has_columns(table, ENDS)
     if posed or any({*table.header} >= names for names in _ORIENTATIONS):
         sorts.append(CYCLES)
     unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
     return sorts, "" if sorts else unknown
-
-
-def _has(table: CsvTable, columns: Iterable[str]) -> bool:
-    return all(named_column(table, column) for column in columns)
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, stretches
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values, linear_block
@@ -450,9 +450,8 @@ def sliding_forces(
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], slides.astype(int), [0]])))
-            for first, last in edges.reshape(-1, 2).tolist():
-                for start in range(first, last - samples.window + 1, samples.window):
+            for first, end in stretches(slides):
+                for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
                     rows.append((sign * ratio, number, samples.window))

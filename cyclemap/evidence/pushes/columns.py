@@ -207,6 +207,11 @@ def named_column(table: CsvTable, column: str) -> str | None:
     return next((name for name in COLUMNS[column].names if name in table.header), None)
 
 
+def has_columns(table: CsvTable, columns: Collection[str]) -> bool:
+    """Return whether the header of a table of ours has all of these columns, by any name."""
+    return all(named_column(table, column) for column in columns)
+
+
 def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     """Return what a row of a table of ours tells for a column, SI units; NaN, of texts None, where
     it does not.

@@ -19,8 +19,8 @@ from cyclemap.evidence.pushes.columns import (
     ENDS,
     RODS,
     Row,
+    has_columns,
     known_columns,
-    named_column,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
@@ -85,7 +85,7 @@ def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
     table = convention.table(read_csv_table(path))
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
-    if all(named_column(table, column) for column in ENDS):
+    if has_columns(table, ENDS):
         doubt_degrees(
             table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header]
         )
