@@ -33,6 +33,7 @@ from cyclemap.cli.output import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.data_blocks.collected_blocks import recognise
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.candidates import SetPush
@@ -133,6 +134,11 @@ def run_plan(asked: PlanOptions) -> None:
 def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
     """What the tables that were filled in tell; doubts about it go to stderr."""
     readable = readable_tables(asked.after, TableOptions(), asked.results.out)
+    for path in readable:
+        sorts, unused = recognise(path)
+        if not sorts:
+            mend = "--after takes the table that cyclemap plan wrote, filled in"
+            raise InvalidInput(f"{path}: {unused[0].reason}; {mend}")
     with progress_bar("identifying") as report:
         measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
     for words in implausible(measured.identification, loop.slider.outline.extent):
