@@ -188,10 +188,10 @@ class ParameterTangent:
     """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at
     breaks.
 
-    member : the family's map at the parameter. members, weights, step : those of the difference,
-        and its spacing.
-    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,),
-        dθ_b/dp.
+    member : the family's map at the parameter.
+    members, weights, step : those of the difference, and its spacing.
+    motions : how far the breaks of each of ``members`` have moved.
+    break_rates : shape (breaks,), dθ_b/dp.
     """
 
     member: CircleMap
