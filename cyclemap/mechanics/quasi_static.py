@@ -368,8 +368,9 @@ class QuasiStaticModel:
 def run_strokes(courses: Sequence[Course], derivatives: int = 0, most_failing: float = 0.0) -> Ran:
     """Run what n courses tell of from where they start, which no parameter moves.
 
-    derivatives : how many of PARAMETERS to differentiate by. most_failing : share of the courses
-        that may fail, whose results are nan. Raises as the first that fails where more do.
+    derivatives : how many of PARAMETERS to differentiate by.
+    most_failing : share of the courses that may fail, whose results are nan. Raises as the first
+        that fails where more do.
     """
     poses = np.array([course.pose for course in courses])
     still = np.zeros((len(courses), 3, derivatives))
