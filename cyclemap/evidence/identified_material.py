@@ -64,8 +64,9 @@ WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 @dataclass(frozen=True)
 class Derived:
-    """One quantity: its value and interval. unit : `1`, `kPa` or `rad`; angles are on the lift
-    nearest to the value.
+    """One quantity: its value and interval.
+
+    unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
 
     known : whether the data tell it; a direction that may be any is not.
     """

@@ -193,9 +193,10 @@ class _Collected:
     """Blocks of data and notes on what they hold and what stays out, file by file and plate by
     plate.
 
-    given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
-        session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
-        each was read. noise : of each kind; infinite where some data do not tell it.
+    given, first, wear, most, push_length, target : see `collected_blocks`.
+    path, plate, session, loop : of what is being read.
+    filled : filled-in pushes by their numbers, and where each was read.
+    noise : of each kind; infinite where some data do not tell it.
     """
 
     given: CollectionLoop
@@ -284,7 +285,9 @@ class _Collected:
         strayed: float | None = None,
     ) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
-        data tell it. pushes, strayed : see `SessionBlock`.
+        data tell it.
+
+        pushes, strayed : see `SessionBlock`.
         """
         for kind in set(block.kinds.tolist()):
             size = math.inf if noise is None else noise[kind]
@@ -717,10 +720,9 @@ def telling_parameters(
 
     The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates,
     the rod, how each data set's frame is shifted, friction in the ring with drags or cycles, how
-    the surface wears; of four sessions and more, how the
-    floor's shape varies with the place. believed : of a known floor, what its samples tell of the
-    ellipse; single pushes and drags take
-    the rest of it as it stands.
+    the surface wears; of four sessions and more, how the floor's shape varies with the place.
+    believed : of a known floor, what its samples tell of the ellipse; single pushes and drags take
+        the rest of it as it stands.
 
     >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
     ('pusher_friction',)

@@ -311,7 +311,9 @@ def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> W
     w_times_rho (m/s).
 
     rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data:
-        0.06364, its half diagonal). Raises DataFileError.
+        0.06364, its half diagonal).
+
+    Raises DataFileError.
     """
     require_columns(table, (*WRENCH_COLUMNS, *TWIST_COLUMNS))
     length = positive_number("rho", rho)

@@ -358,8 +358,8 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
     """Return how the floor's shape in each session may differ from its mean, as a block of data.
 
     Rows are differences (kPa), whose noise is the spread between sessions: `identify` estimates it
-    along (restricted maximum likelihood), as if two sessions more had differed by 2 kPa. odd :
-    sessions that do not count to the mean.
+    along (restricted maximum likelihood), as if two sessions more had differed by 2 kPa.
+    odd : sessions that do not count to the mean.
 
     >>> block = session_block(["a", "b"])
     >>> values = {name: 3.0 * name.endswith("dome[b]") for name in block.parameters}

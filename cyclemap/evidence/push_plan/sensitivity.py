@@ -86,9 +86,9 @@ def push_sensitivity(
     UNKNOWNS, twice.
 
     Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the
-    ring to where the ring was before the push, rad. noise (4,) : of these. The derivatives (s, n,
-    4, k) are over it; then over it and what a rod adds that is set a little off its mark: a push
-    that depends on that tells less.
+    ring to where the ring was before the push, rad.
+    noise (4,) : of these. The derivatives (s, n, 4, k) are over it; then over it and what a rod
+        adds that is set a little off its mark: a push that depends on that tells less.
     """
     slider, radius = known.loop.slider, known.loop.pusher.radius
     starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])

@@ -94,8 +94,9 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     stream was cut.
 
     stream : t, theta, and x, y where known. Poses are means over the rests beside the motions.
-        Raises UnclearStream where too many motions are neither a push nor a drag, or where there is
-        no telling one from the other.
+
+    Raises UnclearStream where too many motions are neither a push nor a drag, or where there is no
+    telling one from the other.
     """
     t, theta = stream["t"], np.unwrap(stream["theta"])
     x, y = (stream.get(name, np.zeros(t.size)) for name in ("x", "y"))
