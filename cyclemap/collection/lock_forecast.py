@@ -105,9 +105,10 @@ def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None
     posterior: (samples, 96).
 
     They are nearly all of a forecast's work, and serve for forecasts from any orientation. A
-    surface that wears is
-    taken as it is now. progress : called with the fraction done. Raises InvalidInput for a material
-        without samples.
+    surface that wears is taken as it is now.
+    progress : called with the fraction done.
+
+    Raises InvalidInput for a material without samples.
     """
     posterior = loop.material.posterior
     if posterior is None:
