@@ -33,8 +33,9 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
     """Return the affine maps (..., 2M + 1, 2M + 1) of cycles that turn by `turn` (..., n) rad at n
     equal steps.
 
-    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. They act on
-        (Re p, Im p, 1), so that one after another is their product.
+    modes : M, below n/2.
+    sigma : standard deviation of the noise added to a cycle, rad. They act on (Re p, Im p, 1), so
+        that one after another is their product.
 
     >>> rigid = affine_kernels(np.full(8, 0.5), 1, 0.0)   # a rotation by half a radian
     >>> (rigid.round(4) + 0.0).tolist()

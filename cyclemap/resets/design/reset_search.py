@@ -61,9 +61,11 @@ _MATERIALS_FIRST = 3
 class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
-    family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the
-        loop's. turns : on all
-    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M + 1, 2M + 1).
+    family : "pushes", "way back", "gripper" or "ring".
+    hitch : m, of the ring, None: the loop's.
+    turns : on all materials of the range.
+    contact : (k,), m, shortest.
+    kernels : (materials, k, 2M + 1, 2M + 1).
     """
 
     family: str
@@ -78,8 +80,9 @@ class ActionSet:
 class Candidates:
     """Mixtures of the actions of a set, n of them.
 
-    shares : (n, k), how often each action comes. tv, after : (n,), total variation from uniform at
-        the worst of the range, in the long run and after the pushes asked for from the worst start.
+    shares : (n, k), how often each action comes.
+    tv, after : (n,), total variation from uniform at the worst of the range, in the long run and
+        after the pushes asked for from the worst start.
     """
 
     source: ActionSet
@@ -124,8 +127,8 @@ def push_set(
     """Return the pushes of the loop's length on all sides that keep the object for `least_contact`
     (m) and never jump.
 
-    slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant.
-        None where none does.
+    slants : rad, beside the loop's own.
+    hitch : the ring there, pushed with the loop's own slant. None where none does.
     """
     prepared = ResetStrategy((CycleAction(),), hitch=hitch).prepared(loop)
     # The loop's push at several places and slants of every side; those of the loop itself among

@@ -36,8 +36,8 @@ class RestRule:
     """What counts as a rest. A steady climb slower than 2 half_width / (window + 1) a push, 1.2°,
     lingers, too.
 
-    half_width : rad, below π/4. window : how many pushes a rest must have lasted before it is
-        betted on.
+    half_width : rad, below π/4.
+    window : how many pushes a rest must have lasted before it is betted on.
     longest_period : rests on cycles of up to this many directions are looked for.
     """
 

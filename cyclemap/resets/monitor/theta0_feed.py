@@ -59,6 +59,7 @@ def theta0_feed(
         themselves.
     convention : of the angles, None: what a collection.toml with the data says; orientations alone
         cannot tell it.
+
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
     place, convention = Path(path), convention or convention_of(path)
