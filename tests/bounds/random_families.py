@@ -22,8 +22,9 @@ class RandomFamily:
     """F(θ; p, q) = θ + p + waves + q times other waves + bend |d| + jump sign(d)/2, d the angle
     from a break at ``place`` + ``drift``·p; where d = π lies a second break.
 
-    slopes : whether F' is given. sampled : whether the members are piecewise cubics through samples
-        with ``max_error``. period, winding : of the orbits asked for.
+    slopes : whether F' is given.
+    sampled : whether the members are piecewise cubics through samples with ``max_error``.
+    period, winding : of the orbits asked for.
     """
 
     sizes: np.ndarray

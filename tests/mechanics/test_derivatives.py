@@ -265,8 +265,8 @@ POINTS = (
 
 @pytest.mark.parametrize("case", POINTS)
 def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_corners(case):
-    """By one-sided differences of whole cycles,
-    at any accuracy of the one that is differentiated."""
+    """By one-sided differences of whole cycles, at any accuracy of the one that is
+    differentiated."""
     outline, friction, push, theta, last, leaves = case
     loop = loop_of(SQUARE, rod=(0.0, friction), push=push)
     loop = replace(loop, slider=Slider(outline, hitch=(-0.02, -0.02)), footprint=None)
