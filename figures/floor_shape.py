@@ -48,8 +48,9 @@ _PIXELS = 160
 class FloorTurn:
     """Turns of a cycle on one floor.
 
-    name : what the floor is. turn : (n,) rad, at the orientations of the figure. miss : rad, root
-        mean square of the measured turns less these, nan where nothing was measured.
+    name : what the floor is.
+    turn : (n,) rad, at the orientations of the figure.
+    miss : rad, root mean square of the measured turns less these, nan where nothing was measured.
     """
 
     name: str

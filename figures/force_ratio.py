@@ -55,8 +55,9 @@ class RecordedRatio:
     """The samples of one recorded push in which rod and object touch.
 
     name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the
-        motion alone, neither where the poses do not tell. forces : of its pieces. files : looked
-        through; unreadable : those passed over.
+        motion alone, neither where the poses do not tell.
+    forces : of its pieces.
+    files : looked through; unreadable : those passed over.
     """
 
     name: str

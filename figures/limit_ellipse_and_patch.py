@@ -45,7 +45,8 @@ class LimitEllipseAndPatch:
     """What the panels show beside a sketched law: the law of plywood with scans and their fit, and
     the patch.
 
-    table : Table I. scans (n, 2) tractions, fitted : None where no scans were found.
+    table : Table I.
+    scans (n, 2) tractions, fitted : None where no scans were found.
     """
 
     table: EllipseFriction
@@ -212,11 +213,13 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
 class PatchForces:
     """The forces on the patch during one push, in the object's frame.
 
-    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the
-        rod's way.
-    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench :
-        (3,) N, N, N m, of the ground on the object about its centre; rod
-        : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
+    angle : rad, of the object.
+    footprint : its points.
+    twist : (3,) m, m, rad per metre of the rod's way.
+    velocity, force : (k, 2) of the points, the second in N, of the ground on the object.
+    wrench : (3,) N, N, N m, of the ground on the object about its centre; rod : of the rod on it.
+    contact : (2,) m.
+    outline : (5, 2) m, closed.
     """
 
     angle: float

@@ -54,10 +54,13 @@ _TICK, _SHORTEST = 0.01, 0.02
 class Moment:
     """One picture's worth of motion.
 
-    cycle : number of the cycle, from 0. outline : (k, 2) m, the object. side : (2, 2) m, ends of
-        the side pushed.
-    ring, rod : (2,) m. pushing : else dragged. rod_path : (n, 2) m, of
-        the rod since this stroke began. seconds : how long it is shown.
+    cycle : number of the cycle, from 0.
+    outline : (k, 2) m, the object.
+    side : (2, 2) m, ends of the side pushed.
+    ring, rod : (2,) m.
+    pushing : else dragged.
+    rod_path : (n, 2) m, of the rod since this stroke began.
+    seconds : how long it is shown.
     """
 
     cycle: int
@@ -74,9 +77,10 @@ class Moment:
 class LockingIn:
     """A run of the loop until it locks in.
 
-    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. directions : the stable and the unstable
-        one.
-    curve : (m, 2) rad, θ0 and next θ0 over the run's range. moments : what the pictures show.
+    theta : (n + 1,) rad, unwrapped: θ0 of every cycle.
+    directions : the stable and the unstable one.
+    curve : (m, 2) rad, θ0 and next θ0 over the run's range.
+    moments : what the pictures show.
     rod_radius : m.
     """
 
@@ -115,6 +119,7 @@ def compute(
 
     pace : (up to this cycle, pictures of its push, of its drag), in order; slow : those of the last
         cycle.
+
     Raises ConvergenceError where MOST_CYCLES cycles do not lock in.
     """
     del measured

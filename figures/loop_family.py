@@ -35,10 +35,11 @@ _ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
 class LoopFamily:
     """The cycle maps of a family of loops, interpolated.
 
-    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ...,
-        K) complex: by Chebyshev polynomials of the parameters the Fourier coefficients of the turn:
-        the real part of Σ c_k e^{ikθ} is the turn f(θ) - θ in rad. Called with one number a
-        parameter it gives the CircleMap.
+    loop_at : parameters -> loop.
+    ranges : (low, high) of each parameter.
+    coefficients : (n₁, ..., K) complex: by Chebyshev polynomials of the parameters the Fourier
+        coefficients of the turn: the real part of Σ c_k e^{ikθ} is the turn f(θ) - θ in rad. Called
+        with one number a parameter it gives the CircleMap.
 
     Where the mechanics is smooth the error falls with every node; kinks of f' (stick to slip) slow
     that down. Measure it with `error_at`.
@@ -193,8 +194,11 @@ def with_anisotropy_times(loop: CollectionLoop, scale: float) -> CollectionLoop:
 class RingFold:
     """A saddle-node of the cycle map over the ring's radius: f(θ) = θ and f'(θ) = 1.
 
-    theta : rad. radius : m. by_radius : ∂f/∂radius, rad/m. curvature : half of f'', per rad: the
-        move of a cycle beside it is by_radius·(r - radius) + curvature·(θ - theta)².
+    theta : rad.
+    radius : m.
+    by_radius : ∂f/∂radius, rad/m.
+    curvature : half of f'', per rad: the move of a cycle beside it is by_radius·(r - radius) +
+        curvature·(θ - theta)².
     """
 
     theta: float
@@ -215,8 +219,9 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
     `radius` (m).
 
     loop_at : radius -> loop. f, f' and ∂f/∂radius are the exact tangents of the mechanics
-        (`sensitivity`), second derivatives differences of them. Raises ConvergenceError where 12
-        steps do not reach 1e-9 rad.
+        (`sensitivity`), second derivatives differences of them.
+
+    Raises ConvergenceError where 12 steps do not reach 1e-9 rad.
     """
     for _ in range(_STEPS):
         turn, slope, by_radius = _tangent(loop_at(radius), theta)

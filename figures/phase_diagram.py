@@ -50,8 +50,9 @@ class FirstOrder:
     """The lock-in boundary to first order in the anisotropy: Ω(r) + ε h(θ; r) touches zero, h by
     the fingerprint.
 
-    radius : (n,) m. turn : (n,) rad, Ω, the isotropic turn of a cycle. scale : (n,) ε at which it
-        locks.
+    radius : (n,) m.
+    turn : (n,) rad, Ω, the isotropic turn of a cycle.
+    scale : (n,) ε at which it locks.
     neutral : m, the radius where Ω is zero: the tip of the tongue.
     """
 
@@ -65,12 +66,13 @@ class FirstOrder:
 class PhaseDiagram:
     """The loop on plywood with its ring at a radius (m) and its anisotropy times a scale.
 
-    plane : rotation numbers, turns a cycle; rows radii, columns scales. stable : (rows, columns)
-        stable fixed points.
-    inner, outer : ((scale, fold), ...) of the boundary nearer to
-        the centre and farther from it, exact. first : to
-    first order. error : rad, the most by which the interpolated f differs from cycles that were run
-        at some places.
+    plane : rotation numbers, turns a cycle; rows radii, columns scales.
+    stable : (rows, columns) stable fixed points.
+    inner, outer : ((scale, fold), ...) of the boundary nearer to the centre and farther from it,
+        exact.
+    first : to first order.
+    error : rad, the most by which the interpolated f differs from cycles that were run at some
+        places.
     mit : m, the ring of the MIT protocol; mit_scale : from which scale on it locks, by the
         interpolated maps.
     """
@@ -101,8 +103,8 @@ def compute(
     """Interpolate the maps, wind them on a grid of `shape`, and trace the boundary exactly at
     `scales` scales a side.
 
-    nodes, angles : of `loop_family`. fingerprints : at so many radii, for the boundary to first
-        order.
+    nodes, angles : of `loop_family`.
+    fingerprints : at so many radii, for the boundary to first order.
     """
     del measured
     loop = CollectionLoop.mit(material="plywood")

@@ -56,14 +56,15 @@ SHADES = ListedColormap(colormaps["YlGnBu"](np.linspace(0.32, 1.0, 256)))
 class PushedPaths:
     """Paths of the object's centre in k pushes on one surface.
 
-    surface : as the paper names it. material : what was simulated, ""
-        where the pushes are recorded ones. origin : of the pushes, `RECORDED`, `MEASURED_THETA0`
-        (simulated from measured
-        orientations) or `SIMULATED`.
-    theta0, turn : (k,) rad, before the push, and of the push. object_frame : (k, m, 2) m, in the
-        object's frame before
-    the push. robot_frame : (k, m, 2) m, in the world, from the reset's target. orientations : (n,)
-        rad, θ0 of all cycles of the run from which the pushes were taken at equal distances.
+    surface : as the paper names it.
+    material : what was simulated, "" where the pushes are recorded ones.
+    origin : of the pushes, `RECORDED`, `MEASURED_THETA0` (simulated from measured orientations) or
+        `SIMULATED`.
+    theta0, turn : (k,) rad, before the push, and of the push.
+    object_frame : (k, m, 2) m, in the object's frame before the push.
+    robot_frame : (k, m, 2) m, in the world, from the reset's target.
+    orientations : (n,) rad, θ0 of all cycles of the run from which the pushes were taken at equal
+        distances.
     """
 
     surface: str
@@ -89,9 +90,9 @@ def paths_on_four_surfaces(
     """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0,
     else of a run.
 
-    cycles : of a simulated run. drawn : how many of all these pushes, at equal distances. Recorded
-        pushes are looked for by the names of the MIT dataset, as `measured_run` does, θ0 as
-        `measured_theta0` does.
+    cycles : of a simulated run.
+    drawn : how many of all these pushes, at equal distances. Recorded pushes are looked for by the
+        names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
     """
     return [
         recorded_paths(measured, surface, drawn)
@@ -107,8 +108,8 @@ def recorded_paths(
     """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where
     `measured_run` finds none.
 
-    Of the files chosen those that cannot be read are left out. orientations : those of all the
-    recorded pushes.
+    Of the files chosen those that cannot be read are left out.
+    orientations : those of all the recorded pushes.
     """
     run = measured_run(measured, surface)
     if run is None:

@@ -35,14 +35,13 @@ _ACCURACY = 1e-6
 class SaddleNode:
     """The pair of fixed points over the ring's radius (m), and what is left beyond their meeting.
 
-    branch : both, stable and unstable, followed round the fold. fold : where they meet, by the
-        exact tangents of the
-    mechanics. error : rad, the most by which f on the branch
-        differs from cycles that were run. distances : (n,) m, of the radius inside the fold.
-        cycles_a_turn : (n,) there. counted : (k,
-        2) distance (m) and cycles of one turn,
-    run cycle by cycle. graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the
-        fold.
+    branch : both, stable and unstable, followed round the fold.
+    fold : where they meet, by the exact tangents of the mechanics.
+    error : rad, the most by which f on the branch differs from cycles that were run.
+    distances : (n,) m, of the radius inside the fold.
+    cycles_a_turn : (n,) there.
+    counted : (k, 2) distance (m) and cycles of one turn, run cycle by cycle.
+    graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the fold.
     """
 
     branch: OrbitBranch

@@ -52,8 +52,8 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
 
 @style.picture_style()
 def draw(result: SetupAndCycles) -> Figure:
-    """Draw the set-up in the object's frame on the left,
-    the two cycles in the world on the right."""
+    """Draw the set-up in the object's frame on the left, the two cycles in the world on the
+    right."""
     figure, (setup, cycles) = style.page("ab", size=(11.0, 5.9), keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)

@@ -39,8 +39,10 @@ _CURVE = np.linspace(0.0, 2.0 * np.pi, 721)
 class SimulatedTurns:
     """Simulated pushes and cycles from equally spaced orientations, and curves through them.
 
-    name : what was simulated. theta : (n,) rad. push, cycle : of which the turns are those of a
-        push, Δθ, and of a whole cycle; shape-preserving cubics.
+    name : what was simulated.
+    theta : (n,) rad.
+    push, cycle : of which the turns are those of a push, Δθ, and of a whole cycle; shape-preserving
+        cubics.
     """
 
     name: str
@@ -54,8 +56,9 @@ class SimulatedAgainstMeasured:
     """Table I on the paper's grid, then plywood-measured, fresh and worn; and what was measured,
     None where it is not.
 
-    recorded : the repeated pushes with their Δθ. cycles : for each of `simulated` the measured
-        turns of the whole cycle, push and drag, set against it; empty where no θ0 was found.
+    recorded : the repeated pushes with their Δθ.
+    cycles : for each of `simulated` the measured turns of the whole cycle, push and drag, set
+        against it; empty where no θ0 was found.
     """
 
     simulated: tuple[SimulatedTurns, ...]

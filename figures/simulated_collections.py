@@ -59,9 +59,10 @@ fitted_laws = lru_cache(maxsize=32)(set_laws)
 class Sampling:
     """How long and how finely a run is sampled.
 
-    pushes : in the run, 2 or more. states : of a wearing surface, 2 or more, between which maps are
-        blended; with 5 the blend is within 0.07 degrees of the
-        map of a cycle between them. tolerance : rad, of the cycle maps.
+    pushes : in the run, 2 or more.
+    states : of a wearing surface, 2 or more, between which maps are blended; with 5 the blend is
+        within 0.07 degrees of the map of a cycle between them.
+    tolerance : rad, of the cycle maps.
     """
 
     pushes: int = PUBLISHED_CYCLES
@@ -81,9 +82,10 @@ PAPER = Sampling()
 class SurfaceState:
     """The cycle and the push on a surface as it is at one cycle.
 
-    cycle : its number. map : the cycle map, rad. motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and
-        Δy (m, initial object frame) of the push, the periodic cubic spline through pushes computed
-        where the map had to be sampled.
+    cycle : its number.
+    map : the cycle map, rad.
+    motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and Δy (m, initial object frame) of the push, the
+        periodic cubic spline through pushes computed where the map had to be sampled.
     slopes : of θ0: (n, 4, 2), derivatives of Δθ, Δx, Δy and the next θ0 by the centre (m0, n0) of
         the limit ellipse, linear between 36 orientations.
     """
@@ -140,10 +142,11 @@ def surface_states(
 class SampledRun:
     """A run of noisy cycles on one material, each push with its motion.
 
-    surface, material : the paper's name, and that of what stands for it. states : one, or several
-        of a surface that
-    wears. map : of the cycle. run : the orientations, rad, lifted. pushes : the same as recorded
-        pushes.
+    surface, material : the paper's name, and that of what stands for it.
+    states : one, or several of a surface that wears.
+    map : of the cycle.
+    run : the orientations, rad, lifted.
+    pushes : the same as recorded pushes.
     jitter : (n, 2), by how much the centre (m0, n0) of each push's limit ellipse was off, over the
         mean coefficient.
     """
@@ -231,9 +234,11 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
 class MaterialPushes:
     """One of the paper's materials.
 
-    published : what the paper prints. runs : simulated, of each material that stands for it. sets :
-        of these and, last, the recorded one where it was found, each with the
-        words for where it comes from. recorded : whether it was.
+    published : what the paper prints.
+    runs : simulated, of each material that stands for it.
+    sets : of these and, last, the recorded one where it was found, each with the words for where it
+        comes from.
+    recorded : whether it was.
     """
 
     published: PublishedStatistics

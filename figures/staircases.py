@@ -29,12 +29,12 @@ AWAY = float(np.deg2rad(30.0))
 class Climb:
     """A path and what it does.
 
-    path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it,
-        without a model.
-    turns : from the first push to the last. turn_pushes : (k,) pushes that each full turn took, in
-        order, from where
-    the map is fastest. first_stay : pushes before the path is first more than 30 degrees from where
-        it began; all, where it never is.
+    path : (m,) rad, not wrapped, one entry a push.
+    steps : the dwells and steps found in it, without a model.
+    turns : from the first push to the last.
+    turn_pushes : (k,) pushes that each full turn took, in order, from where the map is fastest.
+    first_stay : pushes before the path is first more than 30 degrees from where it began; all,
+        where it never is.
     """
 
     path: Array
@@ -48,10 +48,10 @@ class Climb:
 class MaterialStaircase:
     """One panel.
 
-    run, climb : the predicted path that is drawn. lower, upper : (m,) rad, between which 95 % of
-        such paths lie at each
-    push. turns : (runs,) full turns that these climb. recorded : the measured path; None where none
-        was found.
+    run, climb : the predicted path that is drawn.
+    lower, upper : (m,) rad, between which 95 % of such paths lie at each push.
+    turns : (runs,) full turns that these climb.
+    recorded : the measured path; None where none was found.
     """
 
     run: SampledRun

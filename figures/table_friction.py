@@ -32,8 +32,11 @@ HEADER = (
 
 @dataclass(frozen=True)
 class FrictionRow:
-    """One limit ellipse. surface : the paper's name. material : the row's. source : where the
-    numbers come from.
+    """One limit ellipse.
+
+    surface : the paper's name.
+    material : the row's.
+    source : where the numbers come from.
     """
 
     surface: str
@@ -64,8 +67,10 @@ class FrictionRow:
 
 @dataclass(frozen=True)
 class FrictionEllipses:
-    """The table. absent : materials without friction scans. unfitted : those whose scans fix no
-    ellipse, and why.
+    """The table.
+
+    absent : materials without friction scans.
+    unfitted : those whose scans fix no ellipse, and why.
     """
 
     rows: tuple[FrictionRow, ...]

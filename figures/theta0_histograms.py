@@ -33,9 +33,12 @@ NEAR = float(np.deg2rad(30.0))
 class MaterialDirections:
     """One panel.
 
-    run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``,
-        stationary, of the map with its noise, known to density_error. theta0 : (m,) rad, the
-        recorded orientations, and recorded, their histogram; None where not found.
+    run : simulated pushes.
+    simulated : their histogram.
+    density : (721,) per rad at ``CIRCLE``, stationary, of the map with its noise, known to
+        density_error.
+    theta0 : (m,) rad, the recorded orientations, and recorded, their histogram; None where not
+        found.
     """
 
     run: SampledRun

@@ -42,8 +42,9 @@ _MARK_GAP = 8.0
 class RobotFramePaths:
     """The pushes on each surface, the crowded arcs of θ0, and how many pairs of paths cross.
 
-    arcs : for each surface, (begin, end) in rad, begin in [0, 2π). crossed : for each surface,
-        pairs of paths that cross in the robot's frame, in the object's frame, and pairs looked at.
+    arcs : for each surface, (begin, end) in rad, begin in [0, 2π).
+    crossed : for each surface, pairs of paths that cross in the robot's frame, in the object's
+        frame, and pairs looked at.
     """
 
     surfaces: list[PushedPaths]

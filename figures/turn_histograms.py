@@ -30,12 +30,13 @@ PUSH_BINS, CYCLE_BINS = 40, 120
 class TurnPanel:
     """One panel.
 
-    surface : the material. recorded : whether its turns were measured on a robot, else they are
-        simulated.
+    surface : the material.
+    recorded : whether its turns were measured on a robot, else they are simulated.
     whole_cycle : whether a turn is that of push and drag together, since only θ0 was recorded; else
         of the push alone.
-    law : fitted to the turns over θ0. histogram : of the turns and of what the law makes of the
-        same θ0; None where no law could be fitted.
+    law : fitted to the turns over θ0.
+    histogram : of the turns and of what the law makes of the same θ0; None where no law could be
+        fitted.
     """
 
     surface: str
@@ -47,8 +48,9 @@ class TurnPanel:
 
 @dataclass(frozen=True, eq=False)
 class TurnHistograms:
-    """A panel a material, and those of whole cycles where only θ0 was recorded. absent : without
-    recorded pushes.
+    """A panel a material, and those of whole cycles where only θ0 was recorded.
+
+    absent : without recorded pushes.
     """
 
     panels: tuple[TurnPanel, ...]

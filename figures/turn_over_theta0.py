@@ -31,12 +31,14 @@ MOST = 0.95
 class MaterialTurns:
     """One panel.
 
-    run : simulated pushes. measured : the recorded set, None where none was found. law : of the
-        recorded Δθ where there are any, else of the simulated. simulated_law : of these. curves :
-        (states, 721) rad, the mechanics' Δθ at ``CIRCLE``, fresh and worn; one
-        where the surface does not wear. arc : rad, the shortest in which 95 % of the
-    simulated pushes start. worst_miss : rad, how far their law lies from the mechanics of the fresh
-        surface, at worst.
+    run : simulated pushes.
+    measured : the recorded set, None where none was found.
+    law : of the recorded Δθ where there are any, else of the simulated.
+    simulated_law : of these.
+    curves : (states, 721) rad, the mechanics' Δθ at ``CIRCLE``, fresh and worn; one where the
+        surface does not wear.
+    arc : rad, the shortest in which 95 % of the simulated pushes start.
+    worst_miss : rad, how far their law lies from the mechanics of the fresh surface, at worst.
     """
 
     run: SampledRun

@@ -33,13 +33,13 @@ _EVEN = 2 * np.pi * np.arange(4096) / 4096
 class WearDrift:
     """The map over the cycles, computed and measured.
 
-    cycles : (n,). least, measured_least : (n,) rad, the least turn of
-        a cycle, where the bottleneck is. turns : the turn (rad) at `CIRCLE` at AGES, computed;
-        measured_turns : as fitted, nan
-        where the robot hardly was; None without
-    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error :
-        rad, bound on that of the maps between those computed. pace : cycles of each measured turn,
-        beside what the fitted map foretells; None without data.
+    cycles : (n,).
+    least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is.
+    turns : the turn (rad) at `CIRCLE` at AGES, computed; measured_turns : as fitted, nan where the
+        robot hardly was; None without data.
+    ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle.
+    error : rad, bound on that of the maps between those computed.
+    pace : cycles of each measured turn, beside what the fitted map foretells; None without data.
     """
 
     cycles: Array
@@ -83,8 +83,9 @@ def compute(
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
     wear.
 
-    points : ages at which the pace is foretold. runs : paths of the
-    fitted map a measured turn. harmonics : of the fitted map, None to choose them.
+    points : ages at which the pace is foretold.
+    runs : paths of the fitted map a measured turn.
+    harmonics : of the fitted map, None to choose them.
     """
     loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
