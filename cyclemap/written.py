@@ -72,7 +72,8 @@ def written(value: Any, unit: Unit = NUMBER) -> Any:
 def json_of(result: Any, *names: str, unit: Unit = NUMBER) -> Json:
     """Return the fields of a result by their written names, in their units; or those of `names`.
 
-    A name may be a property's, too. unit : of what has none in its metadata.
+    A name may be a property's, too.
+    unit : of what has none in its metadata.
 
     >>> from cyclemap.maps import RestMultiplier
     >>> json_of(RestMultiplier(0.5, 0.4, 0.6, 50, math.pi), "value", "theta")

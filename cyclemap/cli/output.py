@@ -44,7 +44,8 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     """Return where results of a kind about a loop go, without an ending: named by its surface, and
     by its object.
 
-    MIT's square, which the paper is about, goes unsaid. surface : in place of the material's name.
+    MIT's square, which the paper is about, goes unsaid.
+    surface : in place of the material's name.
 
     >>> from cyclemap.collection.loop import CollectionLoop
     >>> from cyclemap.mechanics import Slider

@@ -34,9 +34,9 @@ class LoopOptions:
 class ChosenCollection:
     """What the options ask for.
 
-    loop : as the settings have it, what the strategy sets up left out. sigma : the noise of a cycle
-        (rad), None where
-    none is named. strategy : of the protocol file; None where it has none.
+    loop : as the settings have it, what the strategy sets up left out.
+    sigma : the noise of a cycle (rad), None where none is named.
+    strategy : of the protocol file; None where it has none.
     """
 
     loop: CollectionLoop

@@ -138,8 +138,8 @@ def draw_stroke_turns(axes: Axes, fit: StrokeFit) -> None:
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
-    """Where pushes ended, predicted less measured,
-    with the circle that half of them keep within."""
+    """Where pushes ended, predicted less measured, with the circle that half of them keep
+    within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
     axes.plot(x, y, label="pushes", **style.DOTS)

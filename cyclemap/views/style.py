@@ -210,7 +210,8 @@ def page(
 ) -> tuple[Figure, list[Axes]]:
     """A figure of a size in inches with its words, and its panels in what these leave.
 
-    title, words, foot, key : of `write_page`. layout, options : of `panels`.
+    title, words, foot, key : of `write_page`.
+    layout, options : of `panels`.
     """
     figure = new_figure(*size)
     room = write_page(figure, title, words, foot, key)
@@ -227,8 +228,9 @@ def panels(
 ) -> list[Axes]:
     """The panels of a layout, "ab;cc" for two above a wide one, in the order of their letters.
 
-    room : of the page's height, as `write_page` leaves it. keys : rows of the longest legend. polar : the
-    panels that are round.
+    room : of the page's height, as `write_page` leaves it.
+    keys : rows of the longest legend.
+    polar : the panels that are round.
     options : of Matplotlib's `subplot_mosaic`.
     """
     width, height = figure.get_size_inches().tolist()
