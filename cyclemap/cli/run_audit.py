@@ -7,7 +7,7 @@ from pathlib import Path
 from cyclemap.cli.options import ResultOptions, TableOptions, readable_data
 from cyclemap.cli.output import file_stem, progress_bar, publish
 from cyclemap.protocol.chosen_loop import loop_beside
-from cyclemap.resets.monitor.audit import audit
+from cyclemap.resets.audit import audit
 from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
 from cyclemap.written import degrees, direction_deg, json_of
 

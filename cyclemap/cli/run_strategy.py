@@ -12,7 +12,7 @@ from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
-from cyclemap.resets.design.orientation_law import slowest_factor
+from cyclemap.resets.orientation_law import slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page
 from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
 

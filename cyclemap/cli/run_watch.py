@@ -28,7 +28,7 @@ from cyclemap.resets import (
     strategy_maps,
     watch,
 )
-from cyclemap.resets.monitor.theta0_feed import theta0_feed
+from cyclemap.resets.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import ahead_sentence, multiplier_sentence

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
-from cyclemap.resets.monitor.audit import Audit, ResetEffect
+from cyclemap.resets.audit import Audit, ResetEffect
 from cyclemap.views import style
 from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.reset_page import action_words

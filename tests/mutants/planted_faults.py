@@ -785,7 +785,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("return 1e-3 * table.number", "return table.number"),
         ],
     ),
-    "resets/design/orientation_law.py": (
+    "resets/orientation_law.py": (
         DESIGN,
         [
             (
@@ -802,7 +802,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],
     ),
-    "resets/design/strategy_run.py": (
+    "resets/strategy_run.py": (
         "tests/resets/test_strategy_run.py tests/resets",
         [
             (
@@ -825,7 +825,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("often.min() < 0.5:", "often.min() < -1.0:"),
         ],
     ),
-    "resets/design/reset_design.py": (
+    "resets/reset_design.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
@@ -839,7 +839,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("where = about.worst(values)", "where = int(np.argmin(values))"),
         ],
     ),
-    "resets/design/reset_ranking.py": (
+    "resets/reset_ranking.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("excess[CONTACT] = -excess[CONTACT]", "excess[CONTACT] = excess[CONTACT]"),
@@ -851,7 +851,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/design/material_range.py": (
+    "resets/material_range.py": (
         "tests/resets/test_material_range.py",
         [
             (
@@ -866,7 +866,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/design/action_cycles.py": (
+    "resets/action_cycles.py": (
         "tests/resets/test_action_cycles.py tests/resets",
         [
             ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
@@ -874,7 +874,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("[:, places] + turns[:, None]", "[:, places]"),
         ],
     ),
-    "resets/design/reset_search.py": (
+    "resets/reset_search.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("if contact >= least_contact\n", "if contact <= least_contact\n"),
@@ -884,22 +884,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/monitor/arc_evidence.py": (
-        MONITOR,
-        [
-            (
-                "return float(likelihoods[0] / np.mean(likelihoods)) if",
-                "return float(likelihoods[0]) if",
-            ),
-            ("paths[1:] = self._random.permuted(paths[1:], axis=1)", "paths[1:] = paths[1:]"),
-            (
-                "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
-                "self._sum += self._e_value(turns, _MANY)",
-            ),
-            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
-        ],
-    ),
-    "resets/monitor/bias_evidence.py": (
+    "resets/bias_evidence.py": (
         f"{MONITOR} tests/resets/test_rest_evidence.py",
         [
             ("+ raised[:, 0] - log_mean", "+ raised[:, 0]"),
@@ -913,9 +898,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("new = -math.log(self._blocks * (self._blocks + 1))", "new = 0.0"),
             ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
+            (
+                "return float(likelihoods[0] / np.mean(likelihoods)) if",
+                "return float(likelihoods[0]) if",
+            ),
+            ("paths[1:] = self._random.permuted(paths[1:], axis=1)", "paths[1:] = paths[1:]"),
+            (
+                "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
+                "self._sum += self._e_value(turns, _MANY)",
+            ),
+            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
         ],
     ),
-    "resets/monitor/bias_monitor.py": (
+    "resets/bias_monitor.py": (
         MONITOR,
         [
             (
@@ -928,7 +923,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/monitor/coverage.py": (
+    "resets/coverage.py": (
         "tests/resets/test_coverage.py tests/resets",
         [
             (
@@ -939,7 +934,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("best = int(np.argmin(crowding))", "best = int(np.argmax(crowding))"),
         ],
     ),
-    "resets/monitor/audit.py": (
+    "resets/audit.py": (
         "tests/resets/test_audit.py",
         [
             (

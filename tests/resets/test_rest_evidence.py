@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.resets.monitor.bias_evidence import DirectionTrack, RestEvidence, RestRule
+from cyclemap.resets.bias_evidence import DirectionTrack, RestEvidence, RestRule
 
 SINGLE = RestRule(math.radians(12.0), window=6, longest_period=1)
 WIDE = RestRule(math.radians(12.0), window=6)

@@ -17,7 +17,7 @@ from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
-from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
+from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 from cyclemap.written import DIRECTION
 

@@ -16,9 +16,9 @@ from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
-from cyclemap.resets.design.action_cycles import room_needed, seconds
-from cyclemap.resets.design.reset_search import Candidates
-from cyclemap.resets.design.strategy_run import independent_distance
+from cyclemap.resets.action_cycles import room_needed, seconds
+from cyclemap.resets.reset_search import Candidates
+from cyclemap.resets.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.

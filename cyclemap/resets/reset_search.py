@@ -25,9 +25,9 @@ from cyclemap.protocol.strategy import (
     gripper_turns,
     legs,
 )
-from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
-from cyclemap.resets.design.material_range import MaterialRange
-from cyclemap.resets.design.orientation_law import (
+from cyclemap.resets.action_cycles import SampledTurns, contact_lengths, sample_turns
+from cyclemap.resets.material_range import MaterialRange
+from cyclemap.resets.orientation_law import (
     affine_kernels,
     farthest,
     long_run,

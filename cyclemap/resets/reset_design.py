@@ -17,16 +17,16 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
-from cyclemap.resets.design.action_cycles import (
+from cyclemap.resets.action_cycles import (
     SampledTurns,
     contact_lengths,
     room_needed,
     sample_turns,
     seconds,
 )
-from cyclemap.resets.design.material_range import MaterialRange, material_range
-from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
-from cyclemap.resets.design.reset_ranking import (
+from cyclemap.resets.material_range import MaterialRange, material_range
+from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
+from cyclemap.resets.reset_ranking import (
     AFTER,
     AS_IT_IS,
     CHOSEN,
@@ -48,8 +48,8 @@ from cyclemap.resets.design.reset_ranking import (
     gathered,
     picked,
 )
-from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
-from cyclemap.resets.design.strategy_run import (
+from cyclemap.resets.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
+from cyclemap.resets.strategy_run import (
     histogram_distances,
     histogram_shares,
     independent_distance,
