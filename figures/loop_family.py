@@ -9,12 +9,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2, chebvander
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, positive_number
@@ -49,7 +48,7 @@ class LoopFamily:
     ranges: tuple[Range, ...]
     coefficients: NDArray[np.complex128]
 
-    def series(self, *parameters: Any) -> NDArray[np.complex128]:
+    def series(self, *parameters: ArrayLike) -> NDArray[np.complex128]:
         """Return the coefficients (..., K) of the turn at parameters of shape (...) each."""
         polynomials = []
         for value, (low, high), count in zip(
@@ -61,11 +60,11 @@ class LoopFamily:
             return np.asarray(polynomials[0] @ self.coefficients)
         return np.asarray(np.einsum("...i,...j,ijk->...k", *polynomials, self.coefficients))
 
-    def turn(self, theta: Any, *parameters: Any) -> Array:
+    def turn(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f(θ) - θ (rad); θ and parameters broadcast."""
         return np.asarray(_wave(theta, self.series(*parameters)).real)
 
-    def slope(self, theta: Any, *parameters: Any) -> Array:
+    def slope(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f'(θ); θ and parameters broadcast."""
         series = self.series(*parameters)
         return np.asarray(1.0 + _wave(theta, 1j * np.arange(series.shape[-1]) * series).real)
@@ -98,7 +97,7 @@ class LoopFamily:
             lambda theta, *p: theta + self.turn(theta, *p), self.slope, circle_map=self
         )
 
-    def error_at(self, theta: Any, *parameters: float) -> Array:
+    def error_at(self, theta: ArrayLike, *parameters: float) -> Array:
         """Return |interpolated - computed| (rad) of f at angles (...), running the mechanics."""
         angles = np.asarray(theta, dtype=float)
         return np.asarray(
@@ -145,7 +144,7 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
     return np.asarray(low + (high - low) * (0.5 + 0.5 * chebpts2(count)))
 
 
-def _wave(theta: Any, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _wave(theta: ArrayLike, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Σ c_k e^{ikθ} with coefficients (..., K), which broadcast over θ."""
     found = polyval(
         np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False

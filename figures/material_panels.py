@@ -5,7 +5,7 @@ line at the foot.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from cyclemap.views import style
 from cyclemap.views.style import QUIET
 
-One = TypeVar("One", bound=Any)
+One = TypeVar("One")
 
 PANEL_INCHES = (5.2, 3.7)
 SIMULATED_FILL = "#c4c4c4"

@@ -2,9 +2,7 @@
 run_NAME.py.
 """
 
-from collections.abc import Callable
 from importlib import import_module
-from typing import Any
 
 import click
 from click import Choice, argument, option
@@ -12,6 +10,7 @@ from click import Choice, argument, option
 from cyclemap.cli.options import (
     MOST_CYCLES,
     PATH,
+    Decorator,
     Real,
     RealRange,
     Whole,
@@ -106,14 +105,14 @@ def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
 
 
-def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
+def command(name: str, says: str, *takes: Decorator) -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
     It does run_NAME of run_NAME.py, which is imported only then: no help waits for it. Where that
     file has NameOptions, all that was asked comes as one of these.
     """
 
-    def work(**given: Any) -> None:
+    def work(**given: object) -> None:
         module = import_module(f"cyclemap.cli.run_{name}")
         run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
         if hasattr(module, options):

@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
 
 _QUIET = "cyclemap.quiet"
-PATH: Any = click.Path(path_type=Path)
+PATH = click.Path(path_type=Path)
 Command = Callable[..., None]
+Decorator = Callable[[Command], Command]
 
 
 json_option = click.option(
@@ -55,12 +56,12 @@ select_option = click.option(
 )
 
 
-def seed_option(of: str) -> Callable[[Command], Command]:
+def seed_option(of: str) -> Decorator:
     """The option of the seed `of` something."""
     return click.option("--seed", type=Whole(min=0), default=0, help=of)
 
 
-def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
+def decorated(command: Command, *decorators: Decorator) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
         command = decorate(command)
@@ -78,7 +79,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         material_file: str | None,
         protocol: Path | None,
         settings: tuple[str, ...],
-        **others: Any,
+        **others: object,
     ) -> None:
         one = (material is None) != (material_file is None)
         if not one and (needs_material or material is not None):
@@ -213,14 +214,14 @@ def gathered(command: Command, name: str, kind: type) -> Command:
     """Give `command` the options that are fields of `kind` as one object, called `name`."""
 
     @wraps(command)
-    def gather(**given: Any) -> None:
+    def gather(**given: object) -> None:
         own = {field.name: given.pop(field.name) for field in fields(kind)}
         command(**given, **{name: kind(**own)})
 
     return gather
 
 
-def result_options(files: str) -> Callable[[Command], Command]:
+def result_options(files: str) -> Decorator:
     """Give a command the options of where results go, and as what, which reach it as results, a
     `ResultOptions`; `files` names them in the help.
     """
@@ -260,7 +261,9 @@ class _PlainDigits(click.ParamType):  # type: ignore[type-arg]
 
     read: Callable[[str], float] = staticmethod(plain_number)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         """Return the number."""
         try:
             given = self.read(value) if isinstance(value, str) else value
@@ -282,7 +285,9 @@ class Real(_PlainDigits, click.types.FloatParamType):
 class RealRange(_PlainDigits, click.FloatRange):
     """A number of a range, which has no nan."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         """Return the number."""
         found = super().convert(value, param, ctx)
         if math.isnan(found):

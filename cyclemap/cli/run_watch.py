@@ -7,7 +7,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -68,7 +67,7 @@ def run_watch(
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
-    monitor, reports = BiasMonitor(alarm_rate), list[Any]()
+    monitor, reports = BiasMonitor(alarm_rate), list[BiasReport]()
     if not follow:
         found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
         tell_what_was_read(found.words, found.guessed)

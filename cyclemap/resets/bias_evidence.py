@@ -7,10 +7,10 @@ from __future__ import annotations
 import copy
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.written import DIRECTION
@@ -244,7 +244,7 @@ class VisitLaw:
         )
         self.visits = kept * self.visits + theta.size
 
-    def ratio(self, theta: Any) -> Array:
+    def ratio(self, theta: ArrayLike) -> Array:
         """The density at ``theta`` (rad, any shape) over that of the uniform law; at least about
         0.1.
         """

@@ -3,7 +3,7 @@ beside predictions.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -38,7 +38,6 @@ WORSE = 1.01
 # Friction whose axes, and whose centre over the mean, differ by less from one and nought is
 # isotropic.
 ROUND = 1.001
-Panel = tuple[str, Callable[[Axes], None]]
 
 
 @style.picture_style()
@@ -48,7 +47,7 @@ def identify_page(
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
     page takes.
     """
-    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
+    panels: list[style.Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
         panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
     if len(found.floors) > 1:
@@ -74,9 +73,7 @@ def identify_page(
     figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
     _draw_intervals(intervals, found)
-    for axes, (name, draw) in zip(placed, panels, strict=False):
-        draw(axes)
-        style.entitle(axes, name)
+    style.draw_panels(placed, panels)
     return figure
 
 

@@ -5,7 +5,7 @@ markers, name tags.
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from string import ascii_letters
@@ -37,6 +37,8 @@ from cyclemap.plain_text import printable, typeset
 
 # Options of Matplotlib.
 Look = dict[str, Any]
+# A panel's title, and what draws it.
+Panel = tuple[str, Callable[[Axes], None]]
 # Where on a page there is room: from here up to there, as shares of its height.
 Room = tuple[float, float]
 INK = "#222222"
@@ -253,6 +255,13 @@ def panels(
     return [made[name] for name in sorted(made)]
 
 
+def draw_panels(places: Iterable[Axes], drawn: Iterable[Panel]) -> None:
+    """Draw panels in the places of a page, as many as there are of both, each with its title."""
+    for axes, (title, draw) in zip(places, drawn, strict=False):
+        draw(axes)
+        entitle(axes, title)
+
+
 def rows_of(*counts: int) -> str:
     """The layout of rows with so many panels each, all as wide as the page.
 
@@ -431,8 +440,8 @@ def name_beside_path(
 
 def arrow(
     axes: Axes,
-    tail: Any,
-    tip: Any,
+    tail: Array,
+    tip: Array,
     colour: str,
     width: float = 1.8,
     zorder: float = 5.0,
@@ -450,7 +459,9 @@ def arrow(
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
 
 
-def cross(axes: Axes, place: Any = (0.0, 0.0), colour: str = QUIET, **look: Any) -> None:
+def cross(
+    axes: Axes, place: Array | tuple[float, float] = (0.0, 0.0), colour: str = QUIET, **look: Any
+) -> None:
     """A cross at a place of the data, (2,): a centre, or the origin."""
     axes.plot(*place, "+", **{"color": colour, "markersize": 8.0, "zorder": 5, **look})
 

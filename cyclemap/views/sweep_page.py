@@ -3,7 +3,6 @@ or as a scatter of a sample."""
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -45,7 +44,6 @@ from cyclemap.views.style import INK, PREDICTED, QUIET, Look
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
 MM = 1000.0
-Panel = tuple[str, Callable[[Axes], None]]
 REFUSED: Look = {
     "facecolor": "#f4f4f4",
     "edgecolor": QUIET,
@@ -85,7 +83,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
     # Titles, which are meanings short of their remarks, and drawers; where fixed points are known
     # they come first.
-    panels: list[Panel] = []
+    panels: list[style.Panel] = []
     draw: Any
     if isinstance(curves, SweptLines):
         draw, told = draw_swept_line, curves.lines
@@ -101,11 +99,10 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     panels = panels[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
     figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
-    for axes, (title, draw) in zip(placed, panels, strict=True):
-        draw(axes)
-        if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+    style.draw_panels(placed, panels)
+    if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+        for axes in placed:
             _draw_object(axes, sweep)
-        style.entitle(axes, title)
     return figure
 
 
