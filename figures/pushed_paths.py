@@ -222,7 +222,8 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
 
     Paths that meet at an end do not cross there.
 
-    >>> paths = np.array([[[0.0, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]], [[2.0, 0.0], [2.0, 1.0]]])
+    >>> rising, falling = [[0.0, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]
+    >>> paths = np.array([rising, falling, [[2.0, 0.0], [2.0, 1.0]]])
     >>> crossing_pairs(paths, np.ones((3, 3), dtype=bool))
     (1, 3)
     """

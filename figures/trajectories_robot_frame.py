@@ -73,8 +73,9 @@ def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) 
 def crowded_arcs(orientations: Array) -> list[Arc]:
     """Return the arcs (begin, end), rad, of orientations that are crowded, in bins of 10 degrees.
 
-    >>> [[round(float(np.degrees(end))) for end in arc] for arc in crowded_arcs(np.array([0.1, 0.02, -0.02]))]
-    [[350, 370]]
+    >>> (arc,) = crowded_arcs(np.array([0.1, 0.02, -0.02]))
+    >>> [round(float(np.degrees(end))) for end in arc]
+    [350, 370]
     """
     histogram = angle_histogram(orientations, _BINS)
     crowded = histogram.density * (2 * np.pi) >= CROWDED

@@ -125,7 +125,8 @@ def command(name: str, says: str, *takes: Decorator) -> None:
 
 command(
     "init",
-    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a picture of it all.
+    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a
+    picture of it all.
 
     Asked for no outline, it asks back.
     """,
@@ -161,16 +162,20 @@ command(
 )
 command(
     "check",
-    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and draw it.""",
+    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and
+    draw it.
+    """,
     argument("file", type=PATH),
     option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture."),
     json_option,
 )
 command(
     "audit",
-    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its reset did.
+    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its
+    reset did.
 
-    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
+    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much,
+    poses more.
     """,
     argument("data", type=PATH),
     table_options,
@@ -178,10 +183,11 @@ command(
 )
 command(
     "probe",
-    """Ask whether pushes depend on their direction, what friction ellipse does the same, and where it would lock in.
+    """Ask whether pushes depend on their direction, what friction ellipse does the same, and where
+    it would lock in.
 
-    MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give one of --data,
-    --command and --python.
+    MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give
+    one of --data, --command and --python.
     """,
     protocol_options,
     option("--data", metavar="DATA", type=PATH, help="Pushes made: a table with end poses."),
@@ -204,12 +210,14 @@ command(
 )
 command(
     "plan",
-    """Plan the pushes that tell most of where your object locks in, to make by hand or robot, and a table to fill in.
+    """Plan the pushes that tell most of where your object locks in, to make by hand or robot, and a
+    table to fill in.
 
-    OBJECT is a file that cyclemap init made. What is believed of the floor are the samples of --floor. A push is
-    measured before, after, and, where there is a ring, once it is dragged back to where the ring was: by two corners
-    with a ruler, or by a pose. Rows may stay empty, or be added. --after takes the tables that are filled in, and tells
-    whether that is enough, or the next pushes.
+    OBJECT is a file that cyclemap init made. What is believed of the floor are the samples of
+    --floor. A push is measured before, after, and, where there is a ring, once it is dragged back
+    to where the ring was: by two corners with a ruler, or by a pose. Rows may stay empty, or be
+    added. --after takes the tables that are filled in, and tells whether that is enough, or the
+    next pushes.
     """,
     argument("object_file", metavar="OBJECT", type=PATH),
     set_option,
@@ -298,10 +306,11 @@ command(
 )
 command(
     "explore",
-    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and staircase.
+    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and
+    staircase.
 
-    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself: no network, no
-    server, no installation where it is mailed to.
+    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself:
+    no network, no server, no installation where it is mailed to.
     """,
     protocol_options,
     option(
@@ -318,10 +327,12 @@ command(
 )
 command(
     "dynamics",
-    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
+    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic
+    friction.
 
-    Both stand on the footprint if it is made of points, else on points that carry its pressure: the paper's grid:8
-    where it is even, weighted and with points along the rim where it leans or has parts.
+    Both stand on the footprint if it is made of points, else on points that carry its pressure: the
+    paper's grid:8 where it is even, weighted and with points along the rim where it leans or has
+    parts.
     """,
     loop_options,
     theta0_option,
@@ -330,11 +341,13 @@ command(
 )
 command(
     "experiment",
-    """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic friction.
+    """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic
+    friction.
 
-    It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic cycles stand on the
-    footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
-    weighted and with points along the rim where it leans or has parts.
+    It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic
+    cycles stand on the footprint if it is made of points, else on points that carry its pressure:
+    the paper's grid:8 where it is even, weighted and with points along the rim where it leans or
+    has parts.
     """,
     loop_options,
     option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced."),
@@ -351,7 +364,8 @@ command(
     "figures",
     """Make figures and tables of the paper, and those it lacks; without a NAME, list them.
 
-    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their captions.
+    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their
+    captions.
     """,
     argument("names", metavar="[NAME ...|all]", nargs=-1),
     option("--data", metavar="DIR", type=PATH, help=_FOLDER),
@@ -359,7 +373,8 @@ command(
 )
 command(
     "simulate",
-    """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
+    """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes
+    after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
     """,
@@ -390,10 +405,11 @@ command(
 )
 command(
     "fit",
-    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
+    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its
+    wear.
 
-    DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table of
-    your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+    DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table
+    of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
     """,
     argument("data", type=PATH),
     select_option,
@@ -409,10 +425,11 @@ command(
     "identify",
     """Identify a surface from measured data, and write it as a material.
 
-    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
-    tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
-    once: friction and mean shape are the floor's, what it is in one session that session's, a plate's shape each
-    object's, the shift between robot and camera each data set's.
+    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of
+    push ends with tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on
+    one surface. All are explained at once: friction and mean shape are the floor's, what it is in
+    one session that session's, a plate's shape each object's, the shift between robot and camera
+    each data set's.
     """,
     argument("data", nargs=-1, required=True, type=PATH),
     table_options,
@@ -480,9 +497,10 @@ command(
     "replay",
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 
-    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
-    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
-    On an isotropic surface the friction coefficient changes no motion.
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic
+    friction. The object is the data's: MIT's by its name in them, any other from MATERIAL,
+    --protocol or the collection.toml beside the data. On an isotropic surface the friction
+    coefficient changes no motion.
     """,
     loop_options,
     option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
@@ -497,12 +515,13 @@ command(
 )
 command(
     "watch",
-    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
-    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of
+    MIT pushes, or a table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or
+    told by --columns.
 
-    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With a
-    --material that has samples and one action, it tells the chance that the next 300 pushes lock in, and where. With
-    --follow, `--json -` prints a line of JSON for each push.
+    With --protocol it also tells which action of the strategy takes the object to where least is
+    recorded. With a --material that has samples and one action, it tells the chance that the next
+    300 pushes lock in, and where. With --follow, `--json -` prints a line of JSON for each push.
     """,
     argument("file", type=PATH),
     option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE),
@@ -524,7 +543,9 @@ command(
 )
 command(
     "reset",
-    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule.""",
+    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol
+    and schedule.
+    """,
     loop_options,
     option("--allow-tv", type=_SHARE, default=0.10, help=_TV),
     option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes."),
@@ -565,8 +586,8 @@ command(
     "sweep",
     """Sweep settings: the portrait's numbers at every point of a grid or a sample.
 
-    Results are stored as they come; the same command again goes on where it stopped, and ends at once when all is
-    there. Over one key or two it draws the bifurcation or phase diagram.
+    Results are stored as they come; the same command again goes on where it stopped, and ends at
+    once when all is there. Over one key or two it draws the bifurcation or phase diagram.
     """,
     protocol_options,
     option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),

@@ -50,7 +50,8 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     >>> from cyclemap.collection.loop import CollectionLoop
     >>> from cyclemap.mechanics import Slider
     >>> for shape in ("rect1", "hex"):
-    ...     print(result_stem(Path(), "portrait", CollectionLoop.mit("pu", slider=Slider.mit(shape))))
+    ...     loop = CollectionLoop.mit("pu", slider=Slider.mit(shape))
+    ...     print(result_stem(Path(), "portrait", loop))
     portrait_pu
     portrait_hex_on_pu
     """

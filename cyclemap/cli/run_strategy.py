@@ -104,9 +104,9 @@ def run_strategy_staircase(
     words = (
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
-        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it {rests}; "
-        f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on "
-        "average.",
+        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it "
+        f"{rests}; θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle "
+        "on average.",
     )
     page = strategy_page(words, loop, strategy, theta, data)
     publish(told, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)

@@ -23,8 +23,8 @@ from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
-# Samples of what is believed, runs on them in all, and angles between which a map is taken as straight:
-# off by .1 degrees.
+# Samples of what is believed, runs on them in all, and angles between which a map is taken as
+# straight: off by .1 degrees.
 _SAMPLES, _RUNS, _NODES = 40, 320, 96
 _ACCURACY = 1e-5
 LEVEL = 0.9

@@ -1,5 +1,5 @@
-"""Numerical experiments: batches of cycles on a material and on its isotropic twin, and dynamic beside
-quasi-static cycles; in sentences, and a page each.
+"""Numerical experiments: batches of cycles on a material and on its isotropic twin, and dynamic
+beside quasi-static cycles; in sentences, and a page each.
 """
 
 import math
@@ -89,7 +89,8 @@ def experiment_headline(experiment: BatchExperiment) -> str:
     if not directions:
         # Of small steps also why they are no rest.
         step = float(run.last_step.max())
-        turned = f"{angle(step, 2)}{', and such steps do not soon die out' if step <= 0.1 * WITHIN else ''}."
+        why = ", and such steps do not soon die out" if step <= 0.1 * WITHIN else ""
+        turned = f"{angle(step, 2)}{why}."
         if count == 1:
             return (
                 f"The batch does not come to rest in {cycles}: the last cycle still turns it "

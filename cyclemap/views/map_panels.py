@@ -1,5 +1,5 @@
-"""Panels over the orientation before the push: turns and laws, measured and predicted, and how often
-each orientation is recorded.
+"""Panels over the orientation before the push: turns and laws, measured and predicted, and how
+often each orientation is recorded.
 """
 
 from __future__ import annotations

@@ -25,7 +25,8 @@ SPECIAL = re.compile(r"([\\*|_`])")
 def house_to_rest(lines: list[str]) -> list[str]:
     """Return reStructuredText that renders a docstring as it was meant.
 
-    >>> for line in house_to_rest(["A sum.", "", "first, second : θ_n * 2, rad. count : how", "    many: `x`."]):
+    >>> entries = ["first, second : θ_n * 2, rad.", "count : how", "    many: `x`."]
+    >>> for line in house_to_rest(["A sum.", "", *entries]):
     ...     print(line or "-")
     A sum.
     -

@@ -124,7 +124,7 @@ class RandomFamily:
     def equations(
         self, kind: str, near: Unknowns, side: int = 0
     ) -> Callable[[Unknowns], np.ndarray]:
-        """What is 0 at a bifurcation of this kind, with a ``side`` on the break next to ``near``."""
+        """What is 0 at a bifurcation of this kind, with a ``side`` on the break near ``near``."""
         which = np.argmin(np.abs(_shorter(near[0] - self.breaks(near[1])))) if side else 0
 
         def residual(unknowns: Unknowns) -> np.ndarray:

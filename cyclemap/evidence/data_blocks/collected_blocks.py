@@ -724,7 +724,8 @@ def telling_parameters(
     believed : of a known floor, what its samples tell of the ellipse; single pushes and drags take
         the rest of it as it stands.
 
-    >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    >>> ratios = DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")
+    >>> telling_parameters([ratios])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}

@@ -132,7 +132,7 @@ MOEBIUS_FAMILY = ParametricLift(
     nondecreasing=lambda a, omega: (a >= 0.0) & (a < 1.0 + 0.0 * omega),
     circle_map=CircleMap.moebius,
 )
-"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
+"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters as of ``CircleMap.moebius``."""
 
 
 def parametric_form(family: Family) -> ParametricLift | None:
