@@ -162,9 +162,10 @@ def _centre(law: EllipseFriction) -> Array:
 
 
 def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
-    (left, bottom), (right, top) = (middle - _REACH).tolist(), (middle + _REACH).tolist()
-    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
+    style.show_window(axes, middle - _REACH, middle + _REACH)
+    axes.set(
+        aspect="equal", xlabel="traction coefficient along x", ylabel="traction coefficient along y"
+    )
     style.entitle(axes, title)
 
 

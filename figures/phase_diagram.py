@@ -19,7 +19,7 @@ from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views import style
-from cyclemap.views.object_page import draw_object, draw_way
+from cyclemap.views.object_page import MM, draw_object, draw_way
 from cyclemap.views.rotation_panels import draw_shades
 from cyclemap.views.style import INK, PREDICTED, QUIET
 
@@ -35,7 +35,6 @@ from .loop_family import (
     with_ring_at,
 )
 
-MM = 1000.0
 RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
 # Turns a cycle, to which the shade is computed.
 TOLERANCE = 2e-4

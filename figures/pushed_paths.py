@@ -16,7 +16,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
@@ -24,7 +24,8 @@ from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
 from cyclemap.views import style
-from cyclemap.views.sentences import listed
+from cyclemap.views.object_page import MM
+from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
 from .measured_sets import (
@@ -45,7 +46,6 @@ MAP_TOLERANCE = 1e-3
 _ACCURACY = 1e-6
 # Parts of the wear at whose ends maps are made: between them they are blended.
 _WEAR_STAGES = 2
-MM = 1000.0
 ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
 # From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey
 # print too.
@@ -123,7 +123,7 @@ def recorded_paths(
         for path, facts in named
         if all(getattr(facts, name) == value for name, value in shared)
     ]
-    records, _ = readable_pushes(files[number] for number in _evenly(len(files), drawn).tolist())
+    records, _ = readable_pushes(files[index] for index in evenly_spread(len(files), drawn))
     courses = []
     for _, record in records:
         # At equal times.
@@ -174,11 +174,6 @@ def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> P
     )
 
 
-def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
-    """Numbers below `count`, at most `drawn` of them, the first and the last included."""
-    return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
-
-
 def _simulated(
     surface: str, loop: CollectionLoop, origin: str, theta: Array, cycle: Array, drawn: int
 ) -> PushedPaths:
@@ -187,7 +182,7 @@ def _simulated(
     At equal distances of the rod's stroke; the object rests where the rod has left it.
     """
     chosen, travel, found = (
-        _evenly(theta.size, drawn),
+        evenly_spread(theta.size, drawn),
         np.linspace(0.0, loop.push.distance, STATIONS),
         [],
     )
@@ -290,7 +285,7 @@ def material_sentence(surfaces: list[PushedPaths]) -> str:
         names, count = listed(paths.material for paths in simulated), len(simulated[0].orientations)
         words.append(
             f"Simulated as a whole: {names}, {len(simulated[0].theta0)} pushes at equal distances "
-            f"in a run of {count} cycles with {np.degrees(NOISE.sigma):.1f}° of noise each."
+            f"in a run of {count} cycles with {angle(NOISE.sigma)} of noise each."
         )
     if any(paths.material == "plywood-measured" for paths in surfaces):
         words.append(

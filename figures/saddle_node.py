@@ -16,12 +16,13 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views import style
 from cyclemap.views.map_panels import draw_turns
+from cyclemap.views.object_page import MM
 from cyclemap.views.orbit_panels import LOST, STABLE
+from cyclemap.views.sentences import angle
 
 from .catalogue import MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 
-MM = 1000.0
 RADII = (0.008, 0.0155)
 _FOLD = "saddle-node"
 SHOWN = (0.013, 0.0085)
@@ -198,7 +199,7 @@ def caption(result: SaddleNode) -> str:
     return (
         "Plywood (Table I), exact patch. With the ring 13 mm from the centre the robot locks in at "
         f"{stable:.1f}° and is driven away from {unstable:.1f}°; as the ring moves in the two "
-        f"directions walk together and meet at {math.degrees(result.fold.theta):.1f}° with the "
+        f"directions walk together and meet at {angle(result.fold.theta)} with the "
         f"ring at {MM * result.fold.radius:.3f} mm, both multipliers 1. Nearer the centre no "
         f"direction repeats, but the robot lingers: a turn takes {result.cycles_a_turn[0]:.0f} "
         f"cycles {MM * near:.2g} mm inside, {law:.0f} of which passage theory gives the "

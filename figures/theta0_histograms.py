@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_recorded
-from cyclemap.views.sentences import listed
+from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
+from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
 from .material_panels import draw_materials
@@ -94,8 +94,8 @@ def draw(result: tuple[MaterialDirections, ...]) -> Figure:
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:
     draw_recorded(axes, one.recorded)
-    edges, height = np.degrees(one.simulated.edges), PER_DEGREE * one.simulated.density
-    axes.stairs(height, edges, label="simulated", **{**style.SECOND, "linestyle": "-"})
+    look = {**style.SECOND, "linestyle": "-"}
+    draw_histogram(axes, one.simulated, "simulated", **look)
     around, density = np.degrees(CIRCLE), PER_DEGREE * one.density
     axes.plot(around, density, label="stationary density", **style.LINE)
     top = 1.3 * axes.dataLim.y1
@@ -128,7 +128,7 @@ def caption(result: tuple[MaterialDirections, ...]) -> str:
 
 
 def _sentence(one: MaterialDirections) -> str:
-    name, peaks = one.run.surface, [f"{np.degrees(peak):.0f}°" for peak in one.peaks]
+    name, peaks = one.run.surface, [f"{angle(peak, 0)}" for peak in one.peaks]
     where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
     told = f"On {name} the density {where}"
     if not _published(one):

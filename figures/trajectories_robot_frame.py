@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
+from cyclemap.views.sentences import angle
 
 from .catalogue import MeasuredFolder
 from .pushed_paths import (
     CYCLES,
     DRAWN,
-    MM,
     PushedPaths,
     crossing_pairs,
     draw_paths,
@@ -129,9 +130,7 @@ def caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
     marked = []
     for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
-        told = ", ".join(
-            f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs
-        )
+        told = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
         marked.append(f"{paths.surface} {told or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
@@ -139,7 +138,7 @@ def caption(result: RobotFramePaths) -> str:
         "target (cross); a darker shade is a larger turn. Thick arcs are where those pushes end "
         "whose orientation before the push occurs at least twice as often as if all were alike (in "
         f"bins of 10°): {'; '.join(marked)}. Of {pairs} pairs of paths from orientations "
-        f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's "
+        f"{angle(APART, 0)} or more apart, {here} cross here and {there} in the object's "
         "frame: seen from the floor the pushes are told apart. "
         f"{material_sentence(result.surfaces)}"
     )

@@ -15,7 +15,7 @@ from cyclemap.evidence.tables.set_fit import MotionLaw
 from cyclemap.views import style
 from cyclemap.views.fit_page import draw_motion_law
 from cyclemap.views.map_panels import CIRCLE, draw_curves
-from cyclemap.views.sentences import listed
+from cyclemap.views.sentences import angle, listed
 from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
@@ -108,7 +108,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
     count = result[0].run.pushes.count
     recorded = [
         f"{one.run.surface} ({one.measured.pushes.count} pushes, law within "
-        f"{np.degrees(one.law.law.rmse):.2f}° RMS)"
+        f"{angle(one.law.law.rmse, 2)} RMS)"
         for one in result
         if one.measured is not None and one.law.law is not None
     ]
@@ -121,7 +121,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
         *[_sentence(one) for one in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up "
         "to "
-        f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
+        f"{listed(f'{angle(one.worst_miss)} on {one.run.surface}' for one in result)}.",
         f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [one.run.surface for one in result if one.measured is None]),
     ]
@@ -132,12 +132,10 @@ def _sentence(one: MaterialTurns) -> str:
     low, high = np.degrees([one.curves[0].min(), one.curves[0].max()])
     rmse = one.simulated_law.law
     fitted = (
-        "no law could be fitted"
-        if rmse is None
-        else f"the law is {np.degrees(rmse.rmse):.2f}° RMS off"
+        "no law could be fitted" if rmse is None else f"the law is {angle(rmse.rmse, 2)} RMS off"
     )
     return (
         f"On {one.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the "
-        f"simulated pushes (paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 "
-        f"% of these start on an arc of {np.degrees(one.arc):.0f}°."
+        f"simulated pushes (paper, recorded: {angle(one.run.published.rmse[0], 2)}), and 95 "
+        f"% of these start on an arc of {angle(one.arc, 0)}."
     )

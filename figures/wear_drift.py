@@ -17,7 +17,7 @@ from cyclemap.evidence.tables.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views import style
 from cyclemap.views.map_panels import CIRCLE, draw_turns
-from cyclemap.views.sentences import LONGEST_STAY
+from cyclemap.views.sentences import LONGEST_STAY, angle
 from cyclemap.views.staircase_panels import draw_pace
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
@@ -173,7 +173,7 @@ def caption(result: WearDrift) -> str:
         f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
         f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
         f"{result.opened:.0f} a stable direction holds the robot and only noise "
-        f"({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end "
+        f"({angle(DEFAULT_SIGMA)}) frees it, then the bottleneck opens, and at the end "
         f"a turn takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
     )
     pace = result.pace

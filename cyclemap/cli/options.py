@@ -376,53 +376,55 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     what was read.
     """
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
-    from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+    from cyclemap.evidence.pushes.own_tables import is_own
     from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
-    from cyclemap.evidence.pushes.pose_streams import UnclearStream
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
+    said = {key: value for key, value in table.convention.items() if value is not None}
+    said = {**data_table(data), **said}
+    words: Sequence[str] = ()
+    guessed = False
     if is_planned(data):
         if any(vars(table).values()):
             raise InvalidInput(
                 f"{data}: a table of planned pushes tells its columns, units and angles: leave "
                 "these out"
             )
-        text, words = filled_text(data)
         target = out / f"{file_stem(data.stem)}_as_read.csv"
-        tell_what_was_read((*words, f"written as {target}"), guessed=False)
-        write_whole(target, text.encode())
-        return target
-    own = table.columns is not None or table.units is not None or is_own(data)
-    told = {
-        **data_table(data),
-        **{key: one for key, one in table.convention.items() if one is not None},
-    }
-    if not own and not told:
-        return data
-    target = out / as_read_name(file_stem(data.stem), told)
-    if own:
-        try:
-            found = read_own_table(
-                data, *told_columns(table.columns, table.units), **table.convention
-            )
-        except UnclearStream as error:
-            picture = _pictured(error.seen, out / f"{file_stem(data.stem)}_motions.png")
-            raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
-        text, words, guessed = found.csv_text(), [*found.words], found.guessed
-        if found.segments is not None:
-            words.append(
-                f"picture: {_pictured(found.segments, out / f'{file_stem(data.stem)}_motions.png')}"
-            )
+        text, words = filled_text(data)
+    elif table.columns is not None or table.units is not None or is_own(data):
+        target = out / as_read_name(file_stem(data.stem), said)
+        text, words, guessed = _own_text(data, table, out)
+    elif said:
+        target = out / as_read_name(file_stem(data.stem), said)
+        text = _in_our_convention(data, convention_of(data, **table.convention))
     else:
-        text, words, guessed = (
-            _in_our_convention(data, convention_of(data, **table.convention)),
-            [],
-            False,
-        )
+        return data
     tell_what_was_read((*words, f"written as {target}"), guessed)
     write_whole(target, text.encode())
     return target
+
+
+def _own_text(data: Path, table: TableOptions, out: Path) -> tuple[str, Sequence[str], bool]:
+    """A table of people's own as CSV, what was read as what, and whether that was guessed; a
+    stream of poses is drawn as it was cut.
+    """
+    from cyclemap.evidence.pushes.own_tables import read_own_table
+    from cyclemap.evidence.pushes.pose_streams import UnclearStream
+    from cyclemap.text_files import file_stem
+
+    motions = out / f"{file_stem(data.stem)}_motions.png"
+    columns, units = told_columns(table.columns, table.units)
+    try:
+        found = read_own_table(data, columns, units, **table.convention)
+    except UnclearStream as error:
+        picture = _pictured(error.seen, motions)
+        raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
+    words = list(found.words)
+    if found.segments is not None:
+        words.append(f"picture: {_pictured(found.segments, motions)}")
+    return found.csv_text(), words, found.guessed
 
 
 def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:

@@ -113,6 +113,14 @@ def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) 
     return picture
 
 
+def write_page(page: str, stem: Path) -> Path:
+    """Write a page as stem.html, tell people where, and return that."""
+    place, content = stem.with_name(f"{stem.name}.html"), page.encode()
+    write_whole(place, content)
+    click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
+    return place
+
+
 def styled(text: str, style: str) -> Text:
     """Return a sentence to be told in a style."""
     return Text(printable(text), style)

@@ -39,7 +39,7 @@ def run_dynamics(
     """
     starts_deg = parse_angles(theta0_deg)
     theta = [math.radians(start) for start in starts_deg]
-    chosen, _ = chosen_loop(options)
+    chosen = chosen_loop(options).loop
     loop = DynamicLoop(chosen, speed=1e-3 * speed_mm_s)
     with progress_bar(f"dynamic cycles on {chosen.material.name}") as report:
         material = compare_dynamics(loop, theta)

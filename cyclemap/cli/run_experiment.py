@@ -22,7 +22,7 @@ def run_experiment(
     """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
     than cycles.
     """
-    loop, _ = chosen_loop(options)
+    loop = chosen_loop(options).loop
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, batches, cycles, report)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from cyclemap.cli.json_report import margin_report, portrait_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
+    Told,
     margins_of,
     people_table,
     progress_bar,
@@ -40,7 +42,6 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
                 "--margin tells how far one loop's settings are from a change, and a strategy "
                 "has many"
             )
-
         run_strategy_portrait(chosen, chosen.strategy, pairs, asked)
         return
     run = asked.run_beside(None if pairs is None else pairs.path)
@@ -49,20 +50,25 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     measured = None if pairs is None else _overlay(pairs, found)
     page = portrait_page(found, portrait_curves(found), measured)
     stem = result_stem(asked.results.out, "portrait", loop)
-    report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
-    if margins is not None:
-        report["margins"] = [*map(margin_report, margins)]
+    report, margins = portrait_report(found, measured), list[Told]()
+    if margin:
+        changes = margins_of(loop)
+        report["margins"] = [*map(margin_report, changes)]
+        margins = told_margins(changes)
+    publish(report, page, stem, asked.results, *_lines(found, measured, margins))
+
+
+def _lines(
+    found: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
+) -> list[Told]:
+    """What people are told of a portrait, in order."""
     material = found.loop.material
     rows = [
         (f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
         for orbit in found.fixed_points
     ]
     columns = ("θ0 (°)", "multiplier", "")
-    publish(
-        report,
-        page,
-        stem,
-        asked.results,
+    return [
         sentences.headline(found),
         sentences.lock_sentence(found),
         sentences.noise_sentence(found),
@@ -71,12 +77,12 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
         sentences.ahead_sentence(found.forecast),
         "" if measured is None else sentences.agreement_sentence(measured.agreement),
         people_table("Fixed points of the cycle map", columns, rows) if rows else "",
-        *([] if margins is None else told_margins(margins)),
+        *margins,
         sentences.material_line(material),
         styled(sentences.push_line(found), "dim"),
         styled(sentences.parameters_line(found), "dim"),
         styled(sentences.accuracy_line(found), "dim"),
-    )
+    ]
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:

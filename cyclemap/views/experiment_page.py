@@ -70,7 +70,7 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
         every = (index * max(cycles // 30, 1), max(cycles // 8, 1))
         look: style.Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
         shade = str(0.65 * index / max(len(run.theta) - 1, 1))
-        look |= {"color": shade, "label": f"from {np.degrees(theta[0]):.0f}°", "clip_on": False}
+        look |= {"color": shade, "label": f"from {angle(theta[0], 0)}", "clip_on": False}
         axes.plot(np.degrees(theta), linewidth=1.3, markersize=3.5, **look)
     style.count_axis(axes, "cycle", cycles)
     span = float(np.ptp(np.degrees(run.theta)))

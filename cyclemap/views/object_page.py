@@ -95,7 +95,9 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
     ring = np.array(loop.slider.hitch)
     place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
-    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=place)
+    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8)
+    circle: Look = {"markerfacecolor": "none", "markeredgecolor": MEASURED_EDGE}
+    axes.plot([], [], "o", markeredgewidth=1.8, label=place, **circle)
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
     style.square_window(axes, MM * np.vstack(corners))
@@ -184,8 +186,8 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     size = np.array([panel.width, panel.height])
     margin = 0.5 * (float(((high - low) / size).max()) * size - (high - low))
     low, high = low - margin, high + margin
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    style.show_window(axes, low, high)
+    axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
     axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 

@@ -334,9 +334,13 @@ def square_window(axes: Axes, points: Array, margin: float = 0.06) -> None:
     """Show the least square about points (n, 2) and a margin, a share of its side, on one scale."""
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = 0.5 * (low + high), (0.5 + margin) * float((high - low).max())
-    low, high = middle - half, middle + half
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    show_window(axes, middle - half, middle + half)
     axes.set_aspect("equal", adjustable="box")
+
+
+def show_window(axes: Axes, low: Array, high: Array) -> None:
+    """Show what lies between two corners (2,) of the data."""
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
 def legend_above(axes: Axes) -> int:

@@ -31,6 +31,7 @@ from cyclemap.sweeps.sweep_curves import (
 )
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
 from cyclemap.views.rotation_panels import (
     cell_edges,
     draw_rotation_numbers,
@@ -43,7 +44,6 @@ from cyclemap.views.style import INK, PREDICTED, QUIET, Look
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
-MM = 1000.0
 REFUSED: Look = {
     "facecolor": "#f4f4f4",
     "edgecolor": QUIET,
@@ -116,9 +116,9 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
         axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
         style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
-    low = np.minimum(low, outline.min(axis=0) - 3.0)
-    high = np.maximum(high, outline.max(axis=0) + 3.0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    ends = outline.min(axis=0) - 3.0, outline.max(axis=0) + 3.0
+    style.show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
+    axes.set_aspect("equal")
 
 
 def key_words(key: str) -> str:
