@@ -16,9 +16,16 @@ from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.staircase_panels import draw_staircase
 
 from .catalogue import MeasuredFolder
-from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
-from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+from .simulated_collections import (
+    NOISE,
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    draw_materials,
+    sampled_run,
+)
 
 DEFAULT_RUNS = 200
 # A path has left a direction when it is further from it than this (rad).

@@ -16,9 +16,15 @@ from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_histogram, draw_r
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
-from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
-from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    draw_materials,
+    sampled_run,
+)
 
 UNIFORM = 1.0 / (2 * np.pi)
 # A maximum of the density counts as a peak from this many times the uniform density on.

@@ -17,9 +17,16 @@ from cyclemap.views.map_panels import OUTCOMES
 from cyclemap.views.style import say
 
 from .catalogue import MeasuredFolder
-from .material_panels import as_simulated, draw_materials
 from .measured_sets import measured_run, measured_theta0, not_found
-from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    Sampling,
+    as_simulated,
+    draw_materials,
+    fitted_laws,
+    sampled_run,
+)
 
 DEFAULT_RUNS = 200
 # Bins of the turn of a push, and of a cycle, which spreads far wider than where most of them lie.

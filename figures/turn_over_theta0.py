@@ -19,9 +19,17 @@ from cyclemap.views.sentences import angle, listed
 from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
-from .material_panels import as_simulated, draw_materials
 from .measured_sets import MeasuredRun, measured_run, not_found
-from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    as_simulated,
+    draw_materials,
+    fitted_laws,
+    sampled_run,
+)
 
 # Share of the pushes whose arc is told.
 MOST = 0.95

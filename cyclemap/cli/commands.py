@@ -105,15 +105,16 @@ def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
 
 
-def command(name: str, says: str, *takes: Decorator) -> None:
+def command(name: str, says: str, *takes: Decorator, beside: str = "") -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
-    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it. Where that
-    file has NameOptions, all that was asked comes as one of these.
+    It does run_NAME of run_NAME.py, or of the file of the command that it stands `beside`; that is
+    imported only then: no help waits for it. Where the file has NameOptions, all that was asked
+    comes as one of these.
     """
 
     def work(**given: object) -> None:
-        module = import_module(f"cyclemap.cli.run_{name}")
+        module = import_module(f"cyclemap.cli.run_{beside or name}")
         run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
         if hasattr(module, options):
             run(getattr(module, options)(**given))
@@ -168,6 +169,7 @@ command(
     argument("file", type=PATH),
     option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture."),
     json_option,
+    beside="init",
 )
 command(
     "audit",
@@ -180,6 +182,7 @@ command(
     argument("data", type=PATH),
     table_options,
     result_options("audit_DATA.png and .json"),
+    beside="watch",
 )
 command(
     "probe",
@@ -288,6 +291,7 @@ command(
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
     loop_options,
     run_options,
+    beside="portrait",
 )
 command(
     "fingerprint",
@@ -359,6 +363,7 @@ command(
         help="Quasi-static cycles, without inertia, in place of dynamic ones.",
     ),
     result_options("experiment_MATERIAL.png and .json"),
+    beside="dynamics",
 )
 command(
     "figures",

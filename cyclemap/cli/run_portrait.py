@@ -1,4 +1,4 @@
-"""`cyclemap portrait`: in sentences, as JSON, and as a picture."""
+"""`cyclemap portrait` and `cyclemap staircase`: in sentences, as JSON, and as pictures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margin_report, portrait_report
+from cyclemap.cli.json_report import margin_report, portrait_report, staircase_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
@@ -19,7 +19,7 @@ from cyclemap.cli.output import (
     styled,
     told_margins,
 )
-from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.chosen_loop import chosen_collection
@@ -98,3 +98,38 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
         return overlay
     prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
     return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
+
+
+def run_staircase(asked: RunOptions) -> None:
+    """Predict the staircase, set the measured one beside it, draw both, and print them for people
+    or as JSON.
+    """
+    from cyclemap.evidence import measured_staircase
+    from cyclemap.views import staircase_page
+
+    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    loop = chosen.loop
+    measured = None if pairs is None else measured_staircase(pairs, asked.seed)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy import run_strategy_staircase
+
+        run_strategy_staircase(chosen, chosen.strategy, measured, asked)
+        return
+    run = asked.run_beside(None if measured is None else measured.path)
+    with progress_bar(f"staircase of {loop.material.name}") as report:
+        forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
+    stem = result_stem(asked.results.out, "staircase", loop)
+    page = staircase_page.staircase_page(forecast, measured)
+    publish(
+        staircase_report(forecast, measured),
+        page,
+        stem,
+        asked.results,
+        staircase_page.forecast_sentence(forecast),
+        staircase_page.worn_sentence(forecast),
+        staircase_page.run_sentence(forecast),
+        sentences.uncertainty_sentence(loop.material.name, forecast.uncertainty),
+        sentences.ahead_sentence(forecast.forecast),
+        "" if measured is None else staircase_page.measured_sentence(measured),
+        "" if measured is None else staircase_page.fitted_sentence(measured),
+    )
