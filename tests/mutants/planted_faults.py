@@ -829,8 +829,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
-                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}",
-                "sign = {name: 1.0 for name in limits}",
+                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}",
+                "sign = {name: 1.0 for name in self.limits}",
             ),
             (
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
