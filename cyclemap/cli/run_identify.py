@@ -126,20 +126,28 @@ def run_identify(asked: IdentifyOptions) -> None:
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     found = _identified(asked, collected, fixed, known, space)
-    doubts = implausible(found, collected.loop.slider.outline.extent)
-    if doubts and not asked.force:
-        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
-        mend = "look at object, push, units and --angles; with --force it is written all the same"
-        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
-    for words in doubts:
-        click.echo(f"warning: this cannot be right: {words}", err=True)
+    doubtful = _is_doubtful(found, collected, asked.force)
     since = f" from cycle {asked.first} on" if asked.first else ""
     sources = [f"{path.name}{since}" for path in read]
     default = collected.surface or selected.get("surface", "surface")
     name = asked.name or f"{default}-identified"
     plate_name, last = collected.loop.slider.name, collected.last_cycle
     material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, bool(doubts), asked)
+    _conclude(collected, found, material, doubtful, asked)
+
+
+def _is_doubtful(found: Identification, collected: CollectedBlocks, force: bool) -> bool:
+    """Whether the answer cannot be right, which is said; CycleMapError, unless `force`, where it
+    is.
+    """
+    doubts = implausible(found, collected.loop.slider.outline.extent)
+    if doubts and not force:
+        why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
+        mend = "look at object, push, units and --angles; with --force it is written all the same"
+        raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
+    for words in doubts:
+        click.echo(f"warning: this cannot be right: {words}", err=True)
+    return bool(doubts)
 
 
 def _identified(

@@ -152,10 +152,6 @@ def quantity_label(quantity: Quantity) -> str:
     return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
 
 
-# -- over two keys
-# -----------------------------------------------------------------------------------------
-
-
 def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
     """One quantity over two keys, by colour; locked regions outlined,
     refused points crossed out."""
@@ -225,10 +221,6 @@ def _name_ticks(side: Axis, axis: SweepAxis) -> None:
         side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
 
 
-# -- over one key
-# ------------------------------------------------------------------------------------------
-
-
 def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
     axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
@@ -268,10 +260,6 @@ def _finish_line_axis(axes: Axes, swept: SweptLines) -> None:
     if swept.refused.size:
         bottom, level = axes.get_xaxis_transform(), np.full(swept.refused.size, 0.02)
         axes.plot(swept.refused, level, "x", color=INK, transform=bottom, label="refused")
-
-
-# -- a sample
-# ----------------------------------------------------------------------------------------------
 
 
 def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:

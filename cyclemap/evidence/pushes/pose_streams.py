@@ -140,7 +140,6 @@ def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
 
 
 # -- rests
-# ----------------------------------------------------------------------------------------------
 
 
 def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
@@ -221,7 +220,6 @@ def _pairs(rows: Sequence[Sequence[int]]) -> Whole:
 
 
 # -- cycles
-# ----------------------------------------------------------------------------------------------
 
 
 def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
