@@ -32,8 +32,8 @@ from cyclemap.evidence.tables.measured_cycle_map import (
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram, fit_set
+from cyclemap.evidence.tables.push_sets import MotionStatistics, PushStatistics, push_sets
+from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
@@ -292,7 +292,10 @@ def _peak(histogram: AngleHistogram) -> list[float]:
 
 
 def _table(
-    title: str, parts: Sequence[Any], fields: Callable[[Any, Unit], list[str]], *columns: str
+    title: str,
+    parts: Sequence[PushStatistics | SetLaws],
+    fields: Callable[[Any, Unit], list[str]],
+    *columns: str,
 ) -> Table:
     notes, lines = any(part.problem for part in parts), []
     for part in parts:

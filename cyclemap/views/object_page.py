@@ -51,20 +51,21 @@ def object_page(checked: CheckedCollection) -> Figure:
     return figure
 
 
-def draw_object(axes: Axes, outline: Array, **look: Any) -> None:
+def draw_object(axes: Axes, outline: Array, **look: object) -> None:
     """An object by its outline (n, 2), m, in millimetres."""
-    axes.add_patch(Polygon(MM * outline, **{**LYING, **look}))
+    shown: Look = {**LYING, **look}
+    axes.add_patch(Polygon(MM * outline, **shown))
 
 
-def draw_ring(axes: Axes, place: Array, **look: Any) -> None:
+def draw_ring(axes: Axes, place: Array, **look: object) -> None:
     """The ring at a place (2,), m; its size is free."""
-    shown = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
+    shown: Look = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
     axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **shown))
 
 
-def draw_rod(axes: Axes, place: Array, radius: float, **look: Any) -> None:
+def draw_rod(axes: Axes, place: Array, radius: float, **look: object) -> None:
     """The rod at a place (2,), m."""
-    shown = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
+    shown: Look = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
     axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
 
 

@@ -398,7 +398,7 @@ def _width(axes: Axes) -> float:
     return float(axes.get_position().width * figure.get_size_inches()[0])
 
 
-def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
+def name_tag(axes: Axes, x: float, y: float, name: str, **options: object) -> None:
     """A short name at a place of the data, on a white ground that lets lines through a little."""
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     given: Look = {
@@ -449,7 +449,7 @@ def arrow(
     colour: str,
     width: float = 1.8,
     zorder: float = 5.0,
-    **look: Any,
+    **look: object,
 ) -> None:
     """An arrow from one place of the data to another, (2,) each."""
     props = {
