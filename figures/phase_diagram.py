@@ -163,14 +163,14 @@ def _boundary(
     return tuple(found)
 
 
-def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:
-    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at
-    `count` radii.
+def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
+    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at 201
+    radii.
 
     Turn and gradient of a fingerprint belong to the protocol alone; between the Chebyshev nodes
     they are interpolated.
     """
-    radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, count)
+    radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, 201)
     found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
     curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
     surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))

@@ -199,15 +199,15 @@ def orientation_law(
     return OrientationLaw(*found, count, size, error, density)
 
 
-def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
-    """Return |lambda|, by which the slowest departure from the long run falls a push, with so many
+def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float) -> float:
+    """Return |lambda|, by which the slowest departure from the long run falls a push, with 96
     Fourier modes.
 
     >>> from cyclemap.protocol.strategy import CycleAction
     >>> round(slowest_factor(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5), 4)
     0.8825
     """
-    steps = _steps(affine_kernels(turn, min(modes, turn.shape[-1] // 4), sigma), strategy)
+    steps = _steps(affine_kernels(turn, min(96, turn.shape[-1] // 4), sigma), strategy)
     return float(np.abs(np.linalg.eigvals(steps[-1][:-1, :-1])).max() ** (1.0 / len(steps)))
 
 

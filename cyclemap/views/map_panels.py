@@ -48,11 +48,11 @@ def draw_curves(
         axes.plot(np.degrees(theta), np.degrees(turn), label=name, **look)
 
 
-def turn_axes(axes: Axes, label: str = TURN) -> None:
+def turn_axes(axes: Axes) -> None:
     """Axes of a turn over the orientation, with the line of none."""
     axes.axhline(0.0, **style.ZERO)
     style.degree_axis(axes)
-    axes.set_ylabel(label)
+    axes.set_ylabel(TURN)
 
 
 def draw_turn(axes: Axes, curve: TurnCurve, name: str = "predicted", **look: object) -> None:

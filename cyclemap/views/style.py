@@ -330,10 +330,10 @@ def plain_ticks(axis: Axis, places: Sequence[float]) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def square_window(axes: Axes, points: Array, margin: float = 0.06) -> None:
-    """Show the least square about points (n, 2) and a margin, a share of its side, on one scale."""
+def square_window(axes: Axes, points: Array) -> None:
+    """Show the least square about points (n, 2) and a margin on one scale."""
     low, high = points.min(axis=0), points.max(axis=0)
-    middle, half = 0.5 * (low + high), (0.5 + margin) * float((high - low).max())
+    middle, half = 0.5 * (low + high), 0.56 * float((high - low).max())
     show_window(axes, middle - half, middle + half)
     axes.set_aspect("equal", adjustable="box")
 
