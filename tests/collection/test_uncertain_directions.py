@@ -54,8 +54,8 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
 
 @pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
-    """Truth by Newton's method on the cycle itself,
-    for 800 draws that the interval has not seen."""
+    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not
+    seen."""
     plywood = load_material("plywood")
     found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
     assert (found.method, found.chance, found.is_posterior, found.samples) == (

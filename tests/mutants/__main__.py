@@ -2,9 +2,9 @@
 [--seconds N]`.
 
 A fault dies where a test of its own room fails; of those that live the file and the replaced text
-are printed, and the
-score. PATH : of files under cyclemap (or how they begin), all without. Results are told as they
-    come.
+are printed, and the score.
+
+PATH : of files under cyclemap (or how they begin), all without. Results are told as they come.
 """
 
 import argparse
