@@ -123,6 +123,16 @@ def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     assert sample.material.friction == material.sample(1).friction != loop.material.friction
 
 
+@pytest.mark.parametrize("kg", [0.7, 1.1])
+def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_samples(kg) -> None:
+    loop = loop_from_settings({"mass_kg": kg}, CollectionLoop.mit("plywood-floor"))
+    for number in (0, 1):
+        sample = loop.material.sample(number)
+        expected = replace(loop, footprint=None).with_material(sample).footprint
+        assert sampled_loop(loop, number).footprint.is_near(expected)
+        assert not expected.is_near(loop.footprint)
+
+
 def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:
     found = direction_uncertainty(CollectionLoop.mit("plywood"))
     assert (found.source, found.samples, found.locks) == ("axis ratio", 2, 2)
