@@ -13,7 +13,8 @@ from cyclemap.maps import CircleMap, Noise, UniformNoise, VonMises, WrappedCauch
 TWO_PI = 2 * np.pi
 MOST_WAVES = 5_000
 _NODES = 20
-_LOGARITHM_NODES = 48  # ln|F'| has its singularities beside the circle where F' is small
+# Of ln|F'|, whose singularities lie beside the circle where F' is small: F' > .01 leaves 1e-14.
+_LOGARITHM_PANELS, _LOGARITHM_NODES = 8, 48
 _UNIFORM_MODES = 700
 
 
@@ -136,7 +137,7 @@ def dense_numbers(case: RandomLift) -> DenseNumbers:
 
 def dense_exponent(case: RandomLift, dense: DenseNumbers) -> float:
     """E ln|F'|."""
-    panels = 2 * max(case.waves, dense.moments.size - 1, 48)
+    panels = _LOGARITHM_PANELS * max(case.waves, dense.moments.size - 1, 48)
     theta, weight = _gauss_rule(case, panels, _LOGARITHM_NODES)
     slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
     return dense.mean(theta, weight, np.log(np.abs(slope(theta))))
