@@ -18,6 +18,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.lifts.scan import ranks
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
@@ -174,9 +175,7 @@ def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
     coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
     count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
     owner = np.repeat(np.arange(width.size), count)
-    share = (np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count) + _GOLDEN) / count[
-        owner
-    ]
+    share = (ranks(count) + _GOLDEN) / count[owner]
     image = circle_map(left[owner] + share * width[owner])
     expected = np.einsum(
         "ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner]
@@ -239,11 +238,10 @@ def _fitted(
     if not float(np.sum(phase)) < 60.0 * MAX_NODES:
         raise too_many_nodes(int(min(np.sum(phase), 1e18)))
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
-    rank = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
     narrow = np.repeat(width / parts, parts)
     phase = np.repeat(phase / parts, parts)
     order = np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
-    return np.repeat(left, parts) + rank * narrow, narrow, order
+    return np.repeat(left, parts) + ranks(parts) * narrow, narrow, order
 
 
 def _has_rough_waves(

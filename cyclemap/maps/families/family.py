@@ -15,7 +15,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP, carried_round
 
 ParametricFunction = Callable[..., Array]
 _ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
@@ -230,10 +230,8 @@ class ParameterTangent:
         breaks = self.member.breaks
         if breaks.size == 0 or not np.any(motion):
             return np.zeros_like(theta)
-        around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-        return np.asarray(
-            np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]]))
-        )
+        moved = carried_round(motion, 0.0)
+        return np.asarray(np.interp(theta, carried_round(breaks), moved))
 
 
 def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:

@@ -23,7 +23,7 @@ from cyclemap.maps.families.family import (
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.orbits.diagonal import displacement
@@ -154,10 +154,7 @@ class EdgeSearch:
         """
         if p not in self.tried:
             member = family_member(self.family, p)
-            if member.degree != 1:
-                raise InvalidInput(
-                    f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1"
-                )
+            require_degree_one(member, "a tongue")
             monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
             found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
             self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))

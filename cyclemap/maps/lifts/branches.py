@@ -16,7 +16,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
-from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
+from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells, ranks
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,7 +274,7 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
             continue
         count = np.maximum(high - low + 1, 0)
         owner = np.repeat(np.arange(angles.size), count)
-        whole = low[owner] + np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count)
+        whole = low[owner] + ranks(count)
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
         roots.append(part.table.inverse(angles[owner] + TWO_PI * whole))
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)

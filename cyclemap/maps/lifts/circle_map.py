@@ -147,7 +147,7 @@ class CircleMap:
         )
         check_lift(lift, derivative, self.breaks, self.degree)
 
-    def _set(self, **fields: Any) -> None:
+    def _set(self, **fields: object) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
 
@@ -184,7 +184,7 @@ class CircleMap:
     def __copy__(self) -> CircleMap:
         return self
 
-    def __deepcopy__(self, _: Any) -> CircleMap:
+    def __deepcopy__(self, _: object) -> CircleMap:
         return self
 
     def __repr__(self) -> str:
@@ -514,6 +514,12 @@ def require_map(circle_map: CircleMap) -> None:
     """InvalidInput for anything else."""
     if not isinstance(circle_map, CircleMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
+
+
+def require_degree_one(circle_map: CircleMap, what: str) -> None:
+    """InvalidInput for a map of another degree, for which ``what`` is asked has no meaning."""
+    if circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: {what} needs degree 1")
 
 
 def _remade(recipe: Recipe) -> CircleMap:

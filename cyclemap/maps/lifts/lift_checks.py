@@ -41,10 +41,17 @@ def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
     """The copy of a sorted node in [0, 2π), up to a turn away, nearest to each angle in [0, 2π];
     the node's index.
     """
-    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
+    around = carried_round(nodes)
     pick = around.searchsorted(base).clip(1, nodes.size + 1)
     pick = pick - (base - around[pick - 1] <= around[pick] - base)
     return around[pick], (pick - 1) % nodes.size
+
+
+def carried_round(nodes: Array, climb: float = TWO_PI) -> Array:
+    """The nodes of one turn with the last of the turn before and the first of the next, ``climb``
+    away.
+    """
+    return np.concatenate([nodes[-1:] - climb, nodes, nodes[:1] + climb])
 
 
 def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:

@@ -24,6 +24,7 @@ from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Scalar,
     base_angles,
+    carried_round,
     distance_to_break,
 )
 from cyclemap.maps.lifts.scan import INSET
@@ -412,10 +413,8 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
     order = np.lexsort((degree * moved, base))
     theta, value = moved[order], base[order]
     # Carried on by one node below 0 and one above 2π, in the order of θ.
-    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
-    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[
-        ::degree
-    ]
+    value = carried_round(value)[::degree]
+    theta = carried_round(theta, degree * TWO_PI)[::degree]
     theta = np.maximum.accumulate(theta)
     # The two sides of a jump, a turn apart, are one angle however they were rounded.
     apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
@@ -427,20 +426,16 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
     """The chain of ``maps``, the first applied first; ``breaks`` are all its breaks, in [0, 2π)."""
     guards: list[tuple[Array, Array, Array] | None] = [None]
     if breaks.size:
-        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        edges = carried_round(breaks)
         angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
     for circle_map in maps[1:]:
         own = circle_map.breaks
         if own.size == 0:
             guards.append(None)
         else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
-            turns, around = (
-                np.floor(angle / TWO_PI),
-                np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI]),
-            )
-            above = np.clip(
-                np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1
-            )
+            turns = np.floor(angle / TWO_PI)
+            around = carried_round(own)
+            above = around.searchsorted(angle - TWO_PI * turns, side="right").clip(1, own.size + 1)
             margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
             guards.append((turns, around[above - 1] + margin, around[above] - margin))
         if breaks.size:

@@ -192,7 +192,7 @@ def monotone_cells(
         if period == 1 and np.count_nonzero(rough) > MAX_ROUGH:
             _refuse_rough(cells, rough)
         done.append(taken(cells, parts == 1))
-        owner, rank = np.repeat(np.arange(start.size), parts), _ranks(parts)
+        owner, rank = np.repeat(np.arange(start.size), parts), ranks(parts)
         count += int(np.count_nonzero(parts == 1))
         if count + owner.size > MAX_CELLS:
             break
@@ -257,7 +257,7 @@ def _refuse_rough(cells: Cells, rough: Mask) -> None:
     )
 
 
-def _ranks(count: Whole) -> Whole:
+def ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
     return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
 
@@ -395,7 +395,7 @@ def solved(
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""
     count = np.abs(turn_end - turn_start)
     owner = np.repeat(np.arange(count.size), count)
-    whole = np.minimum(turn_start, turn_end)[owner] + 1 + _ranks(count)
+    whole = np.minimum(turn_start, turn_end)[owner] + 1 + ranks(count)
     if owner.size == 0:
         return np.zeros(0), whole, owner
     inner_start, inner_end = cells.inner()

@@ -16,6 +16,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
+from cyclemap.maps.lifts.circle_map import require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 from cyclemap.maps.quadrature import arc_rule
@@ -266,10 +267,7 @@ class FourierLaw(StationaryLaw):
         Raises InvalidInput unless the degree is 1, and for other noise that has a variance.
         """
         basis = self.basis
-        if basis.map.degree != 1:
-            raise InvalidInput(
-                f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1"
-            )
+        require_degree_one(basis.map, "a diffusion constant")
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
         if basis.noise.sigma is None:

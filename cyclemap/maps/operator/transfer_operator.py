@@ -16,7 +16,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.cell_law import CellLaw, cell_law
@@ -251,10 +251,7 @@ class TransferOperator:
     @one_thread
     def rotation_number(self) -> Estimate:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
-        if self.map.degree != 1:
-            raise InvalidInput(
-                f"the map has degree {self.map.degree}: its mean winding is not defined"
-            )
+        require_degree_one(self.map, "a mean winding")
         return self.law.expectation(
             lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI
         )

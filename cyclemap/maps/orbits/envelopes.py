@@ -11,8 +11,8 @@ from math import ceil, floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
@@ -129,10 +129,7 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one."""
-    if circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
-        )
+    require_degree_one(circle_map, "rotation")
     return _with_plateaus(circle_map, *envelope_plateaus(circle_map, mirror))
 
 

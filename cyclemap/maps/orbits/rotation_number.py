@@ -14,7 +14,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
@@ -74,10 +74,8 @@ def birkhoff_average(
     (True, True)
     """
     require_map(circle_map)
-    if function is None and circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
-        )
+    if function is None:
+        require_degree_one(circle_map, "a mean turn")
     count = whole_number("iterates", iterates, least=16)
     skipped = whole_number("transient", transient, least=0)
     visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
@@ -373,14 +371,9 @@ _Budget = tuple[
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
     require_map(circle_map)
-    if circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
-        )
-    count, longest = (
-        whole_number("iterates", iterates, least=16),
-        whole_number("max_period", max_period, least=1),
-    )
+    require_degree_one(circle_map, "rotation")
+    count = whole_number("iterates", iterates, least=16)
+    longest = whole_number("max_period", max_period, least=1)
     return count, longest, non_negative_number("tolerance", tolerance)
 
 

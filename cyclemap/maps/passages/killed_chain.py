@@ -110,11 +110,6 @@ class Elimination:
         change = before[:, 0] - values[0] * before[:, 1]
         return self._restored(values), float(values[0]), self._restored(np.append(0.0, change))
 
-    def returns(self) -> Array:
-        """The chance of visiting the most visited state before leaving; 1 for that state itself."""
-        before = _triangular(self.packed[1:, 1:], -self.packed[1:, 0])
-        return self._restored(np.append(1.0, before))
-
     def _restored(self, ordered: Array) -> Array:
         values = np.empty_like(ordered)
         values[self.order] = ordered

@@ -14,7 +14,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
@@ -183,8 +183,7 @@ def predict_staircase(
     (['ghost'], 6.283185)
     """
     known = transfer_operator(circle_map, noise) if operator is None else operator
-    if circle_map.degree != 1:
-        raise InvalidInput(f"the map has degree {circle_map.degree}: a staircase needs degree 1")
+    require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
     grid = TWO_PI * np.arange(_GRID) / _GRID
     turn = circle_map.turn(grid)
