@@ -82,9 +82,11 @@ def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
         return None
     # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of
     # both fall.
-    whole, needed = int(np.ceil(bandwidth)), 0
+    whole = int(np.ceil(bandwidth))
+    needed = 0
     for share in (0.0, 0.4, 0.7, 0.9, 1.0):
-        order, other = int(np.ceil(share * whole)), int(np.ceil(np.sqrt(1.0 - share**2) * whole))
+        order = int(np.ceil(share * whole))
+        other = int(np.ceil(np.sqrt(1.0 - share**2) * whole))
         reach = _wave_reach(circle_map, order, own, steepest)
         if reach is None:
             return None
@@ -134,23 +136,28 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
     logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then
         at angles between them no further apart than a ten-thousandth of a radian.
     """
-    open_left, open_right, done = edges[:-1], edges[1:], [edges]
+    open_left = edges[:-1]
+    open_right = edges[1:]
+    done = [edges]
     probed = False
     for _ in range(_PASSES):
         if open_left.size * _POINTS > MAX_NODES:
             raise too_many_nodes(open_left.size * _POINTS)
         rough = _is_rough(circle_map, open_left, open_right - open_left, logarithm)
-        left, right = open_left[rough], open_right[rough]
+        left = open_left[rough]
+        right = open_right[rough]
         if left.size == 0 and not probed and circle_map.pieces is None:
             ends = np.unique(np.concatenate(done))
             missed = _missed_by_nodes(circle_map, ends)
-            left, right = ends[:-1][missed], ends[1:][missed]
+            left = ends[:-1][missed]
+            right = ends[1:][missed]
             probed = left.size == 0
         if left.size == 0:
             break
         middle = 0.5 * (left + right)
         done.append(middle)
-        open_left, open_right = np.append(left, middle), np.append(middle, right)
+        open_left = np.append(left, middle)
+        open_right = np.append(middle, right)
     return np.unique(np.concatenate(done))
 
 
@@ -170,7 +177,8 @@ def _is_rough(circle_map: CircleMap, left: Array, width: Array, logarithm: bool)
 
 def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
     """Which panels F departs from its polynomial on between their nodes."""
-    left, width = edges[:-1], np.diff(edges)
+    left = edges[:-1]
+    width = np.diff(edges)
     x, _ = gauss_rule(left, width, _POINTS)
     coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
     count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
@@ -198,7 +206,9 @@ def _on_panels(
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
     phase.
     """
-    open_left, open_width, done = edges[:-1], np.diff(edges), []
+    open_left = edges[:-1]
+    open_width = np.diff(edges)
+    done = []
     for _ in range(_PASSES):
         left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
         rough = np.zeros(left.size, dtype=bool)
@@ -210,12 +220,14 @@ def _on_panels(
         if not np.any(rough):
             break
         half = 0.5 * width[rough]
-        open_left, open_width = np.append(left[rough], left[rough] + half), np.append(half, half)
+        open_left = np.append(left[rough], left[rough] + half)
+        open_width = np.append(half, half)
     left, width, order = (np.concatenate(column) for column in zip(*done, strict=True))
     order = finer * order
     if int(order.sum()) > MAX_NODES:
         raise too_many_nodes(int(order.sum()))
-    nodes, weights = [], []
+    nodes = []
+    weights = []
     for points in np.unique(order):
         use = order == points
         x, w = gauss_rule(left[use], width[use], int(points))
@@ -254,7 +266,8 @@ def _has_rough_waves(
     for points in np.unique(order).tolist():
         use = np.flatnonzero(order == points)
         x, _ = gauss_rule(left[use], width[use], points)
-        image, last = circle_map(x), _to_coefficients(points)[:, -2:]
+        image = circle_map(x)
+        last = _to_coefficients(points)[:, -2:]
         for share, other in _DIRECTIONS:
             wave = np.exp(0.5j * bandwidth * (share * image + other * x)).reshape(-1, points)
             rough[use] |= np.max(np.abs(wave @ last), axis=1) > _HALF_RESOLVED

@@ -22,8 +22,13 @@ from cyclemap.maps.families.family import (
 )
 from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
 
-_FIRST, _LARGEST, _SMALLEST = 0.01, 0.06, 1e-7  # scaled arclength
-_STRAIGHT, _GROWTH, _MOST_STEPS = 0.95, 1.5, 2_000
+# Scaled arclength: the first step, the longest, and one so short that the curve has ended.
+_FIRST = 0.01
+_LARGEST = 0.06
+_SMALLEST = 1e-7
+_STRAIGHT = 0.95
+_GROWTH = 1.5
+_MOST_STEPS = 2_000
 _RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
 _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
 
@@ -97,7 +102,8 @@ class _CurveWalk:
 
     def walked(self) -> _CurveWalk:
         """The walk, once it has ended."""
-        self.spots, self.direction = [self.begin], self.initial
+        self.spots = [self.begin]
+        self.direction = self.initial
         while not self.reason:
             if len(self.spots) > _MOST_STEPS:
                 self.reason = "steps"
@@ -111,7 +117,8 @@ class _CurveWalk:
         """End where steps have become too small, with the point of codimension two that made them
         so.
         """
-        self.reason, spot = self.blocked, self.spots[-1]
+        self.reason = self.blocked
+        spot = self.spots[-1]
         flips = self.equations.kind == "period-doubling"
         names = {"half the period": "generalised flip", "tip": "tip"}
         if self.equations.side == 0:
@@ -122,13 +129,18 @@ class _CurveWalk:
 
     def _advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here, row, length, at_edge = self.spots[-1], self.direction, self.step, False
+        here = self.spots[-1]
+        row = self.direction
+        length = self.step
+        at_edge = False
         for k in (-2, -1):
             climb = self.direction[k]
             end = self.equations.ranges[k][1 if climb > 0.0 else 0] / self.equations.scales[k]
             room = max((end - here.at[k]) / climb, 0.0) if climb else np.inf
             if room <= length:
-                length, row, at_edge = room, np.eye(here.at.size)[k], True
+                length = room
+                row = np.eye(here.at.size)[k]
+                at_edge = True
         if length <= 1e-12:
             self.reason = "end of the plane"
             return
@@ -148,7 +160,8 @@ class _CurveWalk:
         moved = solved.at - here.at
         if float(np.linalg.norm(moved)) > 2.0 * self.step or direction @ self.direction < _STRAIGHT:
             return False
-        old, new = here.state, solved.state
+        old = here.state
+        new = solved.state
         motion = break_motion(old.member.breaks, new.member.breaks)
         if crossed_break(old, new.theta, motion) is not None:
             self.blocked = "border collision"
@@ -165,11 +178,14 @@ class _CurveWalk:
         if self.ending is None or not (
             solved.spread < here.spread or np.linalg.norm(solved.gap) < np.linalg.norm(here.gap)
         ):
-            self.blocked, self.ending = "lost", None
+            self.blocked = "lost"
+            self.ending = None
         closing = self._closes(here, moved, direction)
-        self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
+        self.direction = direction
+        self.step = min(_GROWTH * self.step, _LARGEST)
         if closing:
-            self.spots[-1], self.reason = self.begin, "closed"
+            self.spots[-1] = self.begin
+            self.reason = "closed"
         elif self.equations.kind == "saddle-node" and len(self.spots) > 3:
             self._nears_end()
         return True
@@ -226,7 +242,8 @@ class _CurveWalk:
         distance: its straightest root. Where the halves of the orbit meet, they come as far apart
         on the other side: the square of their distance.
         """
-        recent, orbit = self.spots[-3:], self.equations.hops.size
+        recent = self.spots[-3:]
+        orbit = self.equations.hops.size
         length = np.array([float(self.direction @ (spot.at - recent[-1].at)) for spot in recent])
         spread = np.array([spot.spread for spot in recent])
         apart = (
@@ -236,13 +253,15 @@ class _CurveWalk:
         )
         candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
         candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
-        best, ending = 0.1, None
+        best = 0.1
+        ending = None
         for reason, root, power in candidates:
             if root[0] > root[1] > root[2] > 0.0 and root[2] < _RIGID ** (1.0 / orbit):
                 slope = (root[2] - root[1]) / (length[2] - length[1])
                 bent = abs(root[0] - root[2] - slope * length[0]) / root[0]
                 if bent < best:
-                    best, ending = bent, (reason, root**power, -root[2] / slope)
+                    best = bent
+                    ending = (reason, root**power, -root[2] / slope)
         if ending is None or ending[2] > 4.0 * self.step:
             return
         reason, measure, distance = ending
@@ -250,7 +269,8 @@ class _CurveWalk:
         at = np.sum(
             [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
         )
-        self.blocked, self.step = reason, min(self.step, 0.5 * distance)
+        self.blocked = reason
+        self.step = min(self.step, 0.5 * distance)
         # Two neighbouring extrapolations may agree by chance: three are compared.
         known = [*(self.extrapolated or [recent[-1].at[-2:]]), at]
         change = np.sum(np.abs(np.diff(known, axis=0)), axis=0) + 1e-12
@@ -332,7 +352,8 @@ def follow_bifurcation(
 def _followed(
     family: Family, start: Bifurcation, at: tuple[float, float], ranges: tuple[Range, Range]
 ) -> BifurcationCurve:
-    points, member = np.array(start.points), family_member(family, *at)
+    points = np.array(start.points)
+    member = family_member(family, *at)
     images = member(points)
     sides: tuple[int, ...] = (0,)
     if start.kind == "border-collision":
@@ -357,10 +378,13 @@ def _followed(
         )
     ahead = equations.direction(begin)
     forward = _CurveWalk(equations, begin, ahead).walked()
-    spots, special, ends = forward.spots, forward.special, ("closed", "closed")
+    spots = forward.spots
+    special = forward.special
+    ends = ("closed", "closed")
     if forward.reason != "closed":
         backward = _CurveWalk(equations, begin, -ahead).walked()
-        spots, special = backward.spots[:0:-1] + spots, backward.special[::-1] + special
+        spots = backward.spots[:0:-1] + spots
+        special = backward.special[::-1] + special
         ends = backward.reason, forward.reason
     at_all = np.array([spot.at * equations.scales for spot in spots])
     return BifurcationCurve(

@@ -31,7 +31,10 @@ from cyclemap.maps.families.orbit_equations import (
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 
-_FIRST, _LARGEST, _SMALLEST = 0.01, 0.08, 1e-8  # of the scaled arclength
+# Of the scaled arclength: the first step, the longest, and one so short that the branch is lost.
+_FIRST = 0.01
+_LARGEST = 0.08
+_SMALLEST = 1e-8
 _STRAIGHT = 0.95  # cosine of the largest turn of the tangent in one step
 _GROWTH = 1.5
 _MOST_STEPS = 4_000
@@ -54,7 +57,8 @@ class BranchWalk:
 
     def walked(self) -> BranchWalk:
         """The walk, once it has ended."""
-        self.states, self.direction = [self.first], self.initial
+        self.states = [self.first]
+        self.direction = self.initial
         while not self.reason:
             if len(self.states) > _MOST_STEPS:
                 self.reason = "steps"
@@ -68,10 +72,8 @@ class BranchWalk:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
         here = self.equations.point(self.states[-1])
         end = self.equations.within[1 if self.direction[-1] > 0.0 else 0]
-        climb, room = (
-            self.direction[-1],
-            np.inf,
-        )  # the length of the step that reaches that end of the range
+        climb = self.direction[-1]
+        room = np.inf  # the length of the step that reaches that end of the range
         if climb != 0.0:
             room = max((end / self.equations.scales[-1] - here[-1]) / climb, 0.0)
         if room <= 1e-12:
@@ -90,7 +92,8 @@ class BranchWalk:
             if outward is None:
                 self.reason = "jump"
             else:
-                self.direction, self.step = outward, min(self.step, _FIRST)
+                self.direction = outward
+                self.step = min(self.step, _FIRST)
         elif solved is None or not self._accepted(solved):
             self.step *= 0.5
         elif room <= self.step:
@@ -103,7 +106,8 @@ class BranchWalk:
         """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was
         not located.
         """
-        here, there = self.equations.point(self.states[-1]), self.equations.point(solved)
+        here = self.equations.point(self.states[-1])
+        there = self.equations.point(solved)
         push = (
             self.equations.push(solved.parameter)(solved.theta)
             if solved.push is None
@@ -118,7 +122,8 @@ class BranchWalk:
             or self._crossed(self._angles(there), solved) is not None
         ):
             return False
-        before, half = self.states[-1], self.equations.hops.size // 2
+        before = self.states[-1]
+        half = self.equations.hops.size // 2
         # Through an orbit of half the period, where the two halves change places?
         old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
         gap = shorter_way(old)
@@ -138,7 +143,8 @@ class BranchWalk:
         again = self._closing(before, solved, direction)
         self.states.append(solved if again is None else again)
         self.reason = "" if again is None else "closed"
-        self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
+        self.direction = direction
+        self.step = min(_GROWTH * self.step, _LARGEST)
         return True
 
     def _closing(
@@ -321,9 +327,11 @@ def follow_orbit(
             f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside"
         )
     if isinstance(start, Orbit):
-        points, turns = np.array(start.points), start.winding
+        points = np.array(start.points)
+        turns = start.winding
     else:
-        n, turns = whole_number("period", period, least=1), whole_number("winding", winding)
+        n = whole_number("period", period, least=1)
+        turns = whole_number("winding", winding)
         points = np.full(n, finite_number("start", start))
         member = family_member(family, p)
         for i in range(1, n):
@@ -441,14 +449,16 @@ def orbit_branches(
     [('end of the range', 'end of the range')]
     """
     within = parameter_range("parameters", parameters)
-    n, w = whole_number("period", period, least=1), whole_number("winding", winding)
+    n = whole_number("period", period, least=1)
+    w = whole_number("winding", winding)
     branches: list[OrbitBranch] = []
 
     def known(branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
         """Whether the branch passes through the orbit, solved where the branch crosses the
         parameter.
         """
-        before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
+        before = branch.parameter[:-1] - p
+        after = branch.parameter[1:] - p
         for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
             share = before[i] / (before[i] - after[i])
             near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]

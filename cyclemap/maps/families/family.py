@@ -165,7 +165,8 @@ def parameter_range(name: str, ends: Range) -> Range:
         low, high = ends
     except (TypeError, ValueError) as cause:
         raise InvalidInput(f"{name} is {ends!r}: give a pair (low, high)") from cause
-    first, last = finite_number(f"{name}[0]", low), finite_number(f"{name}[1]", high)
+    first = finite_number(f"{name}[0]", low)
+    last = finite_number(f"{name}[1]", high)
     if not first < last:
         raise InvalidInput(
             f"{name} is ({first:g}, {last:g}): its low end must lie below its high end"
@@ -244,13 +245,15 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
     difference reaches across one. Raises InvalidInput when neighbouring maps have different numbers
     of breaks.
     """
-    below, above = p - within[0], within[1] - p
+    below = p - within[0]
+    above = within[1] - p
     step = share * (within[1] - within[0])
     offsets: tuple[int, ...] = (-1, 1)
     weights: tuple[float, ...] = (-0.5, 0.5)
     if min(below, above) < step:
         side = 1 if above >= below else -1
-        offsets, weights = (0, side, 2 * side), (-1.5 * side, 2.0 * side, -0.5 * side)
+        offsets = (0, side, 2 * side)
+        weights = (-1.5 * side, 2.0 * side, -0.5 * side)
         step = min(step, 0.5 * max(below, above))
     member = family_member(family, p)
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)

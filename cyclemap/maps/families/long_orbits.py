@@ -115,8 +115,10 @@ def orbit_diagram(
     >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
     [1, 2]
     """
-    rows, count = finite_array("values", values, ndim=1), whole_number("cycles", cycles, least=1)
-    skipped, theta = whole_number("transient", transient, least=0), finite_number("start", start)
+    rows = finite_array("values", values, ndim=1)
+    count = whole_number("cycles", cycles, least=1)
+    skipped = whole_number("transient", transient, least=0)
+    theta = finite_number("start", start)
     if rows.size == 0:
         raise InvalidInput("values is empty: give the parameters to go through")
     visited = np.empty((rows.size, count))
@@ -175,10 +177,8 @@ def lyapunov_exponents(
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
-    count, skipped = (
-        whole_number("cycles", cycles, least=_PARTS),
-        whole_number("transient", transient, least=0),
-    )
+    count = whole_number("cycles", cycles, least=_PARTS)
+    skipped = whole_number("transient", transient, least=0)
     theta = finite_number("start", start)
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
@@ -352,7 +352,8 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     stretch = np.abs(slopes)
     if np.any(stretch == 0.0):
         return Estimate(float("-inf"), 0.0)
-    values, inexact = np.log(stretch), _from_slopes(errors, stretch)
+    values = np.log(stretch)
+    inexact = _from_slopes(errors, stretch)
     smooth = weighted_mean(values)
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
@@ -389,7 +390,9 @@ def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array
     """The orbit of ``theta`` over one period, and how far it comes back from a whole number of
     turns.
     """
-    lift, at, points = circle_map.scalar(), theta, []
+    lift = circle_map.scalar()
+    at = theta
+    points = []
     for _ in range(period):
         points.append(at)
         at = lift(at)

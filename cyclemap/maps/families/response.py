@@ -218,7 +218,8 @@ class Response:
         """
         basis = law.basis
         theta, weight = basis.rule
-        mass, dual = weight * basis.on_nodes(law.coefficients), law.dual(moments)
+        mass = weight * basis.on_nodes(law.coefficients)
+        dual = law.dual(moments)
         slopes = (basis.expected_slope(dual).T + direct) * mass
         near, far = (slopes @ push(theta) for push in (self.near, self.far))
         jumps, left, right = basis.map.jumps()
@@ -227,5 +228,6 @@ class Response:
             across = (sides[0] - sides[1]).T + direct * (left - right)
             rates = self.near.break_rates[np.isin(basis.map.breaks, jumps)]
             moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
-            near, far = near + moved, far + moved
+            near = near + moved
+            far = far + moved
         return np.asarray((4.0 * near - far) / 3.0), np.abs(near - far)

@@ -32,7 +32,8 @@ _TRIALS = (
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
 _ENDS = 0.2  # of the tolerance: what the ends of a folded map's interval are sought to
-_SIDES, _ONE_MORE = np.array([[-1.0], [1.0]]), np.array([[0.0], [1.0]])
+_SIDES = np.array([[-1.0], [1.0]])
+_ONE_MORE = np.array([[0.0], [1.0]])
 # After so many cycles the finished maps are taken out, then at equal distances.
 _LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512, 768, 1024)
 
@@ -171,7 +172,8 @@ def _bounds(
     1/tolerance cycles.
     """
     size = parameters[0].size
-    lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
+    lower = np.full(size, -np.inf)
+    upper = np.full(size, np.inf)
 
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
@@ -192,7 +194,8 @@ def _bounds(
             orbits.run_to(look)
             for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
                 orbits.try_locking(width, longest, beside)
-            lower[orbits.place], upper[orbits.place] = orbits.lower, orbits.upper
+            lower[orbits.place] = orbits.lower
+            upper[orbits.place] = orbits.upper
             orbits = orbits.those(orbits.upper - orbits.lower > width)
             if orbits.place.size == 0:
                 break
@@ -234,7 +237,9 @@ class _Orbits:
         push, theta, turns = (
             pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns)
         )
-        lower, upper, place = self.lower.take(index), self.upper.take(index), self.place.take(index)
+        lower = self.lower.take(index)
+        upper = self.upper.take(index)
+        place = self.place.take(index)
         return _Orbits(
             self.family, parameters, push, theta, turns, lower, upper, place, self.cycles
         )
@@ -266,9 +271,12 @@ class _Orbits:
         trial = self.those(open_still)
         start = trial.theta + beside / period[open_still] * _SIDES
         start -= TWO_PI * np.rint(start / TWO_PI)
-        trial.theta, trial.turns, trial.cycles = start.copy(), _ONE_MORE + np.zeros_like(start), 0
+        trial.theta = start.copy()
+        trial.turns = _ONE_MORE + np.zeros_like(start)
+        trial.cycles = 0
         trial.run_to(longest, start)
-        self.lower[open_still], self.upper[open_still] = trial.lower, trial.upper
+        self.lower[open_still] = trial.lower
+        self.upper[open_still] = trial.upper
 
 
 def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
@@ -291,8 +299,11 @@ def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: 
             "rotation_plane for many"
         )
     push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
-    theta, turns = np.full((2, size), -np.pi), _ONE_MORE + np.zeros((2, size))
-    low, high, place = np.full(size, -np.inf), np.full(size, np.inf), np.arange(first, first + size)
+    theta = np.full((2, size), -np.pi)
+    turns = _ONE_MORE + np.zeros((2, size))
+    low = np.full(size, -np.inf)
+    high = np.full(size, np.inf)
+    place = np.arange(first, first + size)
     return _Orbits(family, parameters, push, theta, turns, low, high, place)
 
 
@@ -300,14 +311,17 @@ def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
     """The least q ≤ longest with some p/q in [lower, upper], else 0."""
     period = np.zeros(lower.shape, dtype=np.int64)
     left = np.flatnonzero(lower <= upper)
-    low, high = lower[left] - 1e-12, upper[left] + 1e-12
+    low = lower[left] - 1e-12
+    high = upper[left] + 1e-12
     for q in range(1, longest + 1):
         if left.size == 0:
             break
         hit = np.ceil(low * q) <= high * q
         period[left[hit]] = q
         miss = np.flatnonzero(~hit)
-        left, low, high = left.take(miss), low.take(miss), high.take(miss)
+        left = left.take(miss)
+        low = low.take(miss)
+        high = high.take(miss)
     return period
 
 
@@ -375,7 +389,8 @@ class _Envelopes:
         row = parameters[-1].astype(np.int64)
         first = self.start[row, 0]
         turns = np.floor((theta - first) / TWO_PI)
-        base, image = theta - TWO_PI * turns, self.family.lift(theta.copy(), *parameters[:-1])
+        base = theta - TWO_PI * turns
+        image = self.family.lift(theta.copy(), *parameters[:-1])
         for start, end, level in zip(self.start.T, self.end.T, self.level.T, strict=True):
             flat = (base >= start[row]) & (base < end[row])
             image = np.where(flat, level[row] + TWO_PI * turns, image)
@@ -415,19 +430,19 @@ def _folded_numbers(
     """Value, lower, upper, period and winding of folded members, all together: the ends are those
     of the envelopes.
     """
-    numbered, workers = [*parameters, np.arange(float(len(members)))], os.cpu_count() or 1
+    numbered = [*parameters, np.arange(float(len(members)))]
+    workers = os.cpu_count() or 1
     inexact = max(member.max_error for member in members)
     low, high = (
         _envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True)
     )
     # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
     narrow = _ENDS * tolerance
-    lower, upper = (
-        _bounds(low, numbered, narrow, workers)[0],
-        _bounds(high, numbered, narrow, workers)[1],
-    )
+    lower = _bounds(low, numbered, narrow, workers)[0]
+    upper = _bounds(high, numbered, narrow, workers)[1]
     count = max(16, int(np.ceil(1.0 / tolerance)))
-    theta, mean = np.zeros(len(members)), np.zeros(len(members))
+    theta = np.zeros(len(members))
+    mean = np.zeros(len(members))
     for weight in window(count).tolist():
         image = family.lift(theta.copy(), *parameters)
         mean += weight * (image - theta)
@@ -495,21 +510,28 @@ def rotation_plane(
         raise InvalidInput(
             f"family is {family!r}: give a callable of two parameters that gives a CircleMap"
         )
-    first, second = _axis("first_values", first_values), _axis("second_values", second_values)
+    first = _axis("first_values", first_values)
+    second = _axis("second_values", second_values)
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
         raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    rows, columns = np.repeat(first, second.size), np.tile(second, first.size)
+    rows = np.repeat(first, second.size)
+    columns = np.tile(second, first.size)
     value, lower, upper = np.empty((3, rows.size))
     period, winding = np.zeros((2, rows.size), dtype=np.int64)
-    folded, singly = np.zeros(rows.size, dtype=bool), np.ones(rows.size, dtype=bool)
+    folded = np.zeros(rows.size, dtype=bool)
+    singly = np.ones(rows.size, dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
         singly = ~formula.rises(rows, columns)
         many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
-        value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
-        period[~singly], winding[~singly] = many.period, many.winding
-    report, left = progress or (lambda fraction: None), np.flatnonzero(singly)
+        value[~singly] = many.value
+        lower[~singly] = many.lower
+        upper[~singly] = many.upper
+        period[~singly] = many.period
+        winding[~singly] = many.winding
+    report = progress or (lambda fraction: None)
+    left = np.flatnonzero(singly)
     pairs = list(zip(rows[left].tolist(), columns[left].tolist(), strict=True))
     together: list[CircleMap] = []
     plateaus: list[list[Plateaus]] = []  # of lower and upper envelope
@@ -530,7 +552,8 @@ def rotation_plane(
         )
         value[folded], lower[folded], upper[folded], period[folded], winding[folded] = several
     report(1.0)
-    shape, axes = (first.size, second.size), (read_only(first), read_only(second))
+    shape = (first.size, second.size)
+    axes = (read_only(first), read_only(second))
     value, lower, upper, period, winding, folded = _shaped(
         shape, value, lower, upper, period, winding, folded
     )

@@ -57,7 +57,9 @@ def extreme_displacement(
     map this gives the right sign even where the extremum lies at a break of the iterate: the sign
     is the same all along an orbit.
     """
-    breaks, highest, at = circle_map.breaks, -np.inf, 0.0
+    breaks = circle_map.breaks
+    highest = -np.inf
+    at = 0.0
     if breaks.size:
         image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
         lap = np.rint(image / TWO_PI)
@@ -67,7 +69,8 @@ def extreme_displacement(
         )
         values = sign * (rest + (image - breaks))
         best = int(np.argmax(values))
-        highest, at = float(values.flat[best]), float(breaks[best % breaks.size])
+        highest = float(values.flat[best])
+        at = float(breaks[best % breaks.size])
     if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
@@ -77,7 +80,8 @@ def extreme_displacement(
         )
         best = int(np.argmax(np.append(values, highest)))
         if best < theta.size:
-            highest, at = float(values[best]), float(theta[best])
+            highest = float(values[best])
+            at = float(theta[best])
     return sign * highest, at
 
 
@@ -90,18 +94,17 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     there. Once ``_CELLS`` of them are left, those whose five values a quartic meets to rounding
     count with its largest value: measured, not proved.
     """
-    start, width, found = (
-        TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK,
-        TWO_PI / _FIRST_LOOK,
-        (0.0, 0.0),
-    )
+    start = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK
+    width = TWO_PI / _FIRST_LOOK
+    found = (0.0, 0.0)
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
         gap, _, rounding = displacement(
             circle_map, theta, ratio.denominator, np.asarray(ratio.numerator)
         )
-        gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)
+        gap = sign * gap
+        noise = 2.0 * np.max(rounding, axis=1)
         room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width
         left = room > noise
         smooth_ones_count = smooth_ones_count or bool(np.count_nonzero(left) >= _CELLS)
@@ -109,11 +112,13 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
         height = np.where(smooth, np.max(gap @ _QUARTIC, axis=1), room) - noise
         left &= ~smooth
         if 4 * np.count_nonzero(left) > _MOST_CELLS or width < 1e-15:
-            smooth, left = smooth | left, np.zeros_like(left)
+            smooth = smooth | left
+            left = np.zeros_like(left)
         highest = int(np.argmax(np.where(smooth, height, 0.0)))
         if smooth[highest] and height[highest] > found[0]:
             found = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
-        start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
+        start = (start[left, None] + width * _QUARTERS[:-1]).ravel()
+        width = 0.25 * width
     return found
 
 
@@ -160,7 +165,8 @@ class EdgeSearch:
             self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))
             order = sorted(self.tried)
             for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
-                first, second = self.tried[low], self.tried[high]
+                first = self.tried[low]
+                second = self.tried[high]
                 fall = float(np.max(first.lift - second.lift))
                 if fall > 1e-12 + first.member.max_error + second.member.max_error:
                     raise InvalidInput(
@@ -169,7 +175,8 @@ class EdgeSearch:
                         "decreases (try the negative parameter)"
                     )
         trial = self.tried[p]
-        extremum, far = trial.found[0], abs(trial.found[0]) > _FAR
+        extremum = trial.found[0]
+        far = abs(trial.found[0]) > _FAR
         return extremum / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
 
     @property
@@ -207,9 +214,11 @@ class EdgeSearch:
             below = max(p for p in self.tried if self.value(p) < 0.0)
             above = min(p for p in self.tried if self.value(p) >= 0.0)
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
-            trial, outside = self.tried[parameter], self.tried[beyond].monotone
+            trial = self.tried[parameter]
+            outside = self.tried[beyond].monotone
             unseen, where = unseen_height(outside, self.ratio, self._sign)
-            q, p = self.ratio.denominator, np.asarray(self.ratio.numerator)
+            q = self.ratio.denominator
+            p = np.asarray(self.ratio.numerator)
             missed = displacement(outside, np.array(where), q, p)[0]
             if unseen == 0.0 or self._sign * missed <= 0.0:
                 break
@@ -220,7 +229,8 @@ class EdgeSearch:
         # How far the lift's rounding and what is unseen can move the edge, to first order along its
         # orbit.
         tangent = parameter_tangent(self.family, parameter, 1e-6, self.within)
-        disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
+        disturbed = self._gained(trial, np.ones_like)
+        moved = self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(
                 f"the orbits of rotation {self.ratio} do not move with the parameter at "
@@ -251,7 +261,8 @@ class EdgeSearch:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
         first order.
         """
-        image, gained = np.array(trial.found[1]), 0.0
+        image = np.array(trial.found[1])
+        gained = 0.0
         for _ in range(self.ratio.denominator):
             gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
             image = trial.monotone(image)
@@ -404,7 +415,8 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     >>> locked.right.holds(0.9 / (2 * np.pi)), locked.right.error_bound < 1e-14
     (True, True)
     """
-    wanted, within = rotation_ratio(ratio), parameter_range("parameters", parameters)
+    wanted = rotation_ratio(ratio)
+    within = parameter_range("parameters", parameters)
     edges = []
     for side in ("left", "right"):
         search = EdgeSearch(family, wanted, side, within)
@@ -424,7 +436,8 @@ def rotation_ratio(ratio: Ratio) -> Fraction:
         return Fraction(whole_number("ratio", ratio))
     if not isinstance(ratio, Sequence) or isinstance(ratio, str) or len(ratio) != 2:
         raise InvalidInput(f"ratio is {ratio!r}: give a Fraction, a whole number or a pair (p, q)")
-    p, q = whole_number("p", ratio[0]), whole_number("q", ratio[1])
+    p = whole_number("p", ratio[0])
+    q = whole_number("q", ratio[1])
     if q < 1 or gcd(p, q) != 1:
         raise InvalidInput(f"ratio is {p}/{q}: give p/q in lowest terms with q of at least 1")
     return Fraction(p, q)
@@ -486,18 +499,23 @@ def tongues(
                     lambda first, value=value: family(first, value), ratio, side, (low, high)
                 )
                 search.require_inside()
-                first, last, before = low, high, found[s, i, :j, 0]
+                first = low
+                last = high
+                before = found[s, i, :j, 0]
                 if (
                     j > 1
                 ):  # round the line through the edges before it, widened until it holds the edge
-                    guess, step = 2.0 * before[-1] - before[-2], 0.1 * abs(before[-1] - before[-2])
+                    guess = 2.0 * before[-1] - before[-2]
+                    step = 0.1 * abs(before[-1] - before[-2])
                     reach = step + 1e-9 * (high - low)
-                    first, last = max(low, guess - reach), min(high, guess + reach)
+                    first = max(low, guess - reach)
+                    last = min(high, guess + reach)
                     while (first, last) != (low, high) and not (
                         first < last and search.value(first) < 0.0 <= search.value(last)
                     ):
                         reach *= _WIDENING
-                        first, last = max(low, guess - reach), min(high, guess + reach)
+                        first = max(low, guess - reach)
+                        last = min(high, guess + reach)
                 edge, _, _, folded = search.edge(first, last)
                 found[s, i, j] = edge, edge.error_bound, folded
     (left, left_error), (right, right_error) = (

@@ -89,8 +89,10 @@ class InverseLift:
         breaks.
         """
         base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
-        theta, cell = self.table.inverse(base), self.table.cell(base)
-        low, high = self.table.theta[cell], self.table.theta[cell + 1]
+        theta = self.table.inverse(base)
+        cell = self.table.cell(base)
+        low = self.table.theta[cell]
+        high = self.table.theta[cell + 1]
         margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
         return theta, low + margin, high - margin
 
@@ -131,20 +133,21 @@ class CompositeLift:
     ) -> tuple[Array, Array, Array]:
         turns = np.floor(theta / TWO_PI)
         angle = np.asarray(theta - TWO_PI * turns)
-        product, error, moved = (
-            np.ones_like(angle),
-            np.zeros_like(angle),
-            0.5 * np.spacing(np.abs(theta)),
-        )
+        product = np.ones_like(angle)
+        error = np.zeros_like(angle)
+        moved = 0.5 * np.spacing(np.abs(theta))
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
         for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
-            low, high = np.full_like(angle, -np.inf), np.full_like(angle, np.inf)
+            low = np.full_like(angle, -np.inf)
+            high = np.full_like(angle, np.inf)
             if guard is not None:
                 whole, low, high = (column[piece] for column in guard)
-                angle, turns = np.clip(angle - TWO_PI * whole, low, high), turns + whole
+                angle = np.clip(angle - TWO_PI * whole, low, high)
+                turns = turns + whole
             elif place > 0:
                 whole = np.floor(angle / TWO_PI)
-                angle, turns = angle - TWO_PI * whole, turns + whole
+                angle = angle - TWO_PI * whole
+                turns = turns + whole
             if errors:
                 steepness, off = slope_and_error_beside(one, angle, moved, low, high)
                 error = (
@@ -156,7 +159,8 @@ class CompositeLift:
                 product = product * steepness
             elif slope:
                 product = product * one.derivative(angle)
-            angle, turns = one(angle), turns * float(one.degree)
+            angle = one(angle)
+            turns = turns * float(one.degree)
         return np.asarray(angle + TWO_PI * turns), product, error
 
     def scalar(self) -> Scalar:
@@ -182,7 +186,8 @@ class CompositeLift:
                 else:
                     whole = floor(angle / TWO_PI)
                     angle -= TWO_PI * whole
-                angle, turns = one(angle), (turns + whole) * degree
+                angle = one(angle)
+                turns = (turns + whole) * degree
             return angle + TWO_PI * turns
 
         return lift
@@ -258,10 +263,12 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
         return CircleMap.rigid(0.0)
     if count == 1:
         return circle_map
-    breaks, error = circle_map.breaks, circle_map.max_error
+    breaks = circle_map.breaks
+    error = circle_map.max_error
     parts = branches(circle_map) if breaks.size else ()
     for _ in range(count - 1):
-        breaks, error = _pulled_back(circle_map, breaks, parts), _error_after(circle_map, error)
+        breaks = _pulled_back(circle_map, breaks, parts)
+        error = _error_after(circle_map, error)
     return _composite([circle_map] * count, breaks, error).remade_by(nth_iterate, circle_map, count)
 
 
@@ -296,7 +303,8 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
     if circle_map.pieces is not None:
         cubic = circle_map.pieces.shifted(turn, turn)
         return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
-    back, forth = CircleMap.rigid(-turn / TWO_PI), CircleMap.rigid(turn / TWO_PI)
+    back = CircleMap.rigid(-turn / TWO_PI)
+    forth = CircleMap.rigid(turn / TWO_PI)
     return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(
         conjugate, circle_map, turn
     )
@@ -376,17 +384,20 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True
     """
-    degree, error = circle_map.degree, circle_map.max_error
+    degree = circle_map.degree
+    error = circle_map.max_error
     if degree not in (1, -1):
         raise InvalidInput(
             f"the map has degree {degree}: only degree 1 or -1 has an inverse; preimages gives "
             "all of them"
         )
-    parts, hint = branches(circle_map), "it has no inverse; branches inverts each monotone piece"
+    parts = branches(circle_map)
+    hint = "it has no inverse; branches inverts each monotone piece"
     for i, part in enumerate(parts):
         if part.direction == -degree:
             raise InvalidInput(f"F turns back on [{part.start:.9g}, {part.end:.9g}]: {hint}")
-        after, lap = parts[(i + 1) % len(parts)], (i + 1) // len(parts)
+        after = parts[(i + 1) % len(parts)]
+        lap = (i + 1) // len(parts)
         jump = after.start_value + TWO_PI * degree * lap - part.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
@@ -411,7 +422,8 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
     breaks = np.unique(base[bent])
     moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
     order = np.lexsort((degree * moved, base))
-    theta, value = moved[order], base[order]
+    theta = moved[order]
+    value = base[order]
     # Carried on by one node below 0 and one above 2π, in the order of θ.
     value = carried_round(value)[::degree]
     theta = carried_round(theta, degree * TWO_PI)[::degree]

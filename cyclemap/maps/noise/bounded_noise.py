@@ -107,7 +107,8 @@ class UniformNoise:
         2h.
         """
         start = reduced(low)
-        end, total = start + (high - np.asarray(low, dtype=np.float64)), 0.0
+        end = start + (high - np.asarray(low, dtype=np.float64))
+        total = 0.0
         reach = int(np.ceil(self.halfwidth / TWO_PI)) + 1
         for turn in TWO_PI * np.arange(-reach, reach + 1):
             inside = np.minimum(end + turn, self.halfwidth) - np.maximum(

@@ -311,7 +311,8 @@ class WrappedCauchy:
         """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep
         their digits.
         """
-        a, b = 0.5 * np.asarray(low, dtype=np.float64), 0.5 * np.asarray(high, dtype=np.float64)
+        a = 0.5 * np.asarray(low, dtype=np.float64)
+        b = 0.5 * np.asarray(high, dtype=np.float64)
         stretch = (1.0 + self.r) / (
             1.0 - self.r
         )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform

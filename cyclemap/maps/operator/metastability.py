@@ -89,7 +89,8 @@ class SlowChain:
         """
         owner = np.argmax(self.eigenfunctions(grid) @ self.weight, axis=1)
         last = np.flatnonzero(owner != np.roll(owner, -1))
-        before, after = owner[last], np.roll(owner, -1)[last]
+        before = owner[last]
+        after = np.roll(owner, -1)[last]
 
         def lead(theta: Array, index: Whole) -> Array:
             chances = self.eigenfunctions(theta) @ self.weight
@@ -118,7 +119,8 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     slow = [m for m in range(2, count + 1) if times[m - 1] >= max(_SLOW, _FASTER * times[m])]
     if not slow:
         return None
-    values, complex_left = spectrum.values[: slow[-1]].real, spectrum.left[:, : slow[-1]]
+    values = spectrum.values[: slow[-1]].real
+    complex_left = spectrum.left[:, : slow[-1]]
     # Vectors of real eigenvalues, each turned so that its largest entry is real.
     largest = complex_left[np.argmax(np.abs(complex_left), axis=0), np.arange(slow[-1])]
     left = (complex_left * np.conj(largest) / np.abs(largest)).real
@@ -135,7 +137,9 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
         rest = rest - np.multiply.outer(rest @ along, along)
     # Each where the chance of being in its own state is the largest: on the grid, then nearer and
     # nearer.
-    states, vertices, step = np.arange(slow[-1]), grid[chosen], grid[1]
+    states = np.arange(slow[-1])
+    vertices = grid[chosen]
+    step = grid[1]
     weight = np.linalg.inv(functions[chosen])
     for zoom in range(-_ZOOMS, _ZOOMS):
         if zoom < 0:
@@ -160,7 +164,8 @@ def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
     eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
     span of the slow ones moves nothing: measured.
     """
-    basis, count = chain.basis, chain.values.size
+    basis = chain.basis
+    count = chain.values.size
     change = (
         basis.backward(grid, basis.matrix.T @ chain.left - chain.left * chain.values) / chain.values
     )

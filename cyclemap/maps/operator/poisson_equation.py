@@ -125,7 +125,8 @@ class FourierLaw(StationaryLaw):
         the noise's tail and a rounding allowance. Proved: that the error is (I - L)⁻¹ times the
         residual, and the tail. Measured: quadrature, rounding, and the norms of the inverse.
         """
-        basis, law = self.basis, self.coefficients
+        basis = self.basis
+        law = self.coefficients
         fine = basis.refined()
         density = fine.on_nodes(fine.padded(law, basis))
         defect = fine.carried(density) - fine.padded(law, basis)
@@ -177,7 +178,8 @@ class FourierLaw(StationaryLaw):
         ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
         z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
-        basis, epsilon = self.basis, self.basis.map.max_error
+        basis = self.basis
+        epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return 0.0
         _, weight = basis.rule
@@ -192,7 +194,8 @@ class FourierLaw(StationaryLaw):
 
         ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
-        basis, epsilon = self.basis, self.basis.map.max_error
+        basis = self.basis
+        epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
         where = TWO_PI * np.arange(basis.modes) / basis.modes
@@ -214,8 +217,11 @@ class FourierLaw(StationaryLaw):
         direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error``
             makes.
         """
-        basis, law, (fine, correction, _, _) = self.basis, self.coefficients, self.error
-        found, rounding = [], 0.0
+        basis = self.basis
+        law = self.coefficients
+        (fine, correction, _, _) = self.error
+        found = []
+        rounding = 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
             values = checked_values(function, theta)
             mass = weight * basis.density(theta, law)
@@ -276,7 +282,8 @@ class FourierLaw(StationaryLaw):
                 "WrappedNormal; else sample_staircases tells how paths spread"
             )
         theta, weight = basis.rule
-        turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
+        turn = basis.map.turn(theta)
+        mass = weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
         later = (basis.kappa * dual) @ waves(

@@ -40,7 +40,8 @@ Function = Callable[[Array], Array]
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
     """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them,
     sorted."""
-    before, after = np.roll(values, 1), np.roll(values, -1)
+    before = np.roll(values, 1)
+    after = np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
         spans = zip(tops, np.append(tops[1:], tops[0] + values.size), strict=True)
@@ -50,7 +51,8 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
         if height[least] > margin:
             break
         tops = np.delete(tops, least)
-    step, at = grid[1], grid[tops]
+    step = grid[1]
+    at = grid[tops]
     inside = slope(at - step) * slope(at + step) < 0.0
     if np.any(inside):
         at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
@@ -352,7 +354,8 @@ class TransferOperator:
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
-        basis, spectrum = self.law.smooth_basis, self._leading
+        basis = self.law.smooth_basis
+        spectrum = self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
         chain = slow_chain(basis, spectrum, grid)
         if chain is None:

@@ -155,14 +155,17 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     largest |F'|.
     """
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
-    g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
+    g_start = cells.g_start.copy()
+    g_end = cells.g_end.copy()
+    cut_after = np.roll(cells.cut, -1)
     # The limits at a break, nearer than the cells read them.
     g_start[cells.cut] = circle_map.right(cells.start[cells.cut])
     g_end[cut_after] = circle_map.left(cells.end[cut_after])
     theta = np.stack([cells.start, cells.end], axis=1).ravel()
     value = np.stack([g_start, g_end], axis=1).ravel()
     if cells.cut[0]:
-        theta, value = np.append(theta, TWO_PI), np.append(value, value[0] + cells.climb)
+        theta = np.append(theta, TWO_PI)
+        value = np.append(value, value[0] + cells.climb)
     steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
     return theta, value, steepest
 
@@ -185,13 +188,15 @@ def _plateaus(
     keep = (begins >= nodes[0]) & (begins < nodes[0] + TWO_PI)
     first, after, level = first[keep], after[keep], highest[first[keep]]
     # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
-    low, high = theta[after - 1] + INSET, theta[after] - INSET
+    low = theta[after - 1] + INSET
+    high = theta[after] - INSET
     end = theta[after].copy()
 
     def residual(x: Array, wanted: Array) -> Array:
         return mirror * circle_map(mirror * x) - wanted
 
-    at_low, at_high = residual(low, level), residual(high, level)
+    at_low = residual(low, level)
+    at_high = residual(high, level)
     inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
     if np.any(inside):
         wanted = level[inside]
@@ -209,9 +214,13 @@ def _with_plateaus(
     if start.size == 0:
         return circle_map
     turns = np.floor(start / TWO_PI)
-    start, end, level = start - TWO_PI * turns, end - TWO_PI * turns, level - TWO_PI * turns
+    start = start - TWO_PI * turns
+    end = end - TWO_PI * turns
+    level = level - TWO_PI * turns
     order = np.argsort(start)
-    start, end, level = start[order], end[order], level[order]
+    start = start[order]
+    end = end[order]
+    level = level[order]
 
     def located(theta: Array) -> tuple[Array, Array, Mask]:
         turn = np.floor((theta - start[0]) / TWO_PI)
@@ -232,7 +241,10 @@ def _with_plateaus(
         return np.where(flat, 0.0, slope), np.where(flat, 0.0, error)
 
     breaks = np.concatenate([start, end, circle_map.breaks])
-    starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
+    starts = start.tolist()
+    ends = end.tolist()
+    levels = level.tolist()
+    plain = circle_map.scalar()
 
     def scalar(theta: float) -> float:
         turn = floor((theta - starts[0]) / TWO_PI)

@@ -132,7 +132,8 @@ def slow_passages(
     wanted = None if winding is None else whole_number("winding", winding)
     cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)
     theta, whole, gap = _near_misses(circle_map, cells, wanted)
-    near, angle = np.abs(gap) > TANGENCY, theta
+    near = np.abs(gap) > TANGENCY
+    angle = theta
     for d in range(1, n):  # left out where a divisor of the period comes at least as near
         angle = np.mod(circle_map(angle), TWO_PI)
         near &= (n % d != 0) | (np.abs(shorter_way(angle - theta)) > np.abs(gap))
@@ -142,7 +143,8 @@ def slow_passages(
     ):
         # Half the second derivative: fourth-order differences of the slope, twice, at a step that
         # suits the map.
-        tried, step = [], _STEP
+        tried = []
+        step = _STEP
         for _ in range(6):
             nodes = place + step * np.array([-2.0, -1.0, 1.0, 2.0])
             slope = displacement(circle_map, nodes, n, np.zeros(4, dtype=np.int64))[1]
@@ -151,10 +153,8 @@ def slow_passages(
         curvature = tried[int(np.argmin(np.abs(np.diff(tried)))) + 1]
         if curvature * least <= 0.0 or n * np.pi / np.sqrt(curvature * least) < LEAST_CYCLES:
             continue  # too flat for a parabola, or too quick
-        width, cycles = (
-            float(np.sqrt(least / curvature)),
-            float(n * np.pi / np.sqrt(curvature * least)),
-        )
+        width = float(np.sqrt(least / curvature))
+        cycles = float(n * np.pi / np.sqrt(curvature * least))
         error = _relative_error(circle_map, n, place, w, width, least, curvature)
         way = 1 if least > 0.0 else -1
         passages.append(SlowPassage(place, w, n, least, curvature, width, cycles, way, error))
@@ -171,11 +171,14 @@ def _near_misses(
     least = rising & ~np.roll(rising, 1)
     place = np.flatnonzero((rising != np.roll(rising, 1)) & ~cells.cut)
     place = place[is_continuous(cells)[place]]
-    theta, g, least = cells.start[place], cells.g_start[place], least[place]
+    theta = cells.start[place]
+    g = cells.g_start[place]
+    least = least[place]
     line = np.where(least, np.floor(g / TWO_PI), np.ceil(g / TWO_PI)).astype(np.int64)
     whole = line if wanted is None else np.full(place.size, wanted)
     gap, _, _ = displacement(circle_map, theta, cells.period, whole)
-    middle, weight = 0.5 * (cells.g_start + cells.g_end), (cells.end - cells.start) / TWO_PI
+    middle = 0.5 * (cells.g_start + cells.g_end)
+    weight = (cells.end - cells.start) / TWO_PI
     mean = np.array([np.dot(weight, np.abs(middle - TWO_PI * w)) for w in whole])
     keep = (np.where(least, gap, -gap) > 0.0) & (np.abs(gap) <= _SHARE * mean)
     return theta[keep], whole[keep], gap[keep]
@@ -201,7 +204,8 @@ def _relative_error(
     for _ in range(
         period
     ):  # a break inside the stretch, or inside one of its images before the last
-        low, high = float(np.min(angle)), float(np.max(angle))
+        low = float(np.min(angle))
+        high = float(np.max(angle))
         if np.any(np.mod(circle_map.breaks - low, TWO_PI) < high - low):
             return float("inf")
         angle = circle_map(angle)
@@ -259,18 +263,23 @@ def _followed(
     first = moved(0.0)
     if not first > 0.0:
         return float("inf")
-    cycles, x = 0.0, -reach
+    cycles = 0.0
+    x = -reach
     while x < 0.0:
-        before, x, cycles = x, moved(x), cycles + 1.0
+        before = x
+        x = moved(x)
+        cycles = cycles + 1.0
         if x <= before or cycles > _MOST_FOLLOWED:
             return float("inf")
     cycles -= fraction(x)
     # From the middle on: the angle between it and its image whose path meets the far end.
-    steps, x = 0, 0.0
+    steps = 0
+    x = 0.0
     while (ahead := moved(x)) <= reach:
         if ahead <= x or steps > _MOST_FOLLOWED:
             return float("inf")
-        x, steps = ahead, steps + 1
+        x = ahead
+        steps = steps + 1
 
     def arrives(start: float) -> float:
         for _ in range(steps):

@@ -74,7 +74,8 @@ class Cells:
         if lifted:
             return _without_rounding(self.below(end) - self.below(start))
         shift = TWO_PI * np.floor(self.low / TWO_PI)
-        low, high = self.low - shift, self.high - shift
+        low = self.low - shift
+        high = self.high - shift
         if start.size == 0:
             return np.zeros((low.size, 0))
         first = int(np.floor((-self.halfwidth - np.max(end)) / TWO_PI))
@@ -114,7 +115,8 @@ def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Ar
     """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform on [-h,
     h]."""
     length = (high - low)[:, None]
-    over, under = lines - low[:, None], lines - high[:, None]
+    over = lines - low[:, None]
+    under = lines - high[:, None]
     middle = 0.5 * (over + under)
     if halfwidth == 0.0:
         rising = np.maximum(over, 0.0) - np.maximum(under, 0.0)

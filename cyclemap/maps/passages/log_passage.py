@@ -127,8 +127,10 @@ def log10_passage_time(
 
 def _log_time(chain: KilledChain, start: float) -> float:
     """ln T(start) for a long passage under normal noise."""
-    out, size = _log_departures(chain), chain.theta.size
-    chances, mass = _moves(chain, np.zeros(size), out), np.ones(size)
+    out = _log_departures(chain)
+    size = chain.theta.size
+    chances = _moves(chain, np.zeros(size), out)
+    mass = np.ones(size)
     for _ in range(64):
         mass = mass @ chances
         mass /= max(mass.sum(), np.finfo(float).tiny)
@@ -187,22 +189,21 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
     Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest
     distance.
     """
-    theta, images, sigma, size = (
-        chain.theta,
-        chain.images,
-        chain.noise.variance**0.5,
-        chain.theta.size,
-    )
+    theta = chain.theta
+    images = chain.images
+    sigma = chain.noise.variance**0.5
+    size = chain.theta.size
     value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     begin = np.arange(0, size, _BLOCK)
     last = np.minimum(begin + _BLOCK, size) - 1
-    middle, half, best = (
-        0.5 * (theta[begin] + theta[last]),
-        0.5 * (theta[last] - theta[begin]),
-        begin + _BLOCK // 2,
-    )
-    best, top = np.minimum(best, last), np.maximum.reduceat(value, begin)
-    rows, columns, entries = [], [], []
+    middle = 0.5 * (theta[begin] + theta[last])
+    half = 0.5 * (theta[last] - theta[begin])
+    best = begin + _BLOCK // 2
+    best = np.minimum(best, last)
+    top = np.maximum.reduceat(value, begin)
+    rows = []
+    columns = []
+    entries = []
     step = max(1, _ENTRIES // begin.size)
     for at in range(0, size, step):
         image = images[at : at + step, None]
@@ -228,7 +229,8 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
 def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
     """The chance that the path from ``start`` visits the first state before it leaves."""
     image = chain.map(np.array([start]))
-    step, left = chain.transitions(image)[0], float(np.sum(chain.departures(image)))
+    step = chain.transitions(image)[0]
+    left = float(np.sum(chain.departures(image)))
     return float(step @ returns / (step.sum() + left))
 
 
@@ -245,7 +247,8 @@ def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
         terms = moves + value
         most = np.maximum(terms.max(axis=1), out)
         after = most + np.log(np.exp(terms - most[:, None]).sum(axis=1) + np.exp(out - most))
-        change, value = float(np.max(after - value)), after
+        change = float(np.max(after - value))
+        value = after
         if change < _SETTLED:
             return value
     raise ConvergenceError(
@@ -256,7 +259,8 @@ def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
 
 def _log_transitions(chain: KilledChain) -> Array:
     """(n, n): ln of the chances of going from node to node."""
-    sigma, gap = chain.noise.variance**0.5, chain.theta - chain.images[:, None]
+    sigma = chain.noise.variance**0.5
+    gap = chain.theta - chain.images[:, None]
     height = np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     if chain.lifted:
         return np.asarray(height - 0.5 * (gap / sigma) ** 2)
@@ -280,7 +284,8 @@ def _log_departures(chain: KilledChain) -> Array:
     high = low + start + TWO_PI - end
     # P(low < ξ < high) for each turn, without cancellation where it is small.
     mirrored = low + high < 0.0
-    near, far = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
+    near = np.where(mirrored, -high, low)
+    far = np.where(mirrored, -low, high)
     most = log_ndtr(-near / sigma)
     return np.asarray(
         np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0)
