@@ -189,7 +189,7 @@ def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
         "ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner]
     )
     off = np.abs(image - expected) > 16.0 * (_RESOLVED + 4.0 * LIFT * (TWO_PI + np.abs(image)))
-    return np.asarray((np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST))
+    return (np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST)
 
 
 def too_many_nodes(count: int) -> ConvergenceError:
@@ -247,7 +247,7 @@ def _fitted(
     inner = left[:, None] + width[:, None] * _STEEPNESS
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width
-    if not float(np.sum(phase)) < 60.0 * MAX_NODES:
+    if not np.sum(phase) < 60.0 * MAX_NODES:
         raise too_many_nodes(int(min(np.sum(phase), 1e18)))
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
     narrow = np.repeat(width / parts, parts)

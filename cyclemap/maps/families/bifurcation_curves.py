@@ -4,31 +4,30 @@ their points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.families.arclength import SMALLEST, STRAIGHT, ArclengthWalk
 from cyclemap.maps.families.continuation import bifurcations
 from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
 from cyclemap.maps.families.family import (
     Family,
     Range,
     break_motion,
+    each_done,
     family_member,
     parameter_range,
 )
 from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
+from cyclemap.maps.lifts.circle_map import CircleMap
 
-# Scaled arclength: the first step, the longest, and one so short that the curve has ended.
-_FIRST = 0.01
-_LARGEST = 0.06
-_SMALLEST = 1e-7
-_STRAIGHT = 0.95
-_GROWTH = 1.5
-_MOST_STEPS = 2_000
 _RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
 _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
 
@@ -81,39 +80,21 @@ class BifurcationCurve:
     residual: float
 
 
-@dataclass(eq=False)
-class _CurveWalk:
-    """A walk along the curve from one solution in the direction ``initial``: what it has passed,
-    why it ended.
+@dataclass(eq=False, kw_only=True)
+class _CurveWalk(ArclengthWalk):
+    """A walk along a curve of bifurcations: its solutions, and the points of codimension two that
+    it has passed.
     """
 
     equations: CurveEquations
-    begin: CurveSpot
-    initial: Array
-    step: float = _FIRST
-    reason: str = ""
-    blocked: str = "lost"  # what the last step that was refused ran into
-    spots: list[CurveSpot] = field(default_factory=list)
+    spots: list[CurveSpot]
     special: list[CodimensionTwo] = field(default_factory=list)
-    ending: tuple[Array, Array] | None = (
-        None  # where the curve is about to end, scaled, and what that may be off
-    )
+    blocked: str = "lost"  # what the last step that was refused ran into
+    # where the curve is about to end, scaled, and what that may be off
+    ending: tuple[Array, Array] | None = None
     extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
 
-    def walked(self) -> _CurveWalk:
-        """The walk, once it has ended."""
-        self.spots = [self.begin]
-        self.direction = self.initial
-        while not self.reason:
-            if len(self.spots) > _MOST_STEPS:
-                self.reason = "steps"
-            elif self.step < _SMALLEST:
-                self._stop()
-            else:
-                self._advance()
-        return self
-
-    def _stop(self) -> None:
+    def stop(self) -> None:
         """End where steps have become too small, with the point of codimension two that made them
         so.
         """
@@ -124,41 +105,33 @@ class _CurveWalk:
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, _SMALLEST))
+            at, error = self.ending or (spot.at[-2:], np.full(2, SMALLEST))
             self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
         here = self.spots[-1]
-        row = self.direction
-        length = self.step
-        at_edge = False
-        for k in (-2, -1):
-            climb = self.direction[k]
-            end = self.equations.ranges[k][1 if climb > 0.0 else 0] / self.equations.scales[k]
-            room = max((end - here.at[k]) / climb, 0.0) if climb else np.inf
-            if room <= length:
-                length = room
-                row = np.eye(here.at.size)[k]
-                at_edge = True
+        length, row, at_end = self.ahead()
         if length <= 1e-12:
             self.reason = "end of the plane"
             return
         guess = here.at + length * self.direction
         unmoved = np.zeros(here.state.member.breaks.size)
-        if crossed_break(here.state, guess[:-2] * self.equations.scales[:-2], unmoved) is not None:
+        if crossed_break(here.state, self.angles(guess), unmoved) is not None:
             self.blocked = "border collision"
         solved = self.equations.solved(guess, row)
         if solved is None or not self._accepted(here, solved):
             self.step *= 0.5
-        elif at_edge:
+        elif at_end:
             self.reason = self.reason or "end of the plane"
 
     def _accepted(self, here: CurveSpot, solved: CurveSpot) -> bool:
         """Take the step unless it is too far, too bent, or crosses what it must stop before."""
         direction = self.equations.direction(solved, self.direction)
-        moved = solved.at - here.at
-        if float(np.linalg.norm(moved)) > 2.0 * self.step or direction @ self.direction < _STRAIGHT:
+        if (
+            np.linalg.norm(solved.at - here.at) > 2.0 * self.step
+            or direction @ self.direction < STRAIGHT
+        ):
             return False
         old = here.state
         new = solved.state
@@ -168,8 +141,7 @@ class _CurveWalk:
             return False
         if (
             here.gap.size
-            and float(here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0]))
-            <= 0.0
+            and (here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0])) <= 0.0
         ):
             self.blocked = "half the period"
             return False
@@ -180,12 +152,9 @@ class _CurveWalk:
         ):
             self.blocked = "lost"
             self.ending = None
-        closing = self._closes(here, moved, direction)
-        self.direction = direction
-        self.step = min(_GROWTH * self.step, _LARGEST)
-        if closing:
-            self.spots[-1] = self.begin
-            self.reason = "closed"
+        self.taken(solved.at, direction)
+        if self.reason:
+            self.spots[-1] = replace(self.spots[0], at=self.at[-1])
         elif self.equations.kind == "saddle-node" and len(self.spots) > 3:
             self._nears_end()
         return True
@@ -215,23 +184,6 @@ class _CurveWalk:
             curved = float(np.linalg.norm(direction - self.direction)) / length
             tangent = self.equations.direction(spot, self.direction)
             self.special.append(self.equations.recorded(kind, spot, 4.0 * shift, tangent, curved))
-
-    def _closes(self, here: CurveSpot, moved: Array, direction: Array) -> bool:
-        """Whether the step passes the first solution, but for whole turns and the choice of the
-        first point.
-        """
-        if len(self.spots) < 8:
-            return False
-        turns = self.equations.scales[:-2]
-        for k in range(self.equations.hops.size):
-            back = shorter_way(np.roll(self.begin.state.theta, -k) - here.state.theta) / turns
-            offset = np.append(back, self.begin.at[-2:] - here.at[-2:])
-            share = float(offset @ moved) / float(moved @ moved)
-            heading = np.append(np.roll(self.initial[:-2], -k), self.initial[-2:])
-            near = np.linalg.norm(offset - share * moved) < 0.2 * np.linalg.norm(moved)
-            if 0.0 < share <= 1.0 and near and heading @ direction > 0.5:
-                return True
-        return False
 
     def _nears_end(self) -> None:
         """Go no further than half way to where the curve ends in a tip or an orbit of half the
@@ -278,7 +230,7 @@ class _CurveWalk:
             self.ending = at, change
         self.extrapolated = known[-2:]
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
-            self._stop()
+            self.stop()
 
 
 def follow_bifurcation(
@@ -369,7 +321,7 @@ def _followed(
         guess = np.append(points, at) / equations.scales
         along = equations.direction(equations.spot(guess))
         begin = equations.solved(guess, along)
-        if begin is not None and float(np.linalg.norm(begin.at - guess)) < 1e-2:
+        if begin is not None and np.linalg.norm(begin.at - guess) < 1e-2:
             break
     else:
         raise InvalidInput(
@@ -377,13 +329,22 @@ def _followed(
             f"near θ = {points[0]:.6g}"
         )
     ahead = equations.direction(begin)
-    forward = _CurveWalk(equations, begin, ahead).walked()
-    spots = forward.spots
+    forward, backward = (
+        _CurveWalk(
+            scales=equations.scales,
+            ranges=ranges,
+            initial=initial,
+            at=[begin.at],
+            equations=equations,
+            spots=[begin],
+        )
+        for initial in (ahead, -ahead)
+    )
+    spots = forward.walked().spots
     special = forward.special
     ends = ("closed", "closed")
     if forward.reason != "closed":
-        backward = _CurveWalk(equations, begin, -ahead).walked()
-        spots = backward.spots[:0:-1] + spots
+        spots = backward.walked().spots[:0:-1] + spots
         special = backward.special[::-1] + special
         ends = backward.reason, forward.reason
     at_all = np.array([spot.at * equations.scales for spot in spots])
@@ -414,6 +375,8 @@ def bifurcation_curves(
     winding: int = 0,
     *,
     lines: int = LINES,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> list[BifurcationCurve]:
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
     plane.
@@ -430,6 +393,10 @@ def bifurcation_curves(
         Whole turns of the orbits in a period.
     lines : int, optional
         How many evenly spaced lines each way the plane is searched on.
+    progress : callable or None, optional
+        Called with the fraction done of the lines; curves are followed from each as it is met.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; line by line.
 
     Returns
     -------
@@ -455,21 +422,35 @@ def bifurcation_curves(
     curves: list[BifurcationCurve] = []
     spans = np.array([high - low for low, high in ranges])
     shares = (np.arange(count) + 0.5) / count
-    for axis in (1, 0):
-        for height in (ranges[axis][0] + shares * spans[axis]).tolist():
-            line = (
-                (lambda v, h=height: family(v, h)) if axis else (lambda v, h=height: family(h, v))
-            )
-            for start in bifurcations(
-                line, ranges[1 - axis], period, winding, resolution=_RESOLUTION
-            ):
-                value = float(start.parameter)
-                at = (value, height) if axis else (height, value)
-                if start.kind in KINDS and not any(
-                    _on(curve, start, np.array(at), spans) for curve in curves
-                ):
-                    curves.append(_followed(family, start, at, ranges))
+    heights = [
+        (axis, height)
+        for axis in (1, 0)
+        for height in (ranges[axis][0] + shares * spans[axis]).tolist()
+    ]
+    work = partial(_on_line, family, ranges, period, winding)
+    for starts in each_done(work, heights, executor, progress):
+        for start, at in starts:
+            if not any(_on(curve, start, np.array(at), spans) for curve in curves):
+                curves.append(_followed(family, start, at, ranges))
     return curves
+
+
+def _on_line(
+    family: Family,
+    ranges: tuple[Range, Range],
+    period: int,
+    winding: int,
+    line: tuple[int, float],
+) -> list[tuple[Bifurcation, tuple[float, float]]]:
+    """The bifurcations on the line at one value of the parameter number ``line[0]``, and where."""
+    axis, height = line
+
+    def along(value: float) -> CircleMap:
+        return family(value, height) if axis else family(height, value)
+
+    met = bifurcations(along, ranges[1 - axis], period, winding, resolution=_RESOLUTION)
+    values = [(start, float(start.parameter)) for start in met if start.kind in KINDS]
+    return [(start, (value, height) if axis else (height, value)) for start, value in values]
 
 
 def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) -> bool:
@@ -485,9 +466,7 @@ def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) ->
             -np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0
         )
         if (
-            float(
-                np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
-            )
+            np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
             < _SAME
         ):
             return True

@@ -4,9 +4,11 @@ parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -113,7 +115,7 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
 def _sine_lift(theta: Array, omega: Array | float, K: Array | float) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
-    return np.asarray(image + TWO_PI * omega)
+    return image + TWO_PI * omega
 
 
 ARNOLD_FAMILY = ParametricLift(
@@ -144,6 +146,27 @@ def parametric_form(family: Family) -> ParametricLift | None:
 
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def each_done(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    executor: Executor | None,
+    progress: Callable[[float], None] | None,
+    together: int = 1,
+) -> Iterator[Result]:
+    """The work on every item, in order: by this thread, or by an executor, ``together`` at a time.
+
+    progress : called with the fraction done. What processes are to work on must be one that can be
+        pickled.
+    """
+    report = progress or (lambda fraction: None)
+    many = executor and executor.map(work, items, chunksize=together)
+    for done, result in enumerate(many or map(work, items), start=1):
+        report(done / len(items))
+        yield result
 
 
 def family_member(family: Family, *parameters: float) -> CircleMap:
@@ -181,7 +204,7 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
     taken back here.
     """
     limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
-    return np.asarray(limit - side * SIDE_STEP * circle_map.derivative(theta, side))
+    return limit - side * SIDE_STEP * circle_map.derivative(theta, side)
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,7 +238,13 @@ class ParameterTangent:
         if np.any(carried):
             # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
             total = total - self.member.derivative(base, 1) * carried
-        return np.asarray(total)
+        return total
+
+    @property
+    def error(self) -> float:
+        """What the ``max_error`` of the maps may make of it, anywhere but beside jumps."""
+        errors = [member.max_error for member in self.members]
+        return float(np.abs(self.weights) @ errors) / self.step
 
     def of_slopes(self, theta: Array, bend: Array) -> Array:
         """∂F'/∂p at ``theta`` (radians) beside the breaks, where F'' is ``bend``."""
@@ -224,7 +253,7 @@ class ParameterTangent:
         for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
             slopes = member.derivative(base + self._carried(base, motion))
             total += weight / self.step * slopes
-        return np.asarray(total)
+        return total
 
     def _carried(self, theta: Array, motion: Array) -> Array:
         """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
@@ -232,7 +261,7 @@ class ParameterTangent:
         if breaks.size == 0 or not np.any(motion):
             return np.zeros_like(theta)
         moved = carried_round(motion, 0.0)
-        return np.asarray(np.interp(theta, carried_round(breaks), moved))
+        return np.interp(theta, carried_round(breaks), moved)
 
 
 def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:
@@ -258,7 +287,7 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
     member = family_member(family, p)
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
     motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
-    rates = np.asarray(np.tensordot(weights, motions, 1) / step)
+    rates = np.tensordot(weights, motions, 1) / step
     return ParameterTangent(member, p, members, weights, step, motions, rates)
 
 

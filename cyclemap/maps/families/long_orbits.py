@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import finite_array, finite_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.family import Family, family_member, parametric_form
+from cyclemap.maps.families.family import Family, each_done, family_member, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
@@ -53,7 +55,7 @@ class LyapunovExponents:
     Attributes
     ----------
     parameters : tuple of ndarray
-        As they were given, broadcast.
+        As they were given; they broadcast to the shape of the others.
     value : ndarray
         Mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0.
     error : ndarray
@@ -134,6 +136,8 @@ def lyapunov_exponents(
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> LyapunovExponents:
     """The Lyapunov exponents of orbits from one angle, over arrays of parameters.
 
@@ -151,6 +155,10 @@ def lyapunov_exponents(
         How many are left out before.
     start : float, optional
         Where the orbits start, radians.
+    progress : callable or None, optional
+        Called with the fraction done of what goes one by one.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; of what goes one by one.
 
     Returns
     -------
@@ -194,11 +202,9 @@ def lyapunov_exponents(
                 part += _log(formula.derivative(angle, *flat))
                 angle = np.mod(formula.lift(angle, *flat), TWO_PI)
     else:
-        for place, values in enumerate(zip(*(array.tolist() for array in flat), strict=True)):
-            member = family_member(family, *values)
-            visited = orbit_angles(member, theta, skipped + count)[skipped:]
-            logs = _log(member.derivative(visited))
-            parts[:, place] = np.add.reduceat(logs, np.cumsum(lengths) - lengths)
+        rows = list(zip(*(array.tolist() for array in flat), strict=True))
+        work = partial(_logs_of_parts, family, theta, skipped, lengths)
+        parts = np.array(list(each_done(work, rows, executor, progress, 16))).T
     means = parts / lengths[:, None]
     with np.errstate(invalid="ignore"):
         error = _DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)
@@ -209,6 +215,16 @@ def lyapunov_exponents(
         read_only(value.reshape(shape)),
         read_only(error.reshape(shape)),
     )
+
+
+def _logs_of_parts(
+    family: Family, start: float, skipped: int, lengths: Whole, parameters: tuple[float, ...]
+) -> Array:
+    """(parts,): the sum of ln|F'| over each part of one orbit."""
+    member = family_member(family, *parameters)
+    visited = orbit_angles(member, start, skipped + int(lengths.sum()))[skipped:]
+    logs = _log(member.derivative(visited))
+    return np.add.reduceat(logs, np.cumsum(lengths) - lengths)
 
 
 def _log(slope: Array) -> Array:

@@ -228,7 +228,7 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
     path = path[-count - 1 :]
     middle = float(np.angle(np.mean(np.exp(1j * path))))
     away = shorter_way(path - middle)
-    if not ANGLE < float(np.ptp(away)) < _RESTS:
+    if not ANGLE < np.ptp(away) < _RESTS:
         return None
     seen = float(_regression(away[None])[0])
     below, median, above = _quantiles(path.size)

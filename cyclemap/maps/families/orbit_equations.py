@@ -103,7 +103,7 @@ class OrbitEquations:
 
     def residual(self, images: Array, theta: Array) -> Array:
         """F(θ_i) - θ_{i+1} - 2πh_i from the images F(θ_i)."""
-        return np.asarray(images - np.roll(theta, -1) - TWO_PI * self.hops)
+        return images - np.roll(theta, -1) - TWO_PI * self.hops
 
     def jacobian(self, slopes: Array) -> Array:
         """(n, n): derivative of the residual with respect to θ."""
@@ -116,7 +116,7 @@ class OrbitEquations:
     def state(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState:
         """The state at these points, not corrected."""
         at = member or family_member(self.family, p)
-        return OrbitState(p, theta, at, np.asarray(at.derivative(theta)))
+        return OrbitState(p, theta, at, at.derivative(theta))
 
     def solved_at(
         self, p: float, theta: Array, member: CircleMap | None = None

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import gcd
 
@@ -18,6 +20,7 @@ from cyclemap.maps.estimate import EPS, LIFT, Estimate
 from cyclemap.maps.families.family import (
     Family,
     Range,
+    each_done,
     family_member,
     limit_at_break,
     parameter_range,
@@ -162,7 +165,7 @@ class EdgeSearch:
             require_degree_one(member, "a tongue")
             monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
             found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
-            self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))
+            self.tried[p] = _Trial(member, monotone, found, member(_PROBES))
             order = sorted(self.tried)
             for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
                 first = self.tried[low]
@@ -444,7 +447,13 @@ def rotation_ratio(ratio: Ratio) -> Fraction:
 
 
 def tongues(
-    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
+    family: Family,
+    ratios: Sequence[Ratio],
+    second: ArrayLike,
+    parameters: Range,
+    *,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> TongueBoundaries:
     """The edges of several tongues of a family over a second parameter.
 
@@ -459,6 +468,10 @@ def tongues(
         sought near the line through the last two.
     parameters : tuple[float, float]
         (low, high) of the first parameter, with every edge inside.
+    progress : callable or None, optional
+        Called with the fraction done.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; edge by edge.
 
     Returns
     -------
@@ -491,35 +504,40 @@ def tongues(
             f"{len(wanted)} ratios and {values.size} values of the second parameter: give some "
             "of each"
         )
-    found = np.empty((2, len(wanted), values.size, 3))
-    for s, side in enumerate(("left", "right")):
-        for i, ratio in enumerate(wanted):
-            for j, value in enumerate(values.tolist()):
-                search = EdgeSearch(
-                    lambda first, value=value: family(first, value), ratio, side, (low, high)
-                )
-                search.require_inside()
-                first = low
-                last = high
-                before = found[s, i, :j, 0]
-                if (
-                    j > 1
-                ):  # round the line through the edges before it, widened until it holds the edge
-                    guess = 2.0 * before[-1] - before[-2]
-                    step = 0.1 * abs(before[-1] - before[-2])
-                    reach = step + 1e-9 * (high - low)
-                    first = max(low, guess - reach)
-                    last = min(high, guess + reach)
-                    while (first, last) != (low, high) and not (
-                        first < last and search.value(first) < 0.0 <= search.value(last)
-                    ):
-                        reach *= _WIDENING
-                        first = max(low, guess - reach)
-                        last = min(high, guess + reach)
-                edge, _, _, folded = search.edge(first, last)
-                found[s, i, j] = edge, edge.error_bound, folded
-    (left, left_error), (right, right_error) = (
-        tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
-    )
-    folds = np.any(found[..., 2] > 0.0, axis=0)
-    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folds)
+    work = partial(_edge_along, family, values.tolist(), (low, high))
+    edges = [(ratio, side) for side in ("left", "right") for ratio in wanted]
+    found = np.array(list(each_done(work, edges, executor, progress)))
+    (left, left_error, left_folds), (right, right_error, right_folds) = found.reshape(
+        2, len(wanted), values.size, 3
+    ).transpose(0, 3, 1, 2)
+    left, left_error, right, right_error = map(read_only, (left, left_error, right, right_error))
+    folded = left_folds + right_folds > 0.0
+    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
+
+
+def _edge_along(
+    family: Family, values: list[float], within: Range, edge: tuple[Fraction, str]
+) -> Array:
+    """(m, 3): one edge over the second parameter, its error, and whether the map folds there."""
+    low, high = within
+    found = np.empty((len(values), 3))
+    for j, value in enumerate(values):
+        search = EdgeSearch(lambda first, value=value: family(first, value), *edge, within)
+        search.require_inside()
+        first = low
+        last = high
+        if j > 1:  # round the line through the edges before it, widened until it holds the edge
+            change = found[j - 1, 0] - found[j - 2, 0]
+            guess = found[j - 1, 0] + change
+            reach = 0.1 * abs(change) + 1e-9 * (high - low)
+            first = max(low, guess - reach)
+            last = min(high, guess + reach)
+            while (first, last) != within and not (
+                first < last and search.value(first) < 0.0 <= search.value(last)
+            ):
+                reach *= _WIDENING
+                first = max(low, guess - reach)
+                last = min(high, guess + reach)
+        parameter, _, _, folded = search.edge(first, last)
+        found[j] = parameter, parameter.error_bound, folded
+    return found

@@ -35,7 +35,7 @@ def distance_to_break(breaks: Array, theta: Array) -> Array:
     if breaks.size == 0:
         return np.full(np.shape(theta), np.pi)
     base = theta - TWO_PI * np.floor(theta / TWO_PI)
-    return np.asarray(np.abs(nearest_on_circle(breaks, base)[0] - base))
+    return np.abs(nearest_on_circle(breaks, base)[0] - base)
 
 
 def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
@@ -77,7 +77,7 @@ def one_sided_limit(
     if breaks.size == 0:
         return values
     turns = np.floor(angles / TWO_PI)
-    base = np.asarray(angles - TWO_PI * turns)
+    base = angles - TWO_PI * turns
     nearest, index = nearest_on_circle(breaks, base)
     here = np.abs(base - nearest) <= SNAP
     if here.any():
@@ -154,7 +154,7 @@ _SECTIONS = np.arange(65.0) / 64.0
 def base_angles(theta: Array) -> Array:
     """``theta`` mod 2π, in [0, 2π); a tiny negative angle is 0, never 2π."""
     base = np.mod(theta, TWO_PI)
-    return np.asarray(np.where(base < TWO_PI, base, 0.0))
+    return np.where(base < TWO_PI, base, 0.0)
 
 
 def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) -> None:

@@ -55,9 +55,7 @@ class InverseLift:
     def __call__(self, values: Array) -> Array:
         """The lift of the inverse at ``values`` (radians, any shape)."""
         turns = np.floor(values / TWO_PI)
-        return np.asarray(
-            self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
-        )
+        return self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
 
     def derivative(self, values: Array) -> Array:
         """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump
@@ -88,7 +86,7 @@ class InverseLift:
         """The angles, and the ends between which F' belongs to the value: inside their cell's
         breaks.
         """
-        base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
+        base = values - TWO_PI * np.floor(values / TWO_PI)
         theta = self.table.inverse(base)
         cell = self.table.cell(base)
         low = self.table.theta[cell]
@@ -132,7 +130,7 @@ class CompositeLift:
         self, theta: Array, slope: bool = False, errors: bool = False
     ) -> tuple[Array, Array, Array]:
         turns = np.floor(theta / TWO_PI)
-        angle = np.asarray(theta - TWO_PI * turns)
+        angle = theta - TWO_PI * turns
         product = np.ones_like(angle)
         error = np.zeros_like(angle)
         moved = 0.5 * np.spacing(np.abs(theta))
@@ -161,7 +159,7 @@ class CompositeLift:
                 product = product * one.derivative(angle)
             angle = one(angle)
             turns = turns * float(one.degree)
-        return np.asarray(angle + TWO_PI * turns), product, error
+        return angle + TWO_PI * turns, product, error
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""

@@ -327,14 +327,14 @@ class BranchedLift:
         return values, errors
 
     def _owner(self, theta: Array) -> Index:
-        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
+        base = theta - TWO_PI * np.floor(theta / TWO_PI)
         return np.searchsorted(self.starts, base, side="right") - 1
 
     def _parts(self, theta: Array, owner: Index) -> Iterator[tuple[Piece, Array, Mask]]:
         """Each piece that owns some of the angles, those as its own, and where they are."""
-        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
+        base = theta - TWO_PI * np.floor(theta / TWO_PI)
         for i, piece in enumerate(self.pieces):
-            here = np.asarray(owner == i)
+            here = owner == i
             if here.any():
                 own = np.minimum(
                     np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end

@@ -94,7 +94,7 @@ def iterate_slope(circle_map: CircleMap, theta: Array, period: int) -> Array:
     image = theta
     slope = np.ones_like(theta)
     for step in range(period):
-        slope = np.asarray(slope * circle_map.derivative(image))
+        slope = slope * circle_map.derivative(image)
         if step + 1 < period:
             image = circle_map(image)
     return slope
@@ -159,7 +159,7 @@ def is_continuous(cells: Cells) -> Mask:
     slope = np.abs(np.roll(cells.slope_end, 1))
     before[0] -= cells.climb
     allowed = 1e-9 + 4.0 * INSET * (slope + np.abs(cells.slope_start))
-    return np.asarray(~cells.cut | (np.abs(before - cells.g_start) <= allowed))
+    return ~cells.cut | (np.abs(before - cells.g_start) <= allowed)
 
 
 def is_rising(cells: Cells) -> Mask:
@@ -288,7 +288,7 @@ def _refuse_rough(cells: Cells, rough: Mask) -> None:
 
 def ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
-    return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
+    return np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
 
 
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
@@ -402,7 +402,7 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         & (least * a < 0.0)
         & (np.abs(least) > nothing)
     )
-    return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
+    return (misfit > _MISFIT * steepest + nothing) | turns_twice
 
 
 def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:

@@ -82,14 +82,14 @@ class UniformNoise:
         """
         if lifted:
             distance = np.asarray(x, dtype=np.float64)
-            return np.asarray((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
+            return ((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
                 2.0 * self.halfwidth
             )
         angle = reduced(x)
         images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil(
             (-self.halfwidth - angle) / TWO_PI
         )
-        return np.asarray(images / (2.0 * self.halfwidth))
+        return images / (2.0 * self.halfwidth)
 
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """Refused: InvalidInput."""
@@ -100,7 +100,7 @@ class UniformNoise:
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
         above = self.halfwidth - np.asarray(x, dtype=np.float64)
-        return np.asarray(np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0))
+        return np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over
@@ -119,7 +119,7 @@ class UniformNoise:
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Uniform draws, radians, not wrapped."""
-        return np.asarray(rng.uniform(-self.halfwidth, self.halfwidth, size))
+        return rng.uniform(-self.halfwidth, self.halfwidth, size)
 
 
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
@@ -208,17 +208,17 @@ class VonMises:
         )  # x may be infinite then
         half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
-        return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
+        return np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density
 
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``: -κ sin x times it."""
-        return np.asarray(-self.kappa * np.sin(x) * self.density(x, lifted))
+        return -self.kappa * np.sin(x) * self.density(x, lifted)
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
         at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
-        return np.asarray(np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail))
+        return np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
@@ -254,4 +254,4 @@ class VonMises:
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Von Mises draws in [-π, π], radians (Best & Fisher 1979)."""
-        return np.asarray(rng.vonmises(0.0, self.kappa, size))
+        return rng.vonmises(0.0, self.kappa, size)

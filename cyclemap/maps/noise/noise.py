@@ -139,7 +139,7 @@ class WrappedNormal:
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = exp(-m²σ²/2)."""
         order = np.asarray(m, dtype=np.float64)
-        return np.asarray(np.exp(-0.5 * (order * self.sigma) ** 2))
+        return np.exp(-0.5 * (order * self.sigma) ** 2)
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
@@ -191,11 +191,11 @@ class WrappedNormal:
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)
             total += self.exceedance(shift - beyond) - self.exceedance(shift - near)
-        return np.asarray(total)
+        return total
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Normal draws, radians, not wrapped."""
-        return np.asarray(rng.normal(0.0, self.sigma, size))
+        return rng.normal(0.0, self.sigma, size)
 
     def _images(self, x: ArrayLike) -> list[Array]:
         """All x + 2πk near enough to count."""
@@ -206,7 +206,7 @@ class WrappedNormal:
 def reduced(x: ArrayLike) -> Array:
     """The same angle in [-π, π]; small angles keep all their digits."""
     angle = np.asarray(x, dtype=np.float64)
-    return np.asarray(angle - TWO_PI * np.round(angle / TWO_PI))
+    return angle - TWO_PI * np.round(angle / TWO_PI)
 
 
 def folded(low: Array | float, high: Array | float) -> tuple[Array, Array]:
@@ -280,7 +280,7 @@ class WrappedCauchy:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = r^|m|."""
-        return np.asarray(self.r ** np.abs(np.asarray(m, dtype=np.float64)))
+        return self.r ** np.abs(np.asarray(m, dtype=np.float64))
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, exactly."""
@@ -317,8 +317,8 @@ class WrappedCauchy:
             1.0 - self.r
         )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
-        return np.asarray(np.arctan2(stretch * np.sin(b - a), along) / np.pi)
+        return np.arctan2(stretch * np.sin(b - a), along) / np.pi
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Cauchy draws, radians, not wrapped: now and then many turns long."""
-        return np.asarray(self._scale * rng.standard_cauchy(size))
+        return self._scale * rng.standard_cauchy(size)

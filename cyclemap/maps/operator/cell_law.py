@@ -66,7 +66,7 @@ class CellDiscretisation:
     @cached_property
     def uniform(self) -> Array:
         """(n,): the uniform density's masses."""
-        return np.asarray(self.cells.width / TWO_PI)
+        return self.cells.width / TWO_PI
 
     @cached_property
     def matrix(self) -> Array:
@@ -195,9 +195,7 @@ class CellLaw(StationaryLaw):
         halfwidth = self.basis.halfwidth
         if halfwidth == 0.0:
             cell = np.searchsorted(cells.edges, np.mod(theta, TWO_PI), side="right") - 1
-            return np.asarray(
-                (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
-            )
+            return (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
         angle = np.mod(theta, TWO_PI)
         still = replace(cells, halfwidth=0.0)
         blocks = [
@@ -209,9 +207,7 @@ class CellLaw(StationaryLaw):
     def slope(self, theta: Array) -> Array:
         """The density's differences over a cell's length."""
         step = TWO_PI / self.basis.size
-        return np.asarray(
-            (self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step
-        )
+        return (self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step
 
     @cached_property
     def density_error(self) -> float:

@@ -197,7 +197,7 @@ class FourierDiscretisation:
 
     def slope(self, theta: Array) -> Array:
         """(m, n): the derivatives of the basis functions."""
-        return np.asarray((self._turned(waves(theta, self.modes)) * self._scale[:, None]).T)
+        return (self._turned(waves(theta, self.modes)) * self._scale[:, None]).T
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""

@@ -76,12 +76,12 @@ class SlowChain:
 
     def eigenfunctions(self, theta: Array) -> Array:
         """(points, m): every z_k at the angles, one backward step from its coefficients."""
-        return np.asarray(self.basis.backward(theta, self.left) / self.values)
+        return self.basis.backward(theta, self.left) / self.values
 
     @property
     def leaving(self) -> Array:
         """(m, m): I - Q; the chance of leaving a state stands on the diagonal."""
-        return np.asarray(np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight)
+        return np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight
 
     def arcs(self, grid: Array) -> list[Array]:
         """For each state the arcs (start, end) on which its χ is the largest, found between points
@@ -125,7 +125,7 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     largest = complex_left[np.argmax(np.abs(complex_left), axis=0), np.arange(slow[-1])]
     left = (complex_left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
-    functions = np.asarray(basis.backward(grid, left) / values)
+    functions = basis.backward(grid, left) / values
     # Vertices of the simplex: the farthest from the mean, then the farthest from the span of those
     # before.
     rest = functions - functions.mean(axis=0)
@@ -146,11 +146,11 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
             vertices = grid[np.argmax(functions @ weight, axis=0)]
         else:
             nearby = vertices[:, None] + step * 16.0**-zoom * np.linspace(-1.0, 1.0, 33)
-            chances = np.asarray(basis.backward(nearby.ravel(), left) / values) @ weight
+            chances = (basis.backward(nearby.ravel(), left) / values) @ weight
             vertices = nearby[
                 states, np.argmax(chances.reshape(*nearby.shape, -1)[states, :, states], axis=1)
             ]
-        weight = np.linalg.inv(np.asarray(basis.backward(vertices, left) / values))
+        weight = np.linalg.inv(basis.backward(vertices, left) / values)
     return SlowChain(basis, values, left, np.asarray(weight, dtype=np.float64))
 
 

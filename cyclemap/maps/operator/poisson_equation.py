@@ -76,7 +76,7 @@ class StationaryLaw:
         Columns of several h, shape (n, k), too.
         """
         centred = moments - np.multiply.outer(self.basis.mass, moments.T @ self.coefficients)
-        return np.asarray(self._inverse.T @ centred)
+        return self._inverse.T @ centred
 
     @cached_property
     def grid(self) -> tuple[Array, Array]:
@@ -111,7 +111,7 @@ class FourierLaw(StationaryLaw):
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
-        return np.asarray(self.basis.slope(theta) @ self.coefficients)
+        return self.basis.slope(theta) @ self.coefficients
 
     @cached_property
     def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
@@ -203,7 +203,7 @@ class FourierLaw(StationaryLaw):
         mass = weight * np.abs(basis.on_nodes(self.coefficients))
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
         slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
-        return np.asarray(epsilon * (mass[held] @ slopes))
+        return epsilon * (mass[held] @ slopes)
 
     def expectation(
         self,
@@ -241,7 +241,7 @@ class FourierLaw(StationaryLaw):
         grid, values = self.grid
         known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
-        if farthest <= 4.0 * (self.density_error + float(np.max(self.density_map_error))):
+        if farthest <= 4.0 * (self.density_error + np.max(self.density_map_error)):
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
         excess = values - 0.5 / np.pi
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]

@@ -181,7 +181,7 @@ def mixing_time(second: Estimate) -> Estimate:
 
 def _deflated(basis: Discretisation) -> Array:
     """L - u·massᵀ: the eigenvalue 1 moved to 0, all others left where they are."""
-    return np.asarray(basis.matrix - np.multiply.outer(basis.uniform, basis.mass))
+    return basis.matrix - np.multiply.outer(basis.uniform, basis.mass)
 
 
 def _falling(values: Complex) -> Whole:

@@ -30,7 +30,6 @@ from cyclemap.maps.operator.spectrum import (
     mixing_time,
     second_modulus,
 )
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 from cyclemap.one_thread import one_thread
 
@@ -377,22 +376,6 @@ class TransferOperator:
             peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
             sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
         return tuple(sorted(sets, key=lambda held: -held.share))
-
-    def mean_passage_time(
-        self, start: float, arc: tuple[float, float], *, lifted: bool = False
-    ) -> Estimate:
-        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see
-        ``passage_times``.
-        """
-        return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
-
-    def hitting_probability(
-        self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]
-    ) -> Estimate:
-        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see
-        ``passage_times``.
-        """
-        return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property
     def _leading(self) -> Spectrum:

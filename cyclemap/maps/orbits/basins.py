@@ -234,7 +234,7 @@ def _reach(
 
 def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
     """Whether the image lies between the arc's other end and x."""
-    return np.asarray((way * image < way * x) & (way * image >= way * other))
+    return (way * image < way * x) & (way * image >= way * other)
 
 
 def _all_preimages(

@@ -95,7 +95,7 @@ def displacement(
         turns = circle_map.degree * turns + laps.astype(np.int64)
         slope = slope * steepness
         image = lifted - TWO_PI * laps
-    return np.asarray(image - theta + TWO_PI * (turns - winding)), slope, rounding
+    return image - theta + TWO_PI * (turns - winding), slope, rounding
 
 
 def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
@@ -199,7 +199,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
 
 
 def _gap(g: Array) -> Array:
-    return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
+    return np.abs(g - TWO_PI * np.round(g / TWO_PI))
 
 
 def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:

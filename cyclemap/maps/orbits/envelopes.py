@@ -146,7 +146,7 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
         end, start, level = (
             -part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
         )
-    return start, end, level, SIDE_STEP * steepest
+    return start, end, level, circle_map.max_error + SIDE_STEP * steepest
 
 
 @lru_cache(maxsize=2)  # both envelopes and the descent of one map ask for it
@@ -209,7 +209,7 @@ def _with_plateaus(
 ) -> CircleMap:
     """The map with F replaced by ``level`` on each [start, end], the plateaus given for one turn.
 
-    inexact : radians, what levels and ends may be off, added to the map's ``max_error``.
+    inexact : radians, what the envelope may be off.
     """
     if start.size == 0:
         return circle_map
@@ -254,6 +254,5 @@ def _with_plateaus(
             return float(levels[index] + TWO_PI * turn)
         return plain(theta)
 
-    claimed = circle_map.max_error + inexact
-    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=inexact)
     return made.with_slope_errors(slopes)

@@ -370,7 +370,7 @@ def _multiplier_error(
         product = product * np.abs(slope)
         largest = largest * (np.abs(slope) + error)
         angle = np.mod(circle_map(angle), TWO_PI)
-    return np.asarray(largest - product + 4.0 * EPS * period * (largest + size))
+    return largest - product + 4.0 * EPS * period * (largest + size)
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:

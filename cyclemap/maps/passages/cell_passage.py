@@ -126,7 +126,7 @@ def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Ar
         rising = (inner - outer) * (inner + outer) / (4.0 * halfwidth)
         rising += np.maximum(over - halfwidth, 0.0) - np.maximum(under - halfwidth, 0.0)
         point = np.clip((middle + halfwidth) / (2.0 * halfwidth), 0.0, 1.0)
-    return np.asarray(np.where(length > _POINT, rising / np.maximum(length, _POINT), point))
+    return np.where(length > _POINT, rising / np.maximum(length, _POINT), point)
 
 
 _CELLS = 256  # of the arcs together, and twice as many for the error

@@ -344,7 +344,7 @@ class Expectation:
         around = self.values_at(chain.images)[1]
         gap = chain.theta - images[:, None]
         pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
-        return np.asarray((self.at - self.top) @ chain.departure_slopes(images) - pushed)
+        return (self.at - self.top) @ chain.departure_slopes(images) - pushed
 
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's

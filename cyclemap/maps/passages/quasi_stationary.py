@@ -167,7 +167,7 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
     of_rate = change(slopes.sum(axis=0), lambda after: after.sum(keepdims=True))
     of_share = change(
         (slopes[0] * shares[1] - slopes[1] * shares[0]) / total,
-        lambda after: np.asarray(after / after.sum()),
+        lambda after: after / after.sum(),
     )
     return of_rate, of_share
 
