@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.families.arclength import SMALLEST, STRAIGHT, ArclengthWalk
 from cyclemap.maps.families.continuation import bifurcations
@@ -419,6 +419,7 @@ def bifurcation_curves(
     """
     ranges = parameter_range("first", first), parameter_range("second", second)
     count = whole_number("lines", lines, least=1)
+    require_room("the lines", count, "give fewer")
     curves: list[BifurcationCurve] = []
     spans = np.array([high - low for low, high in ranges])
     shares = (np.arange(count) + 0.5) / count

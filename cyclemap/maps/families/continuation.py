@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.arclength import FIRST, STRAIGHT, ArclengthWalk
@@ -406,7 +406,9 @@ def orbit_branches(
                 return True
         return False
 
-    for p in np.linspace(*within, whole_number("resolution", resolution, least=1) + 1):
+    count = whole_number("resolution", resolution, least=1) + 1
+    require_room("the parameters", count, "give a smaller resolution")
+    for p in np.linspace(*within, count):
         member = family_member(family, float(p))
         for orbit in periodic_orbits(member, n, w):
             regular = (

@@ -11,7 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    read_only,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
 from cyclemap.maps.families.family import Family, each_done, family_member, parametric_form
@@ -123,6 +129,7 @@ def orbit_diagram(
     theta = finite_number("start", start)
     if rows.size == 0:
         raise InvalidInput("values is empty: give the parameters to go through")
+    require_room("the diagram", rows.size * count, "give fewer values or cycles")
     visited = np.empty((rows.size, count))
     for row, value in zip(visited, rows.tolist(), strict=True):
         row[:] = orbit_angles(family_member(family, value), theta, skipped + count)[skipped:]

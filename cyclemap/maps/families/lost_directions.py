@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_array, finite_number, whole_number
+from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE
 from cyclemap.maps.families.continuation import saddle_nodes
@@ -226,6 +226,7 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
     if path.size < _LEAST + 1:
         return None
     path = path[-count - 1 :]
+    require_room("the simulated paths", _PATHS * path.size, "give a smaller last")
     middle = float(np.angle(np.mean(np.exp(1j * path))))
     away = shorter_way(path - middle)
     if not ANGLE < np.ptp(away) < _RESTS:

@@ -13,7 +13,7 @@ from math import floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_number, whole_number
+from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
@@ -257,6 +257,7 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     32
     """
     count = whole_number("n", n, least=0)
+    require_room("the iterate", count, "iterate less often", MAX_BREAKS)
     if count == 0:
         return CircleMap.rigid(0.0)
     if count == 1:

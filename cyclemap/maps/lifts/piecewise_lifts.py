@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import LIFT
+from cyclemap.maps.estimate import LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Index,
@@ -149,6 +149,12 @@ def _checked(
     if np.any(steps < 0.0):
         raise InvalidInput(
             f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples"
+        )
+    near = (steps > 0.0) & (steps < SAME_ANGLE)
+    if np.any(near):
+        raise InvalidInput(
+            f"theta holds two angles {steps[near][0]:.3g} radians apart: give one of them, or one "
+            "angle twice for a break"
         )
     if np.any((steps[1:] == 0.0) & (steps[:-1] == 0.0)):
         raise InvalidInput(

@@ -81,6 +81,19 @@ def required_noise(noise: Noise | None) -> Noise:
     return noise
 
 
+def checked_width(name: str, value: float) -> float:
+    """A noise's width or concentration, or InvalidInput where it is none, or squares leave the
+    floats.
+    """
+    width = finite_number(name, value)
+    if not 1e-100 <= width <= 1e100:
+        raise InvalidInput(
+            f"{name} is {width:g}: it must be above zero, from 1e-100 to 1e100; leave the noise "
+            "out for none"
+        )
+    return width
+
+
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
 _ORDERS = np.arange(1.0, 9.0)  # the Fourier modes that a wide law has
 _erfc = np.vectorize(
@@ -124,12 +137,7 @@ class WrappedNormal:
     jump = 0.0
 
     def __post_init__(self) -> None:
-        width = finite_number("sigma", self.sigma)
-        if width <= 0.0:
-            raise InvalidInput(
-                f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none"
-            )
-        object.__setattr__(self, "sigma", width)
+        object.__setattr__(self, "sigma", checked_width("sigma", self.sigma))
 
     @property
     def variance(self) -> float:
@@ -182,6 +190,12 @@ class WrappedNormal:
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
+        if self.sigma >= _WIDE:
+            half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
+            across = np.cos(np.multiply.outer(reduced(low + half), _ORDERS))
+            across = across * np.sin(np.multiply.outer(half, _ORDERS))
+            waves = across @ (self.coefficients(_ORDERS) / _ORDERS)
+            return np.asarray((half + 2.0 * waves) / np.pi)
         near, beyond = folded(low, high)
         above = self.exceedance(beyond)
         total = np.where(

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Whole
-from cyclemap.checks import whole_number
+from cyclemap.checks import require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.branches import Branch, branches
@@ -225,6 +225,7 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
     ((1, 0, 1, 0, 1, 0), (0, 1, 0, 1, 1, 1))
     """
     count = whole_number("length", length, least=1)
+    require_room("the sequences", count, "give a smaller length")
     folds = _folds(circle_map)
     if len(folds.parts) == 1:
         return ()

@@ -11,7 +11,13 @@ from math import ceil, floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    non_negative_number,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
@@ -98,6 +104,7 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
     """The same of several starts, shape (m,): (m, count); together where the lift knows arrays
     only.
     """
+    require_room("the orbit", starts.size * count, "follow it for fewer cycles")
     visited = np.empty((starts.size, count))
     if not circle_map.has_scalar:
         theta = starts - TWO_PI * np.floor(starts / TWO_PI)
@@ -376,6 +383,7 @@ def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: fl
     require_map(circle_map)
     require_degree_one(circle_map, "rotation")
     count = whole_number("iterates", iterates, least=16)
+    require_room("the orbit", count, "give fewer iterates")
     longest = whole_number("max_period", max_period, least=1)
     return count, longest, non_negative_number("tolerance", tolerance)
 

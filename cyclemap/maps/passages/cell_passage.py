@@ -13,6 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import wrapped_window
 from cyclemap.maps.passages.killed_chain import Arc, eliminated
 
 _POINT = 1e-7  # radians: images shorter than this are points
@@ -73,18 +74,21 @@ class Cells:
         """
         if lifted:
             return _without_rounding(self.below(end) - self.below(start))
-        shift = TWO_PI * np.floor(self.low / TWO_PI)
+        if start.size == 0:
+            return np.zeros((self.width.size, 0))
+        share, window, centre = wrapped_window(self.halfwidth)
+        shift = TWO_PI * np.floor(self.low / TWO_PI) - centre
         low = self.low - shift
         high = self.high - shift
-        if start.size == 0:
-            return np.zeros((low.size, 0))
-        first = int(np.floor((-self.halfwidth - np.max(end)) / TWO_PI))
-        last = int(np.ceil((np.max(high) + self.halfwidth - np.min(start)) / TWO_PI))
+        begin = start - TWO_PI * np.floor(start / TWO_PI)
+        laps = np.floor((end - start) / TWO_PI)  # of the arc
+        rest = end - start - TWO_PI * laps
+        most = int(np.ceil((np.max(high) + window) / TWO_PI))
         total = np.zeros((low.size, start.size))
-        for turn in TWO_PI * np.arange(first, last + 1):
-            total += _chance_below(low, high, self.halfwidth, end + turn)
-            total -= _chance_below(low, high, self.halfwidth, start + turn)
-        return _without_rounding(total)
+        for turn in TWO_PI * np.arange(-2, most + 1):
+            total += _chance_below(low, high, window, begin + rest + turn)
+            total -= _chance_below(low, high, window, begin + turn)
+        return _without_rounding(laps + share * rest / TWO_PI + (1.0 - share) * total)
 
 
 def cells_between(

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, whole_number
+from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -245,6 +245,7 @@ def survival_probabilities(
     True
     """
     count = whole_number("cycles", cycles, least=0)
+    require_room("the chances", count, "give fewer cycles")
     ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
     chain = killed_chain(circle_map, noise, (ends,), outside_of(ends, lifted), lifted)

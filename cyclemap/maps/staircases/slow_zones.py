@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
@@ -417,6 +417,7 @@ def predict_drift(
         )
     count = whole_number("cycles", cycles, least=2)
     many = whole_number("points", points, least=2)
+    require_room("the frozen maps", many, "give fewer points")
     chosen = np.linspace(0.0, count - 1.0, many)
     operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
     summaries = tuple(predict_staircase(one.map, noise, one) for one in operators)

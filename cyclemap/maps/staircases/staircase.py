@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    positive_number,
+    read_only,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
@@ -412,6 +419,7 @@ def sample_staircase(
     if isinstance(noise, LocalNoise):
         path = sample_staircases(circle_map, noise, count, [theta], seed)[0]
         return Staircase(path, seed, begin)
+    require_room("the path", count, "give fewer cycles")
     path = np.empty(count + 1)
     path[0] = theta
     for at in range(0, count, _CHUNK):
@@ -477,6 +485,7 @@ def sample_staircases(
     _check(circle_map, noise)
     if begin.size == 0:
         raise InvalidInput("starts is empty: give one angle a path")
+    require_room("the paths", begin.size * count, "give fewer cycles or starts")
     paths = np.empty((begin.size, count + 1))
     paths[:, 0] = theta = begin
     block = max(1, min(count, _DRAWS // begin.size))
