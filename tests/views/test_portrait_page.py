@@ -219,3 +219,10 @@ def test_the_ends_of_an_interval_are_told_apart(width, told) -> None:
     one = DirectionInterval(math.radians(84.01), *ends, share=1.0)
     known = DirectionUncertainty("posterior", "first order", 20, 20, (one,))
     assert told in sentences.uncertainty_sentence("felt", known)
+
+
+@pytest.mark.slow
+def test_a_loop_that_comes_back_after_five_cycles_is_said_to() -> None:
+    loop = CollectionLoop.mit("plywood")
+    loop = replace(loop, slider=replace(loop.slider, hitch=(0.0, 0.0)), accuracy=1e-6)
+    assert sentences.headline(portrait(loop)) == "plywood locks into 5 directions in turn"
