@@ -46,11 +46,12 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
+from cyclemap.evidence.pushes.columns import ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
-    read_measured_pushes,
-    selected_rows,
+    measured_pushes,
+    selected,
     session_name,
 )
 from cyclemap.mechanics import Material, PlatePressure, Slider, load_material, material_toml
@@ -103,9 +104,10 @@ def fitted(
     """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse
     gains nothing.
 
-    known : as of `--floor`. shapes : as of `--plate`. begin :
-        at whose shapes the search begins. other : another floor, whose plates are believed to have
-        the shapes that they have there, to
+    known : as of `--floor`.
+    shapes : as of `--plate`.
+    begin : at whose shapes the search begins.
+    other : another floor, whose plates are believed to have the shapes that they have there, to
         within what is known of them.
     """
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + (
@@ -181,9 +183,8 @@ def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[Measur
     """Pushes of a session, evenly spread."""
     pushes: list[MeasuredPush] = []
     for name in PUSHES[speed]:
-        table = read_csv_table(folder() / name)
-        rows = selected_rows(table, RowSelection((plate,), {"surface": floor}))[0]
-        pushes += read_measured_pushes(table, rows) if rows else ()
+        rows = known_columns(read_csv_table(folder() / name), (*ENDS, *RODS))
+        pushes += measured_pushes(selected(rows, RowSelection((plate,), {"surface": floor}))[0])
     return [
         pushes[k]
         for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))

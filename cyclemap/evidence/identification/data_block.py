@@ -20,7 +20,6 @@ from cyclemap.evidence.identification.surface_parameters import (
     Parameter,
     ParameterSpace,
 )
-from cyclemap.evidence.pushes.measured_strokes import SET_OFF
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -56,11 +55,8 @@ USUAL = MappingProxyType(
         "pin_friction_radius": (0.8e-3, 0.5e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
-        "rod_off_x": (0.0, SET_OFF),
-        "rod_off_y": (0.0, SET_OFF),
     }
 )
-Progress = Callable[[float], None]
 Function = Callable[[Values], tuple[Array, Array]]
 
 
@@ -322,7 +318,8 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     known to be 1: give `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no
     belief or a deviation that is not positive.
 
-    >>> prior_block({"pusher_friction": (0.15, 0.03)}).residuals({"pusher_friction": 0.18})[0].round(9).tolist()
+    >>> block = prior_block({"pusher_friction": (0.15, 0.03)})
+    >>> block.residuals({"pusher_friction": 0.18})[0].round(9).tolist()
     [1.0]
     """
     if not beliefs:
@@ -346,7 +343,7 @@ def linear_block(
     groups: Labels,
     kinds: Kinds,
 ) -> DataBlock:
-    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times its parameters."""
+    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times parameters."""
 
     def function(values: Values) -> tuple[Array, Array]:
         return jacobian @ [values[key] for key in parameters] - measured, jacobian
@@ -401,13 +398,3 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
         for name in names
         if plain[name] in USUAL and name not in of_sessions
     }
-
-
-def part_of(progress: Progress | None, number: float, count: float) -> Progress:
-    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
-    that is done.
-
-    >>> part_of(print, 1, 4)(0.5)
-    0.375
-    """
-    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -18,9 +18,8 @@ from cyclemap.evidence.identification.data_block import (
     SESSION_KINDS,
     USUAL_SPREAD,
     JointProblem,
-    Progress,
-    part_of,
 )
+from cyclemap.progress import Progress, part_of
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
@@ -128,8 +127,10 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """The best of several starts. arrived : how many ended there. failures : why those without any
-    answer had none.
+    """The best of several starts.
+
+    arrived : how many ended there.
+    failures : why those without any answer had none.
     """
 
     best: Fit
@@ -343,8 +344,9 @@ def multi_start(
     passed over.
 
     known : noise of some kinds by name, taken as given. `progress` is called with the fraction
-        done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an
-        answer.
+        done.
+
+    Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
     """
     search, fits, failures = Search(problem, law, known), [], []
     for number, start in enumerate(starts):

@@ -5,7 +5,6 @@ and uncertainty.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -248,11 +247,11 @@ class PeriodicLaw:
         """
         return 100.0 * self.rmse / abs(self.mean) if self.mean != 0.0 else float("inf")
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """The law at θ (radians, any shape)."""
         return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)
 
-    def slope(self, theta: Any) -> Array:
+    def slope(self, theta: ArrayLike) -> Array:
         """dy/dθ, per radian."""
         order = np.arange(self.harmonics + 1)
         multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
@@ -260,7 +259,7 @@ class PeriodicLaw:
             np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
         )
 
-    def standard_error(self, theta: Any) -> Array:
+    def standard_error(self, theta: ArrayLike) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
         columns = fourier_columns(theta, self.harmonics)
         return np.asarray(
@@ -269,12 +268,12 @@ class PeriodicLaw:
             )
         )
 
-    def noise(self, theta: Any) -> Array:
+    def noise(self, theta: ArrayLike) -> Array:
         """The standard deviation of one value about the law at θ."""
         columns = fourier_columns(theta, self.log_variance.size // 2)
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
-    def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
+    def half_bands(self, theta: ArrayLike, level: float = 0.95) -> tuple[Array, Array]:
         """How far Student's bands reach to either side of the law.
 
         Parameters
