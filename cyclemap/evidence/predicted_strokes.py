@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask, Place, Whole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.surface_parameters import (
@@ -21,8 +21,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     field_factors,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.mechanics import Material, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Material, Pose, QuasiStaticModel, SidePush, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
@@ -33,7 +33,7 @@ from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
 
 # Where n strokes end: poses (n, 3), m and rad; derivatives (n, 3, k); which were taken to stay (n,).
-StrokeEnds = tuple[Array, Array, NDArray[np.bool_]]
+StrokeEnds = tuple[Array, Array, Mask]
 
 # A few strokes of many may have no answer where the rod grazes a tip: these count as if the object
 # stayed.
@@ -65,6 +65,15 @@ def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> 
             material = replace(material, floor=seen.shape, posterior=None)
     footprint = plate_footprint(material, slider)
     return replace(loop, slider=slider, material=material, footprint=footprint)
+
+
+def loop_of_plate(loop: CollectionLoop, plate: str | None) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
+    for another name, or none.
+    """
+    if plate is None or plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
 
 
 def frame_shift(material: Material, plate: str) -> Place:
@@ -193,7 +202,7 @@ def _seen_from(pose: Pose, origin: Place) -> Pose:
 
 def _from_first_touch(
     model: QuasiStaticModel, pushes: Sequence[MeasuredPush], starts: Array, shift: Array
-) -> tuple[NDArray[np.int64], list[Strokes]]:
+) -> tuple[Whole, list[Strokes]]:
     """Which pushes touch the object that lies at `starts` (n, 3), and their strokes from there on.
 
     They go along with the object, so that they are differentiated by where they start and how far

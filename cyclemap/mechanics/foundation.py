@@ -1,8 +1,7 @@
 """Foundations that are pressed: plates and floors that are not flat, one resting on the other."""
 
 import math
-from dataclasses import dataclass
-from dataclasses import field as made
+from dataclasses import dataclass, field as made
 
 import numpy as np
 

@@ -63,8 +63,7 @@ from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, pus
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
-from tests.inference.measured_floors import FLOORS, PLATES
-from tests.inference.measured_floors import measured as measured_pushes
+from tests.inference.measured_floors import FLOORS, PLATES, measured as measured_pushes
 
 READ = (1e-3, math.radians(1.0))
 COUNTS = (4, 8, 16)

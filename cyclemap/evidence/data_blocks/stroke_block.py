@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -33,7 +33,7 @@ from cyclemap.evidence.predicted_strokes import (
     predicted_drag_ends,
     predicted_push_ends,
 )
-from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush, Place
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS

@@ -32,7 +32,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, known_columns
+from cyclemap.evidence.pushes.measured_strokes import measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 
@@ -271,9 +272,8 @@ def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(
     ring help.
     """
     table = read_csv_table(measured_data / "mit_rect1_dragback_v10.csv")
-    drags = read_measured_drags(
-        table, [row for row in table.rows if table.text(row, "surface") == surface]
-    )
+    rows = known_columns(table, DRAG_ENDS)
+    drags = measured_drags(rows[rows["surface"] == surface])
     block = drag_turn_block(drags, RECT1)
     measured, ideal = block.motions[:, 1], block.residuals(PLAIN)[0]
     predicted = measured + ideal

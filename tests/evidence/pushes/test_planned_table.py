@@ -80,7 +80,9 @@ def test_poses_and_rods_come_back_whichever_way_they_were_measured(
     )
     for row, poses, planned in zip(table.to_dict("records"), STATES, PUSHES, strict=True):
         for names, pose in zip(
-            (("x0", "y0", "th0"), ("x1", "y1", "th1"), ("x0n", "y0n", "th0n")), poses, strict=True
+            (("x0", "y0", "theta0"), ("x1", "y1", "theta1"), ("x0n", "y0n", "theta_next")),
+            poses,
+            strict=True,
         ):
             x, y, theta = (row[name] for name in names)
             assert (x, y) == pytest.approx((pose.x, pose.y), abs=5e-6)
