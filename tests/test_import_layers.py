@@ -203,12 +203,10 @@ ROWS = {
         ("pushes", "replay"),
         ("pushes", "laws", "tables", "identification", "data_blocks", "push_plan"),
     ),
-    "resets": (("monitor", "design"),),
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature"},
     "evidence": {"motion_check", "predicted_strokes"},
-    "resets": set(),
 }
 
 

@@ -86,7 +86,7 @@ def run_plan(asked: PlanOptions) -> None:
             f"--room-mm {asked.room_mm!r}: give the width and depth of the table in mm, such as "
             "600,400"
         )
-    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings))[0]
+    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop
     stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(asked.until_deg), None
     if asked.after:

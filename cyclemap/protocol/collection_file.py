@@ -315,10 +315,12 @@ def collection_text(
 ) -> str:
     """Return a loop with its surface as the text of a file.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more
-        : further tables. comments : lines
-    before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop
-        no setting can say.
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad.
+    more : further tables.
+    comments : lines before all else.
+    notes : what is said of a setting, by its key.
+
+    Raises InvalidInput for a loop no setting can say.
     """
     head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
     tables = {**collection_tables(loop, noise), **(more or {})}
