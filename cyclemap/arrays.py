@@ -3,8 +3,6 @@ the types and the constant that every room shares."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
@@ -16,7 +14,7 @@ Place = tuple[float, float]
 TWO_PI = 2.0 * np.pi
 
 
-def shorter_way(angle: Any) -> Array:
+def shorter_way(angle: npt.ArrayLike) -> Array:
     """The same angles, radians, any shape, taken the shorter way round: in [-π, π).
 
     >>> round(float(shorter_way(1.75 * np.pi)) / np.pi, 12)

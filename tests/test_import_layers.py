@@ -202,12 +202,10 @@ ROWS = {
         ("pushes", "laws", "comparison"),
         ("pushes", "laws", "identification", "data_blocks", "push_plan"),
     ),
-    "resets": (("monitor", "design"),),
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature"},
     "evidence": {"motion_check", "predicted_strokes"},
-    "resets": set(),
 }
 
 

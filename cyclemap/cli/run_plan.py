@@ -43,7 +43,7 @@ from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
-from cyclemap.views.plan_page import known_words, measured_sentences, plan_page, plan_sentences
+from cyclemap.views.plan_page import known_parts, measured_sentences, plan_page, plan_sentences
 from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"
@@ -86,7 +86,7 @@ def run_plan(asked: PlanOptions) -> None:
             f"--room-mm {asked.room_mm!r}: give the width and depth of the table in mm, such as "
             "600,400"
         )
-    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings))[0]
+    loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop
     stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
     within, measured = math.radians(asked.until_deg), None
     if asked.after:
@@ -257,8 +257,10 @@ def push_table(plan: PushPlan) -> Table:
 
 def knowledge_table(plan: PushPlan) -> Table:
     """What will be known after some pushes, planned and random."""
-    rows = [
-        (str(after.pushes), known_words(after.planned), known_words(after.random))
-        for after in plan.knowledge
-    ]
-    return people_table("What will be known", ("pushes", "planned", "random"), rows, words=(1, 2))
+    names = known_parts(plan.knowledge[0].planned)
+    rows = []
+    for after in plan.knowledge:
+        sizes = [*known_parts(after.planned).values(), *known_parts(after.random).values()]
+        rows.append((str(after.pushes), *sizes))
+    columns = [f"{sort}: {name}" for sort in ("planned", "random") for name in names]
+    return people_table("What will be known", ("pushes", *columns), rows)

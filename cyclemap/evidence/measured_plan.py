@@ -35,8 +35,9 @@ SURE = 0.95
 class MeasuredPlan:
     """What pushes on a floor tell of it.
 
-    loop : on the identified floor. identification : of its parameters. directions : how well the
-        stable ones are known.
+    loop : on the identified floor.
+    identification : of its parameters.
+    directions : how well the stable ones are known.
     notes : what was read and left out.
 
     Attributes
@@ -153,10 +154,10 @@ def identified_plan(
     """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's
     material believes.
 
-    loop, paths, seed, progress : see `measured_plan`, and there what is raised. starts : of the
-        search. Returns the identification, and notes on what was read. A plate that is known stays
-        as it is. Noise is Student's with four degrees of freedom, so that a misread ruler counts
-        little.
+    loop, paths, seed, progress : see `measured_plan`, and there what is raised.
+    starts : of the search. Returns the identification, and notes on what was read. A plate that is
+        known stays as it is. Noise is Student's with four degrees of freedom, so that a misread
+        ruler counts little.
     """
     floor = loop.material
     collected = collected_blocks(paths, loop, population=True)

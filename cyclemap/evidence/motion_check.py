@@ -95,7 +95,8 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     seen, in words.
 
     loop : who is pushed where; objects of the MIT dataset that the data name are known without.
-        Raises OtherConvention where another reading of an object's pushes explains them far better.
+
+    Raises OtherConvention where another reading of an object's pushes explains them far better.
     """
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
@@ -150,8 +151,8 @@ def check_orientations(
     loop makes of them.
 
     Alone they cannot tell it, which is said; beside a loop that explains them in a mirror, and only
-    there, they do:
-    OtherConvention is raised then. convention : in which they were read.
+    there, they do: OtherConvention is raised then.
+    convention : in which they were read.
     """
     angles = convention.words().partition("angles ")[2]
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
@@ -199,7 +200,8 @@ class _Written:
     """Pushes as they are written: places, displacements, first and last places of the rod as
     complex numbers, angles and turns; m and rad as read.
 
-    rows : of the table, for what is no motion. tips : (n, 2), NaN where unknown.
+    rows : of the table, for what is no motion.
+    tips : (n, 2), NaN where unknown.
     """
 
     rows: pandas.DataFrame
@@ -286,10 +288,9 @@ def check_motion(
     these cannot tell.
 
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
-        own frame, which tells whether angles and axes turn the same
-        way, not which way that is. convention : in which the table was read. told : whether
-        somebody said it, who is then
-        warned, not refused.
+        own frame, which tells whether angles and axes turn the same way, not which way that is.
+    convention : in which the table was read.
+    told : whether somebody said it, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.

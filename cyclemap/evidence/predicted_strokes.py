@@ -57,7 +57,7 @@ def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> 
     """Return the loop with another object, which rests as the material says.
 
     session : its name. Where the material saw it, the floor is as it was then, without a posterior,
-    which is of the mean of sessions.
+        which is of the mean of sessions.
     """
     material = loop.material
     for seen in material.sessions:

@@ -369,8 +369,9 @@ def run_strokes(courses: Sequence[Course], derivatives: int = 0, most_failing: f
     """Run what n courses tell of from where they start, which no parameter moves but `theta`, their
     turn there.
 
-    derivatives : how many of PARAMETERS to differentiate by. most_failing : share of the courses
-        that may fail, whose results are nan. Raises as the first that fails where more do.
+    derivatives : how many of PARAMETERS to differentiate by.
+    most_failing : share of the courses that may fail, whose results are nan. Raises as the first
+        that fails where more do.
     """
     poses = np.array([course.pose for course in courses])
     varied = np.zeros((len(courses), 3, derivatives))

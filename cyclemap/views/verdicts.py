@@ -32,8 +32,9 @@ _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slo
 
 @dataclass(frozen=True)
 class Verdict:
-    """question : what was asked. agrees : the answer, None where it is open. words : a sentence
-    with its numbers.
+    """question : what was asked.
+    agrees : the answer, None where it is open.
+    words : a sentence with its numbers.
     """
 
     question: str

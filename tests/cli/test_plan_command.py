@@ -32,8 +32,8 @@ def here(tmp_path, monkeypatch) -> Path:
 
 
 def fill_in(path: Path, material: str) -> None:
-    """Make the planned pushes on a surface,
-    and write down the corners to a tenth of a millimetre."""
+    """Make the planned pushes on a surface, and write down the corners to a tenth of a
+    millimetre."""
     loop = loop_from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
     table = pd.read_csv(path)
     corners = [name for state in "012" for name in mark_columns(state)]

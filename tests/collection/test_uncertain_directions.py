@@ -54,8 +54,8 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
 
 @pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
-    """Truth by Newton's method on the cycle itself,
-    for 800 draws that the interval has not seen."""
+    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not
+    seen."""
     plywood = load_material("plywood")
     found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
     assert (found.method, found.chance, found.is_posterior, found.samples) == (
@@ -121,6 +121,16 @@ def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     sample = sampled_loop(loop, 1)
     assert (sample.pusher, sample.footprint) == (loop.pusher, loop.footprint)
     assert sample.material.friction == material.sample(1).friction != loop.material.friction
+
+
+@pytest.mark.parametrize("kg", [0.7, 1.1])
+def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_samples(kg) -> None:
+    loop = loop_from_settings({"mass_kg": kg}, CollectionLoop.mit("plywood-floor"))
+    for number in (0, 1):
+        sample = loop.material.sample(number)
+        expected = replace(loop, footprint=None).with_material(sample).footprint
+        assert sampled_loop(loop, number).footprint.is_near(expected)
+        assert not expected.is_near(loop.footprint)
 
 
 def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:

@@ -149,7 +149,7 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
     assert render(probe_page(found)).startswith(b"\x89PNG")
 
 
-def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> (
+def test_a_simulator_is_told_the_rods_way_and_its_poses_are_brought_into_the_objects_frame() -> (
     None
 ):
     """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a

@@ -104,9 +104,10 @@ def fitted(
     """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse
     gains nothing.
 
-    known : as of `--floor`. shapes : as of `--plate`. begin :
-        at whose shapes the search begins. other : another floor, whose plates are believed to have
-        the shapes that they have there, to
+    known : as of `--floor`.
+    shapes : as of `--plate`.
+    begin : at whose shapes the search begins.
+    other : another floor, whose plates are believed to have the shapes that they have there, to
         within what is known of them.
     """
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + (

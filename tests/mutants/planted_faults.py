@@ -788,7 +788,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/design/orientation_law.py": (
+    "resets/orientation_law.py": (
         DESIGN,
         [
             (
@@ -805,7 +805,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],
     ),
-    "resets/design/strategy_run.py": (
+    "resets/strategy_run.py": (
         "tests/resets/test_strategy_run.py tests/resets",
         [
             (
@@ -828,12 +828,12 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("often.min() < 0.5:", "often.min() < -1.0:"),
         ],
     ),
-    "resets/design/reset_design.py": (
+    "resets/reset_design.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
-                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}",
-                "sign = {name: 1.0 for name in limits}",
+                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}",
+                "sign = {name: 1.0 for name in self.limits}",
             ),
             (
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
@@ -842,7 +842,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("where = about.worst(values)", "where = int(np.argmin(values))"),
         ],
     ),
-    "resets/design/reset_ranking.py": (
+    "resets/reset_ranking.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("excess[CONTACT] = -excess[CONTACT]", "excess[CONTACT] = excess[CONTACT]"),
@@ -854,7 +854,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/design/material_range.py": (
+    "resets/material_range.py": (
         "tests/resets/test_material_range.py",
         [
             (
@@ -869,7 +869,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/design/action_cycles.py": (
+    "resets/action_cycles.py": (
         "tests/resets/test_action_cycles.py tests/resets",
         [
             ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
@@ -877,7 +877,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("[:, places] + turns[:, None]", "[:, places]"),
         ],
     ),
-    "resets/design/reset_search.py": (
+    "resets/reset_search.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("if contact >= least_contact\n", "if contact <= least_contact\n"),
@@ -887,22 +887,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/monitor/arc_evidence.py": (
-        MONITOR,
-        [
-            (
-                "return float(likelihoods[0] / np.mean(likelihoods)) if",
-                "return float(likelihoods[0]) if",
-            ),
-            ("paths[1:] = self._random.permuted(paths[1:], axis=1)", "paths[1:] = paths[1:]"),
-            (
-                "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
-                "self._sum += self._e_value(turns, _MANY)",
-            ),
-            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
-        ],
-    ),
-    "resets/monitor/bias_evidence.py": (
+    "resets/bias_evidence.py": (
         f"{MONITOR} tests/resets/test_rest_evidence.py",
         [
             ("+ raised[:, 0] - log_mean", "+ raised[:, 0]"),
@@ -916,9 +901,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("new = -math.log(self._blocks * (self._blocks + 1))", "new = 0.0"),
             ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
+            (
+                "return float(likelihoods[0] / np.mean(likelihoods)) if",
+                "return float(likelihoods[0]) if",
+            ),
+            ("paths[1:] = self._random.permuted(paths[1:], axis=1)", "paths[1:] = paths[1:]"),
+            (
+                "self._sum += self._e_value(turns, _MANY) / len(CHECKS)",
+                "self._sum += self._e_value(turns, _MANY)",
+            ),
+            ("total += (CELLS / width) ** visits", "total += (CELLS / width) ** (visits - 1)"),
         ],
     ),
-    "resets/monitor/bias_monitor.py": (
+    "resets/bias_monitor.py": (
         MONITOR,
         [
             (
@@ -931,7 +926,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "resets/monitor/coverage.py": (
+    "resets/coverage.py": (
         "tests/resets/test_coverage.py tests/resets",
         [
             (
@@ -942,7 +937,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("best = int(np.argmin(crowding))", "best = int(np.argmax(crowding))"),
         ],
     ),
-    "resets/monitor/audit.py": (
+    "resets/audit.py": (
         "tests/resets/test_audit.py",
         [
             (

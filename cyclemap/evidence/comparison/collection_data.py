@@ -56,9 +56,11 @@ class PushSet:
     """Pushes of one set that a loop predicts.
 
     facts : what the files say of the set: surface and object (None where unknown), acceleration
-        (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown. loop
-        : the mechanics of its object. push : (n,) of that object: the data's place, direction and length.
-    theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
+        (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown.
+    loop : the mechanics of its object.
+    push : (n,) of that object: the data's place, direction and length.
+    theta, dtheta : (n,) rad.
+    displacement : (n, 2) m, in the initial object frame.
     """
 
     facts: Row
@@ -110,9 +112,10 @@ def collection_data(
 ) -> CollectionData:
     """Bring a ``PushTable``, ``Theta0Pairs`` or a path to one form.
 
-    loop : the mechanics that predict, or None. first : pushes numbered below it are left out; the
-        number is the repetition, or where that is unknown
-        the place in the data. select, push_length : see ``compare``.
+    loop : the mechanics that predict, or None.
+    first : pushes numbered below it are left out; the number is the repetition, or where that is
+        unknown the place in the data.
+    select, push_length : see ``compare``.
 
     Raises InvalidInput where the data are something else or leave nothing to compare, DataFileError
     for a bad file.

@@ -231,8 +231,8 @@ def direction_agreement(
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 
-    ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are
-        made.
+    ensemble : of the predicted collections.
+    null : (runs, n) others, of which the p-values are made.
     """
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
@@ -315,8 +315,8 @@ def staircase_agreement(
     """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same
     start.
 
-    summary : of the map where it does not wear. progress : called with the fraction done, in (0,
-        1].
+    summary : of the map where it does not wear.
+    progress : called with the fraction done, in (0, 1].
     """
     simulated = []
     for index, run in enumerate(null):

@@ -30,7 +30,9 @@ class Prediction:
     """A prediction in one form.
 
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
-    noise : of one cycle. kind : "loop", "map" or "drifting map". given : what was handed in.
+    noise : of one cycle.
+    kind : "loop", "map" or "drifting map".
+    given : what was handed in.
     samples : the maps of samples of the posterior of a loop's material, those that can be run; ()
         without a posterior.
     """
@@ -80,8 +82,8 @@ def as_prediction(
     """Bring a prediction of pushes up to ``last`` to one form.
 
     noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles
-        about a smooth function of θ0), and is refused for a map. tolerance : of a loop's cycle map,
-        rad.
+        about a smooth function of θ0), and is refused for a map.
+    tolerance : of a loop's cycle map, rad.
 
     Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
     """

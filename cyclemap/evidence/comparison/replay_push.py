@@ -52,7 +52,9 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
         2), m, are recorded places, chosen by halving at the farthest place (Ramer 1972; Douglas &
         Peucker 1973). With them come the travel (m,) along the chain at the recorded times, which
         never falls, and the largest distance of a place from the chord between the first and the
-        last, m. Raises InvalidInput where the tip moves less than 1 mm.
+        last, m.
+
+    Raises InvalidInput where the tip moves less than 1 mm.
     """
     place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
     kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]

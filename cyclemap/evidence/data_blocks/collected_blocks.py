@@ -296,7 +296,9 @@ class _Collected:
         strayed: float | None = None,
     ) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
-        data tell it. pushes, strayed : see `SessionBlock`.
+        data tell it.
+
+        pushes, strayed : see `SessionBlock`.
         """
         for kind in set(block.kinds.tolist()):
             size = math.inf if noise is None else noise[kind]
@@ -762,7 +764,8 @@ def telling_parameters(
     take the rest of it as it stands, and drags the ring: they scatter by more than any ring
     explains, and would take that for friction in it.
 
-    >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    >>> ratios = DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")
+    >>> telling_parameters([ratios])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}

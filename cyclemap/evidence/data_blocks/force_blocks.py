@@ -79,7 +79,8 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
     """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an
     object, weight N.
 
-    >>> scan_traction({"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}, 8.0).tolist()
+    >>> scans = {"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}
+    >>> scan_traction(scans, 8.0).tolist()
     [[0.25, 0.0625]]
     """
     direction, along, across = scan_columns(scans)
@@ -309,7 +310,9 @@ def read_wrench_twists(rows: pandas.DataFrame, rho: float) -> WrenchTwists:
     w_times_rho (m/s).
 
     rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data:
-        0.06364, its half diagonal). Raises DataFileError.
+        0.06364, its half diagonal).
+
+    Raises DataFileError.
     """
     scale = np.array([1.0, 1.0, positive_number("rho", rho)])
     wrench, twist = (

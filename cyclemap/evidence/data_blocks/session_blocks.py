@@ -37,8 +37,9 @@ _TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS = 0.15, 4.0, 20
 class SessionBlock:
     """A block of data, of which plate it is, and in which session; empty where nothing tells.
 
-    pushes : of the block, some of them. strayed : how far the robot was from where it was sent,
-        m, on average; None where that is not known.
+    pushes : of the block, some of them.
+    strayed : how far the robot was from where it was sent, m, on average; None where that is not
+        known.
     """
 
     block: DataBlock
@@ -54,8 +55,8 @@ def named_blocks(
     """Return the blocks, those of several plates or sessions with unknowns of their own, and how
     sessions differ.
 
-    odd : sessions that do not count to the floor's mean. population : whether one session is taken
-        as one of several. Equal names get a number behind.
+    odd : sessions that do not count to the floor's mean.
+    population : whether one session is taken as one of several. Equal names get a number behind.
     """
     # What tells no speed belongs to the first session of its plate that does.
     first: dict[str, str] = {}

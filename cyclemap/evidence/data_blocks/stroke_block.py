@@ -198,9 +198,10 @@ def _stroke_block(
 ) -> DataBlock:
     """The block of strokes of an object; strokes of one contact are a group.
 
-    ends : model, indices of strokes, values -> where they end. kinds : what is measured of a pose,
-        and its noise. names : parameters of the mechanics, the friction law's first, by which these
-        ends are differentiated before the own ones.
+    ends : model, indices of strokes, values -> where they end.
+    kinds : what is measured of a pose, and its noise.
+    names : parameters of the mechanics, the friction law's first, by which these ends are
+        differentiated before the own ones.
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")

@@ -318,7 +318,8 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     known to be 1: give `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no
     belief or a deviation that is not positive.
 
-    >>> prior_block({"pusher_friction": (0.15, 0.03)}).residuals({"pusher_friction": 0.18})[0].round(9).tolist()
+    >>> block = prior_block({"pusher_friction": (0.15, 0.03)})
+    >>> block.residuals({"pusher_friction": 0.18})[0].round(9).tolist()
     [1.0]
     """
     if not beliefs:
@@ -342,7 +343,7 @@ def linear_block(
     groups: Labels,
     kinds: Kinds,
 ) -> DataBlock:
-    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times its parameters."""
+    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times parameters."""
 
     def function(values: Values) -> tuple[Array, Array]:
         return jacobian @ [values[key] for key in parameters] - measured, jacobian

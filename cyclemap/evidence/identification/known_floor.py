@@ -26,6 +26,8 @@ _LEAST_SPREAD = 0.2
 _ELLIPSE, _RING = SURFACE.names[1:5], "pin_friction_radius"
 FLOOR_TOLD = (*_ELLIPSE, _RING)
 _FOUND = ("pusher_friction", _RING)
+# Samples that differ by less than this share of their mean are all the same.
+_ALIKE = 1e-9
 # How well a material knows what it has no samples of.
 _SURE, _SURE_SHAPE = {"pusher_friction": 0.02, _RING: 5e-4}, 0.5
 
@@ -38,8 +40,9 @@ def known_beliefs(
 
     plate : the object that names without one are of. Samples are of new sessions: of the floor's
         mean the spread between sessions is taken off again, down to what the number of its sessions
-        leaves. Without samples shapes are taken as known to .5 kPa, the rod's friction to .02, the
-        ring's lever to .5 mm, the friction ellipse as it stands.
+        leaves. Without samples, or of what is alike in all of them, shapes are taken as
+        known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm, the friction ellipse
+        as it stands.
     """
     if floor is None:
         return {}
@@ -52,11 +55,10 @@ def known_beliefs(
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
         best = float(np.mean(samples)) if samples else stated
-        width = (
-            float(np.std(samples))
-            if samples
-            else _SURE.get(plain, 0.0 if plain in _ELLIPSE else _SURE_SHAPE)
-        )
+        width = float(np.std(samples)) if samples else 0.0
+        # What is left of alike numbers is rounding.
+        if width <= _ALIKE * abs(best):
+            width = _SURE.get(plain, 0.0 if plain in _ELLIPSE else _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
             least = max(

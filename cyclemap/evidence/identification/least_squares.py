@@ -127,8 +127,10 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """The best of several starts. arrived : how many ended there. failures : why those without any
-    answer had none.
+    """The best of several starts.
+
+    arrived : how many ended there.
+    failures : why those without any answer had none.
     """
 
     best: Fit
@@ -342,8 +344,9 @@ def multi_start(
     passed over.
 
     known : noise of some kinds by name, taken as given. `progress` is called with the fraction
-        done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an
-        answer.
+        done.
+
+    Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
     """
     search, fits, failures = Search(problem, law, known), [], []
     for number, start in enumerate(starts):

@@ -104,8 +104,8 @@ class WornLaw:
         )
 
     def at(self, cycle: float) -> PeriodicLaw:
-        """The law of one cycle (any real number),
-        with the covariance of that cycle's coefficients."""
+        """The law of one cycle (any real number), with the covariance of that cycle's
+        coefficients."""
         now = _polynomials(
             np.array([finite_number("cycle", cycle)]), self.first, self.last, self.degree
         )[0]

@@ -34,8 +34,8 @@ def fourier_columns(theta: ArrayLike, harmonics: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LinearFit:
-    """Coefficients (p,), their covariance (p, p),
-    the residuals (n,) and the scatter of one value."""
+    """Coefficients (p,), their covariance (p, p), the residuals (n,) and the scatter of one
+    value."""
 
     coefficients: Array
     covariance: Array

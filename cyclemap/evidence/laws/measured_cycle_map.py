@@ -138,8 +138,8 @@ class TurnPlace:
     """An orientation (rad), the fitted turn of a cycle there (rad), and its 95 % interval, wherever
     the place.
 
-    Neighbouring residuals that are alike and the law's own misfit thereabouts are in it. cycles :
-    of a slow passage.
+    Neighbouring residuals that are alike and the law's own misfit thereabouts are in it.
+    cycles : of a slow passage.
     """
 
     theta: float = field(metadata=ANGLE)

@@ -354,8 +354,8 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
 def unit_of(
     name: str, meaning: Mapping[str, str], raw: Mapping[str, Array], units: Sequence[str]
 ) -> tuple[str, str]:
-    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to be
-    alike.
+    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to
+    be alike.
     """
     kind = COLUMNS[name].kind
     known = UNITS_OF[kind]

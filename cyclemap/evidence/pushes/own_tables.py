@@ -81,7 +81,8 @@ _A_CYCLE = 3.0
 class OwnTable:
     """Columns of pushes in SI units by the names of `read_push_csv`, in our convention.
 
-    words : what was read as what, and left out. segments : of a stream of poses, how it was cut.
+    words : what was read as what, and left out.
+    segments : of a stream of poses, how it was cut.
     """
 
     columns: Mapping[str, Array]
@@ -174,11 +175,13 @@ def read_own_table(
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream
         t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A
-        part of a list is named[i]. units : of angles (deg, rad, turn), lengths (mm, cm, m, inch)
-        and times (s, ms, us, ns). What is not told is guessed.
+        part of a list is named[i].
+    units : of angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is
+        not told is guessed.
     angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`;
         what is not told is what a collection.toml with the data says, else counter-clockwise and
         right-handed, 0.
+
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)

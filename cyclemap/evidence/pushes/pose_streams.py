@@ -96,8 +96,9 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     stream was cut.
 
     stream : t, theta, and x, y where known. Poses are means over the rests beside the motions.
-        Raises UnclearStream where too many motions are neither a push nor a drag, or where there is
-        no telling one from the other.
+
+    Raises UnclearStream where too many motions are neither a push nor a drag, or where there is no
+    telling one from the other.
     """
     t, theta = stream["t"], np.unwrap(stream["theta"])
     x, y = (stream.get(name, np.zeros(t.size)) for name in ("x", "y"))
@@ -141,7 +142,6 @@ def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
 
 
 # -- rests
-# ----------------------------------------------------------------------------------------------
 
 
 def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
@@ -216,7 +216,6 @@ def _pairs(rows: Sequence[Sequence[int]]) -> Whole:
 
 
 # -- cycles
-# ----------------------------------------------------------------------------------------------
 
 
 def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:

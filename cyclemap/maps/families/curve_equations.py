@@ -129,8 +129,8 @@ class CurveSpot:
 class CurveEquations:
     """The orbit's n equations and the condition of the bifurcation, for θ and both parameters.
 
-    side : of a border collision, from where the point comes to its break. jump : whether the map
-        jumps there: then there is no orbit on the far side.
+    side : of a border collision, from where the point comes to its break.
+    jump : whether the map jumps there: then there is no orbit on the far side.
     """
 
     family: Family

@@ -132,7 +132,7 @@ MOEBIUS_FAMILY = ParametricLift(
     nondecreasing=lambda a, omega: (a >= 0.0) & (a < 1.0 + 0.0 * omega),
     circle_map=CircleMap.moebius,
 )
-"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
+"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters as of ``CircleMap.moebius``."""
 
 
 def parametric_form(family: Family) -> ParametricLift | None:
@@ -188,10 +188,10 @@ class ParameterTangent:
     """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at
     breaks.
 
-    member : the family's map at the parameter. members, weights, step : those of the difference,
-        and its spacing.
-    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,),
-        dθ_b/dp.
+    member : the family's map at the parameter.
+    members, weights, step : those of the difference, and its spacing.
+    motions : how far the breaks of each of ``members`` have moved.
+    break_rates : shape (breaks,), dθ_b/dp.
     """
 
     member: CircleMap

@@ -80,8 +80,8 @@ class OrbitEquations:
     """The n equations of a period-n orbit and the scaled space (θ/√n, p/scale) in which branches
     are followed.
 
-    hops : shape (n,), whole turns taken off after each cycle. winding : of the orbit (for degree 1
-        their sum).
+    hops : shape (n,), whole turns taken off after each cycle.
+    winding : of the orbit (for degree 1 their sum).
     within : the range of the parameter, outside which the family is never called; its length is the
         scale.
     """
@@ -375,9 +375,11 @@ def recorded(
         multiplier, so that it does not move with F'; a period doubling does.
     unknown : what the extra equation may be off by the error of F' that the map tells.
 
-    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ,
-        p). residual : of all n + 1 equations. multipliers : from the right and from the left where they
-        differ. Good to first order; nothing beyond that is proved.
+    push : ∂F/∂p at the points.
+    condition : derivative of the extra equation with respect to (θ, p).
+    residual : of all n + 1 equations.
+    multipliers : from the right and from the left where they differ. Good to first order; nothing
+        beyond that is proved.
     """
     points = np.mod(at.theta, TWO_PI)
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])

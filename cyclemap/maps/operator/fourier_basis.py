@@ -138,8 +138,10 @@ class FourierDiscretisation:
     truncation and quadrature (the setting of Galatolo, Monge & Nisoli 2020). Integrals are taken
     branch by branch, so jumps and kinks cost nothing.
 
-    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature
-        nodes as are needed.
+    map, noise : whose cycle it is.
+    modes : 1 to 2000.
+    finer : how many times as many quadrature nodes as are needed.
+
     Raises InvalidInput for a number of modes outside that range.
     """
 

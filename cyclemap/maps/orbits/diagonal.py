@@ -147,7 +147,6 @@ def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
 
 
 # -- cell ends that lie on the diagonal, within the tangency
-# -------------------------------------------------
 
 
 def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array, Whole]:

@@ -93,7 +93,8 @@ class Folds:
 class Itinerary:
     """The branches of a fold's images; the whole turns of each image beside its branch's own turn.
 
-    closes : the fold that the last image meets to rounding. exactly : whether to the last digit.
+    closes : the fold that the last image meets to rounding.
+    exactly : whether to the last digit.
     """
 
     letters: list[int]

@@ -73,8 +73,10 @@ class LockingProof:
 class ProvedPoint:
     """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
 
-    theta : radians in [0, 2π). winding : w. multiplier : (Fⁿ)' there. image : index of the point
-        that F maps it to.
+    theta : radians in [0, 2π).
+    winding : w.
+    multiplier : (Fⁿ)' there.
+    image : index of the point that F maps it to.
     """
 
     theta: Estimate

@@ -203,10 +203,9 @@ def killed_chain(
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they
     fill the space.
 
-    lifted : the space is the real line, and an exit may reach to
-        ±inf; else the circle. every_sample : panels of nodes end at every sample of a sampled map.
-        stretch : factor on the
-        nodes' bandwidth.
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle.
+    every_sample : panels of nodes end at every sample of a sampled map.
+    stretch : factor on the nodes' bandwidth.
 
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.

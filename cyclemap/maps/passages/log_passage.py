@@ -159,7 +159,6 @@ def _log_time(chain: KilledChain, start: float) -> float:
 
 
 # -- sweeps over the moves that count
-# ------------------------------------------------------------------------
 
 
 def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
@@ -258,7 +257,6 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
 
 
 # -- elimination of every move
-# -------------------------------------------------------------------------------
 
 
 def _eliminated(chain: KilledChain, start: float) -> float:

@@ -54,7 +54,7 @@ def test_fitted_parameters_make_p_too_large_unless_they_are_fitted_again() -> No
     assert np.mean(plain) > 0.7 and np.mean(refitted) == pytest.approx(0.525, abs=0.105)
 
 
-def test_the_law_of_a_collection_is_that_of_its_first_image_at_first_and_the_stationary_one_at_last() -> (
+def test_a_collections_law_is_that_of_its_first_image_at_first_and_the_stationary_one_at_last() -> (
     None
 ):
     for start, length, count, density, error in (

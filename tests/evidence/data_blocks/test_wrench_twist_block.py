@@ -50,9 +50,7 @@ def test_without_noise_friction_and_dome_come_back_exactly() -> None:
     assert found.values == pytest.approx({**PARTS, **TRUTH}, abs=1e-6)
 
 
-def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surface_at_any_shape() -> (
-    None
-):
+def test_derivatives_are_slopes_and_the_prediction_the_limit_surfaces_at_any_shape() -> None:
     block, step = made_block(), 1e-3
     values = {
         "friction_scale": -1.3,

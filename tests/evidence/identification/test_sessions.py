@@ -156,6 +156,18 @@ def test_known_shapes_of_plates_are_told_by_the_names_that_blocks_ask_for() -> N
     assert believed == {"floor_dome": (0.0, 2.0), "plate_dome[hex]": (1.0, 0.5)}
 
 
+def test_what_is_alike_in_all_samples_is_known_as_well_as_without_any() -> None:
+    """All samples of this floor have the ring's lever alike but for rounding: no data could move
+    it.
+    """
+    floor = load_material("plywood-floor")
+    place = floor.posterior.parameters.index("pin_friction_mm")
+    assert len({row[place] for row in floor.posterior.samples}) == 1
+    believed = known_beliefs(floor, ["pin_friction_radius", "pusher_friction", "offset_x"])
+    assert believed["pin_friction_radius"] == (pytest.approx(8e-4), 5e-4)
+    assert believed["pusher_friction"][1] > 1e-3 and "offset_x" not in believed
+
+
 def rows(plate: str, speed: int, tip_error: float) -> list[str]:
     """Pushes that miss the object."""
     return [

@@ -11,8 +11,8 @@ Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
 
 
 def test_moebius_with_cauchy_noise_has_powers_of_its_multiplier_and_their_conjugates():
-    """With g = rB, B the Möbius map of the disc,
-    the eigenvalues are g'(z*)^n and their conjugates."""
+    """With g = rB, B the Möbius map of the disc, the eigenvalues are g'(z*)^n and their
+    conjugates."""
     a, omega, r = 0.5, 0.3, 0.9
     multiplier = r * np.exp(2j * np.pi * omega) * (1 - a * a) / (1 - a * Z_STAR) ** 2
     known = np.array([multiplier**n for n in range(1, 5)])

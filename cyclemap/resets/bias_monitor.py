@@ -11,9 +11,8 @@ import numpy as np
 
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.resets.monitor.arc_evidence import ArcEvidence
-from cyclemap.resets.monitor.bias_evidence import Rest, RestEvidence, RestRule, VisitEvidence
-from cyclemap.resets.monitor.coverage import Coverage, CoverageState
+from cyclemap.resets.bias_evidence import ArcEvidence, Rest, RestEvidence, RestRule, VisitEvidence
+from cyclemap.resets.coverage import Coverage, CoverageState
 from cyclemap.written import DIRECTION
 
 ALARM_RATE = 0.01

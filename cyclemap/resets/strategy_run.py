@@ -16,7 +16,7 @@ from cyclemap.checks import finite_number, non_negative_number, read_only, whole
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.protocol.strategy import ResetStrategy
-from cyclemap.resets.monitor.coverage import Crowding
+from cyclemap.resets.coverage import Crowding
 
 BINS = 36
 # The noise's stream of random numbers, beside that of what is drawn, which starts from the seed

@@ -4,9 +4,11 @@ and what to change.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +19,12 @@ from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
-from cyclemap.resets.monitor.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
+from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 from cyclemap.written import DIRECTION
+
+if TYPE_CHECKING:
+    import pandas
 
 # Pushes worth less than this share of as many spread evenly want another reset.
 LEAST_WORTH = 0.5
@@ -220,51 +225,45 @@ def audit(
 
 
 def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
-    if (
-        isinstance(data, (str, Path))
-        and Path(data).is_file()
-        and Path(data).suffix.lower() == ".csv"
-    ):
-        header = read_csv_table(data).header
-        if not {"x0", "x1"} <= set(header):
-            pairs = read_theta0_pairs(data)
-            if loop is not None:
-                check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
-            path = pairs.theta if pairs.path is None else pairs.path
-            return _LargestSet(path, pairs.path is not None)
-    given = load_pushes(data) if isinstance(data, (str, Path)) else data
-    table = given.table.dropna(subset=["theta0"])
+    if not isinstance(data, PushTable) and _tells_orientations_alone(Path(data)):
+        pairs = read_theta0_pairs(data)
+        if loop is not None:
+            check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
+        path = pairs.theta if pairs.path is None else pairs.path
+        return _LargestSet(path, pairs.path is not None)
+    pushes = data if isinstance(data, PushTable) else load_pushes(data)
+    table = pushes.table.dropna(subset=["theta0"])
     if not len(table):
-        why = (
-            f": {given.unreadable[0].path}: {given.unreadable[0].reason}"
-            if given.unreadable
-            else ""
-        )
+        files = pushes.unreadable[:1]
+        why = "".join(f": {file.path}: {file.reason}" for file in files)
         raise InvalidInput(f"{data}: no push with an orientation in it{why}")
-    check_pushes(given, loop)
+    check_pushes(pushes, loop)
     columns = ["surface", "object", "acceleration", "speed", "side", "fraction", "angle"]
     sets = table.groupby(columns, dropna=False, sort=False)
     largest = max((rows for _, rows in sets), key=len)
-    ordered = bool(largest["repetition"].notna().all()) and len(set(largest["repetition"])) == len(
-        largest
-    )
+    numbers = largest["repetition"]
+    ordered = bool(numbers.notna().all()) and numbers.nunique() == len(largest)
     rows = largest.sort_values("repetition", kind="stable") if ordered else largest
     # A table of one file is in the order in which it was written.
     ordered = ordered or rows["path"].nunique() == 1
+    posed, others = bool(rows["theta1"].notna().any()), len(table) - len(rows)
+    return _LargestSet(rows["theta0"].to_numpy(), ordered, _effect(rows), others, posed)
+
+
+def _tells_orientations_alone(path: Path) -> bool:
+    """Whether a file is a table without poses."""
+    is_table = path.is_file() and path.suffix.lower() == ".csv"
+    return is_table and not {"x0", "x1"} <= set(read_csv_table(path).header)
+
+
+def _effect(rows: pandas.DataFrame) -> ResetEffect | None:
+    """What the resets between pushes that follow each other did; None where these are too few."""
     followed = rows.dropna(subset=["theta1", "theta_next"])
-    reset = None
-    if len(followed) >= FEWEST:
-        before, after, then = (
-            followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next")
-        )
-        push_turn, reset_turn = after - before, then - after
-        spread = float(np.var(push_turn, ddof=1))
-        slope = (
-            float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else float("nan")
-        )
-        reset = ResetEffect(
-            push_turn, reset_turn, float(-reset_turn.mean() / push_turn.mean()), slope
-        )
-    posed = bool(rows["theta1"].notna().any())
-    others = len(table) - len(rows)
-    return _LargestSet(rows["theta0"].to_numpy(), ordered, reset, others, posed)
+    if len(followed) < FEWEST:
+        return None
+    before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
+    push_turn, reset_turn = after - before, then - after
+    spread = float(np.var(push_turn, ddof=1))
+    slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else math.nan
+    undone = float(-reset_turn.mean() / push_turn.mean())
+    return ResetEffect(push_turn, reset_turn, undone, slope)

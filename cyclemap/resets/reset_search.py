@@ -25,9 +25,9 @@ from cyclemap.protocol.strategy import (
     gripper_turns,
     legs,
 )
-from cyclemap.resets.design.action_cycles import SampledTurns, contact_lengths, sample_turns
-from cyclemap.resets.design.material_range import MaterialRange
-from cyclemap.resets.design.orientation_law import (
+from cyclemap.resets.action_cycles import SampledTurns, contact_lengths, sample_turns
+from cyclemap.resets.material_range import MaterialRange
+from cyclemap.resets.orientation_law import (
     affine_kernels,
     farthest,
     long_run,
@@ -61,9 +61,11 @@ _MATERIALS_FIRST = 3
 class ActionSet:
     """Actions that can be done together, with all that the search asks of them.
 
-    family : "pushes", "way back", "gripper" or "ring". hitch : m, of the ring, None: the
-        loop's. turns : on all
-    materials of the range. contact : (k,), m, shortest. kernels : (materials, k, 2M + 1, 2M + 1).
+    family : "pushes", "way back", "gripper" or "ring".
+    hitch : m, of the ring, None: the loop's.
+    turns : on all materials of the range.
+    contact : (k,), m, shortest.
+    kernels : (materials, k, 2M + 1, 2M + 1).
     """
 
     family: str
@@ -78,8 +80,9 @@ class ActionSet:
 class Candidates:
     """Mixtures of the actions of a set, n of them.
 
-    shares : (n, k), how often each action comes. tv, after : (n,), total variation from uniform at
-        the worst of the range, in the long run and after the pushes asked for from the worst start.
+    shares : (n, k), how often each action comes.
+    tv, after : (n,), total variation from uniform at the worst of the range, in the long run and
+        after the pushes asked for from the worst start.
     """
 
     source: ActionSet
@@ -124,34 +127,12 @@ def push_set(
     """Return the pushes of the loop's length on all sides that keep the object for `least_contact`
     (m) and never jump.
 
-    slants : rad, beside the loop's own. hitch : the ring there, pushed with the loop's own slant.
-        None where none does.
+    slants : rad, beside the loop's own.
+    hitch : the ring there, pushed with the loop's own slant. None where none does.
     """
     prepared = ResetStrategy((CycleAction(),), hitch=hitch).prepared(loop)
-    # The loop's push at several places and slants of every side; those of the loop itself among
-    # them.
-    straight = hitch is not None
-    outline, own = loop.slider.outline, loop.push
-    many = outline.sides > _MANY_SIDES
-    sides = sorted(
-        {
-            round(number)
-            for number in np.linspace(0, outline.sides - 1, min(outline.sides, _MOST_SIDES))
-        }
-    )
-    fractions = sorted(
-        {*FRACTIONS, own.fraction, 1.0 - own.fraction} if not straight else {own.fraction, 0.3, 0.7}
-    )
-    if not isinstance(outline, Polygon):
-        fractions = [step / 12.0 for step in range(12)]
-    angles = (own.angle,) if straight or many else sorted({*slants, own.angle})
-    near = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
-    places = product(
-        sides, [f for f, apart in zip(fractions, near.tolist(), strict=True) if apart], angles
-    )
-    actions = [CycleAction(push=replace(own, side=s, fraction=f, angle=a)) for s, f, a in places]
     possible = []
-    for action in actions:
+    for action in _pushes_around(loop, slants, hitch is not None):
         # The object may not allow it: in a concave corner, or running into two sides.
         with suppress(CycleMapError):
             action.on(prepared).cycle(0.0)
@@ -182,6 +163,30 @@ def push_set(
     least_steep = tuple(made.actions[number] for number in chosen.tolist())
     contact, kernels = made.contact[chosen], made.kernels[:, chosen]
     return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
+
+
+def _pushes_around(
+    loop: CollectionLoop, slants: tuple[float, ...], straight: bool
+) -> list[CycleAction]:
+    """The loop's push at several places and slants of every side, those of the loop itself among
+    them; `straight`: with its own slant alone.
+    """
+    outline, own = loop.slider.outline, loop.push
+    count = min(outline.sides, _MOST_SIDES)
+    sides = sorted({round(side) for side in np.linspace(0, outline.sides - 1, count)})
+    fractions = sorted(
+        {own.fraction, 0.3, 0.7} if straight else {*FRACTIONS, own.fraction, 1.0 - own.fraction}
+    )
+    if not isinstance(outline, Polygon):
+        fractions = [step / 12.0 for step in range(12)]
+    apart = np.diff(np.round(fractions, 6), prepend=-1.0) > 1e-3
+    has_many = outline.sides > _MANY_SIDES
+    angles = (own.angle,) if straight or has_many else sorted({*slants, own.angle})
+    places = product(sides, np.array(fractions)[apart].tolist(), angles)
+    return [
+        CycleAction(push=replace(own, side=side, fraction=fraction, angle=slant))
+        for side, fraction, slant in places
+    ]
 
 
 def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:

@@ -17,16 +17,16 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
-from cyclemap.resets.design.action_cycles import (
+from cyclemap.resets.action_cycles import (
     SampledTurns,
     contact_lengths,
     room_needed,
     sample_turns,
     seconds,
 )
-from cyclemap.resets.design.material_range import MaterialRange, material_range
-from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
-from cyclemap.resets.design.reset_ranking import (
+from cyclemap.resets.material_range import MaterialRange, material_range
+from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
+from cyclemap.resets.reset_ranking import (
     AFTER,
     AS_IT_IS,
     CHOSEN,
@@ -48,8 +48,8 @@ from cyclemap.resets.design.reset_ranking import (
     gathered,
     picked,
 )
-from cyclemap.resets.design.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
-from cyclemap.resets.design.strategy_run import (
+from cyclemap.resets.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
+from cyclemap.resets.strategy_run import (
     histogram_distances,
     histogram_shares,
     independent_distance,
@@ -68,6 +68,8 @@ _RUNS, _MOST_SIMULATED = 200, 4_000_000
 # Those by which the material is found where a histogram is worst.
 _ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
+# Strategies by what they are told for.
+Picks = list[tuple[str, ResetStrategy]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,44 +275,13 @@ def design_reset(
     """
     wanted, report = demands or ResetDemands(), progress or (lambda done: None)
     report(0.0)
-    if materials is None:
-        materials = material_range(loop.material)
-    elif not isinstance(materials, MaterialRange):
-        materials = MaterialRange(
-            replace(loop.material, wear=None, posterior=None), tuple(materials)
-        )
-    about = materials
+    about = _range_of(loop, materials)
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
     pool = _pool(nominal, wanted, about, sigma, report)
-    for firm in FIRM:
-        picks, binding = picked(pool, wanted, firm)
-        if binding:
-            break
-        # A closer look, on all materials.
-        best = picks[0][1]
-        turns = sample_turns(
-            best.prepared(nominal), best.actions, about.materials, _SAMPLES
-        ).refined(_REFINED)
-        laws = [
-            orientation_law(turn, best, sigma, wanted.within, _ENOUGH_MODES // 2) for turn in turns
-        ]
-        if (
-            _worst(about, laws, TV)[0] <= wanted.allow_tv
-            and _worst(about, laws, AFTER)[0] <= wanted.allow_after
-        ):
-            break
-    roles: dict[ResetStrategy, list[str]] = {}
-    for role, strategy in (
-        *picks,
-        *(((GIVEN, given),) if given is not None else ()),
-        (AS_IT_IS, OWN),
-    ):
-        roles.setdefault(strategy, []).append(role)
-    if len(roles) > MOST_ROWS:
-        # One's own strategy is told in place of what a gripper could do.
-        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
-    rows, course = _assessed(nominal, roles, pool.limits, wanted, about, sigma, seed, report)
+    judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
+    picks, binding = _closely_picked(pool, judge)
+    rows, course = _assessed(judge, _roles(picks, given), report)
     binding = binding if rows[0].misses else ()
     return ResetDesign(
         loop,
@@ -323,6 +294,37 @@ def design_reset(
         independent_distance(wanted.pushes),
         **course,
     )
+
+
+def _range_of(
+    loop: CollectionLoop, materials: Sequence[Material] | MaterialRange | None
+) -> MaterialRange:
+    if materials is None:
+        return material_range(loop.material)
+    if isinstance(materials, MaterialRange):
+        return materials
+    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
+
+
+def _closely_picked(pool: Pool, judge: _Judge) -> tuple[Picks, tuple[Limit, ...]]:
+    """What is picked, so far within the demands that the best keeps them on a closer look, too."""
+    for firm in FIRM:
+        picks, binding = picked(pool, judge.demands, firm)
+        if binding or judge.is_kept_by(picks[0][1]):
+            break
+    return picks, binding
+
+
+def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, list[str]]:
+    """The strategies that are told, each once, with all that it is."""
+    own = () if given is None else ((GIVEN, given),)
+    roles: dict[ResetStrategy, list[str]] = {}
+    for role, strategy in (*picks, *own, (AS_IT_IS, OWN)):
+        roles.setdefault(strategy, []).append(role)
+    if len(roles) > MOST_ROWS:
+        # One's own strategy is told in place of what a gripper could do.
+        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
+    return roles
 
 
 def _pool(
@@ -356,29 +358,34 @@ def _pool(
 
 
 def _assessed(
-    loop: CollectionLoop,
-    roles: dict[ResetStrategy, list[str]],
-    limits: dict[str, float],
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    seed: int,
-    report: Callable[[float], None],
+    judge: _Judge, roles: dict[ResetStrategy, list[str]], report: Callable[[float], None]
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
-    """The rows, from more samples and on all materials of the range,
-    and what is drawn beside them."""
+    """The rows, from more samples and on all materials of the range, and what is drawn beside
+    them.
+    """
     cycles: dict[ResetStrategy, SampledTurns] = {}
     for strategy in roles:
         report(0.4 + 0.4 * len(cycles) / len(roles))
-        cycles[strategy] = sample_turns(
-            strategy.prepared(loop), strategy.actions, about.materials, _SAMPLES
-        )
+        cycles[strategy] = judge.sampled(strategy)
     rows: list[ResetRow] = []
     for strategy, told in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
-        rows.append(
-            _row(loop, strategy, told, cycles[strategy], limits, demands, about, sigma, seed)
-        )
+        rows.append(judge.row(strategy, told, cycles[strategy]))
+    rows = _best_first(rows)
+    own, chosen = next(row for row in rows if AS_IT_IS in row.roles), rows[0]
+    turns = {row: cycles[row.strategy].refined(_REFINED)[0] for row in (own, chosen)}
+    simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
+    return tuple(rows), {
+        "orders": judge.distances_by_order(chosen, turns[chosen]),
+        "ratio_errors": np.array(_RATIO_STEPS),
+        "ratio_tv": np.array(list(map(judge.off_ratio, [chosen.strategy, *simplest]))),
+        "before": judge.histograms(own.strategy, turns[own]),
+        "after": judge.histograms(chosen.strategy, turns[chosen]),
+    }
+
+
+def _best_first(rows: list[ResetRow]) -> list[ResetRow]:
+    """The rows, the loop as it is chosen where it is as uniform as can be told."""
     own = next(row for row in rows if AS_IT_IS in row.roles)
     if (
         own is not rows[0]
@@ -387,107 +394,140 @@ def _assessed(
     ):
         best = tuple(role for role in rows[0].roles if role != CHOSEN) or (RESET,)
         leave = replace(own, roles=(CHOSEN, *own.roles))
-        rows = [leave, replace(rows[0], roles=best), *(row for row in rows[1:] if row is not own)]
-    chosen = rows[0].strategy
-    compared = [chosen, *(row.strategy for row in rows[1:] if SIMPLEST in row.roles)]
-    # The ratio of the axes off by a share, their geometric mean kept.
-    law, roots = about.nominal.friction, np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
-    bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
-    stretched = [replace(about.nominal, friction=one) for one in bent]
-    curves = []
-    for one in compared:
-        turns = sample_turns(one.prepared(loop), one.actions, stretched, _SAMPLES).refined(_REFINED)
-        curves.append([orientation_law(turn, one, sigma, 1).total_variation for turn in turns])
-    before, after = (
-        _histograms(cycles[one].refined(_REFINED)[0], one, demands.pushes, sigma, seed)
-        for one in (own.strategy, chosen)
-    )
-    return tuple(rows), {
-        "orders": _by_order(
-            cycles[chosen].refined(_REFINED)[0], rows[0], demands.pushes, sigma, seed
-        ),
-        "ratio_errors": np.array(_RATIO_STEPS),
-        "ratio_tv": np.array(curves),
-        "before": before,
-        "after": after,
-    }
+        return [leave, replace(rows[0], roles=best), *(row for row in rows[1:] if row is not own)]
+    return rows
 
 
-def _row(
-    loop: CollectionLoop,
-    strategy: ResetStrategy,
-    roles: Sequence[str],
-    cycles: SampledTurns,
-    limits: dict[str, float],
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    seed: int,
-) -> ResetRow:
-    turns = cycles.refined(_REFINED)
-    nominal = orientation_law(turns[0], strategy, sigma, demands.within)
-    modes = min(nominal.modes, _ENOUGH_MODES)
-    laws = [
-        nominal,
-        *(orientation_law(turn, strategy, sigma, demands.within, modes) for turn in turns[1:]),
-    ]
-    (worst, _), (worst_after, where) = (_worst(about, laws, of) for of in (TV, AFTER))
-    lengths, pushes = (
-        cycles.drag_length[0],
-        [(action.push or loop.push).distance for action in strategy.actions],
-    )
-    drag = float(strategy.shares @ lengths)
-    turned = np.array([action.turn != 0.0 for action in strategy.actions])
-    time = float(strategy.shares @ seconds(lengths + np.array(pushes), turned))
-    prepared, actions = (
-        strategy.prepared(loop),
-        dict.fromkeys(replace(one, turn=0.0) for one in strategy.actions),
-    )
-    room = max(room_needed(prepared, action) for action in actions)
-    contact = float(contact_lengths(prepared, list(actions)).min())
-    values = {
-        TV: worst,
-        AFTER: worst_after,
-        DRAG: drag,
-        SECONDS: time,
-        REACH: room,
-        CONTACT: contact,
-    }
-    # Contact is demanded at least, all else at most.
-    sign = {name: -1.0 if name == CONTACT else 1.0 for name in limits}
-    rough = [
-        _histograms(turn, strategy, demands.pushes, sigma, seed, _ROUGH_RUNS) for turn in turns
-    ]
-    peak = about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
-    spread = []
-    for material in (0, peak):
-        found = histogram_distances(
-            _histograms(turns[material], strategy, demands.pushes, sigma, seed)
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Looks at strategies more closely than the search did: on all materials of the range."""
+
+    loop: CollectionLoop
+    limits: dict[str, float]
+    demands: ResetDemands
+    about: MaterialRange
+    sigma: float
+    seed: int
+
+    def sampled(self, strategy: ResetStrategy) -> SampledTurns:
+        """What its actions do on every material."""
+        prepared = strategy.prepared(self.loop)
+        return sample_turns(prepared, strategy.actions, self.about.materials, _SAMPLES)
+
+    def is_kept_by(self, strategy: ResetStrategy) -> bool:
+        """Whether it is as uniform as is demanded."""
+        within, turns = self.demands.within, self.sampled(strategy).refined(_REFINED)
+        laws = [
+            orientation_law(turn, strategy, self.sigma, within, _ENOUGH_MODES // 2)
+            for turn in turns
+        ]
+        (tv, _), (after, _) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        return tv <= self.demands.allow_tv and after <= self.demands.allow_after
+
+    def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
+        """What it leaves and costs."""
+        turns, demands = cycles.refined(_REFINED), self.demands
+        nominal = orientation_law(turns[0], strategy, self.sigma, demands.within)
+        modes = min(nominal.modes, _ENOUGH_MODES)
+        others = (
+            orientation_law(turn, strategy, self.sigma, demands.within, modes) for turn in turns[1:]
         )
-        spread.append((float(found.mean()), float(found.std(ddof=1))))
-    unseen = (TV, AFTER) if spread[1][0] <= independent_distance(demands.pushes) else ()
-    misses = tuple(
-        name
-        for name, limit in limits.items()
-        if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
-    )
-    lacking = tuple(need for need in strategy.needs if need not in demands.abilities)
-    return ResetRow(
-        tuple(roles),
-        strategy,
-        nominal,
-        values[TV],
-        values[AFTER],
-        about.materials[where],
-        drag,
-        time,
-        room,
-        contact,
-        spread[0],
-        spread[1],
-        misses,
-        lacking,
-    )
+        laws = [nominal, *others]
+        (worst, _), (worst_after, where) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        values = {TV: worst, AFTER: worst_after, **self.costs(strategy, cycles)}
+        histogram, worst_histogram = self.distances(strategy, turns)
+        is_seen = worst_histogram[0] > independent_distance(demands.pushes)
+        return ResetRow(
+            tuple(roles),
+            strategy,
+            nominal,
+            worst,
+            worst_after,
+            self.about.materials[where],
+            values[DRAG],
+            values[SECONDS],
+            values[REACH],
+            values[CONTACT],
+            histogram,
+            worst_histogram,
+            self.misses(values, () if is_seen else (TV, AFTER)),
+            tuple(need for need in strategy.needs if need not in demands.abilities),
+        )
+
+    def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
+        """Drag, m, the time of a cycle, s, room and shortest contact, m."""
+        lengths, actions = cycles.drag_length[0], strategy.actions
+        pushes = np.array([(action.push or self.loop.push).distance for action in actions])
+        turned = np.array([action.turn != 0.0 for action in actions])
+        prepared = strategy.prepared(self.loop)
+        still = list(dict.fromkeys(replace(action, turn=0.0) for action in actions))
+        return {
+            DRAG: float(strategy.shares @ lengths),
+            SECONDS: float(strategy.shares @ seconds(lengths + pushes, turned)),
+            REACH: max(room_needed(prepared, action) for action in still),
+            CONTACT: float(contact_lengths(prepared, still).min()),
+        }
+
+    def misses(self, values: dict[str, float], unseen: tuple[str, ...]) -> tuple[str, ...]:
+        """The demands that are missed, of those that can be seen: contact is demanded at least,
+        all else at most.
+        """
+        sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}
+        return tuple(
+            name
+            for name, limit in self.limits.items()
+            if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
+        )
+
+    def distances(
+        self, strategy: ResetStrategy, turns: Array
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Mean and deviation of histograms' distances from uniform, nominal and where worst."""
+        rough = [self.histograms(strategy, turn, _ROUGH_RUNS) for turn in turns]
+        peak = self.about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
+        nominal, worst = (
+            histogram_distances(self.histograms(strategy, turns[material]))
+            for material in (0, peak)
+        )
+        return _spread(nominal), _spread(worst)
+
+    def histograms(self, strategy: ResetStrategy, turn: Array, most: int = _RUNS) -> Array:
+        """The histograms (runs, 36) of simulated collections."""
+        pushes = self.demands.pushes
+        runs = _runs(pushes, most)
+        found = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
+        return histogram_shares(found)
+
+    def distances_by_order(self, row: ResetRow, turn: Array) -> dict[str, float]:
+        """The mean histogram distance of the same actions in other orders, and chosen from the
+        orientation seen.
+        """
+        told, strategy = {RANDOM: row.histogram[0]}, row.strategy
+        if len(strategy.actions) == 1:
+            return told
+        found = {}
+        for order in (IN_TURN, SHUFFLED):
+            if order == SHUFFLED or strategy.weights is None:
+                found[order] = self.histograms(replace(strategy, order=order), turn)
+        pushes = self.demands.pushes
+        steered = steered_orientations(turn, pushes, _runs(pushes, _RUNS), self.sigma, self.seed)
+        found[STEERED] = histogram_shares(steered)
+        means = {
+            order: float(histogram_distances(shares).mean()) for order, shares in found.items()
+        }
+        return {**told, **means}
+
+    def off_ratio(self, strategy: ResetStrategy) -> list[float]:
+        """The total variation where the ratio of the friction's axes is off by shares of it, their
+        geometric mean kept.
+        """
+        nominal, law = self.about.nominal, self.about.nominal.friction
+        roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
+        bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
+        stretched = [replace(nominal, friction=friction) for friction in bent]
+        prepared = strategy.prepared(self.loop)
+        turns = sample_turns(prepared, strategy.actions, stretched, _SAMPLES).refined(_REFINED)
+        return [orientation_law(turn, strategy, self.sigma, 1).total_variation for turn in turns]
 
 
 def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:
@@ -497,28 +537,9 @@ def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tup
     return float(values[where]), where
 
 
-def _histograms(
-    turn: Array, strategy: ResetStrategy, pushes: int, sigma: float, seed: int, most: int = _RUNS
-) -> Array:
-    """The histograms (runs, 36) of simulated collections."""
-    runs = max(2, min(most, _MOST_SIMULATED // pushes))
-    return histogram_shares(sampled_orientations(turn, strategy, pushes, runs, sigma, seed))
+def _spread(distances: Array) -> tuple[float, float]:
+    return float(distances.mean()), float(distances.std(ddof=1))
 
 
-def _by_order(turn: Array, row: ResetRow, pushes: int, sigma: float, seed: int) -> dict[str, float]:
-    """The mean histogram distance of the same actions in other orders, and chosen from the
-    orientation seen.
-    """
-    told, strategy = {RANDOM: row.histogram[0]}, row.strategy
-    if len(strategy.actions) == 1:
-        return told
-    found = {}
-    for order in (IN_TURN, SHUFFLED):
-        if order == SHUFFLED or strategy.weights is None:
-            found[order] = _histograms(turn, replace(strategy, order=order), pushes, sigma, seed)
-    runs = max(2, min(_RUNS, _MOST_SIMULATED // pushes))
-    found[STEERED] = histogram_shares(steered_orientations(turn, pushes, runs, sigma, seed))
-    return {
-        **told,
-        **{order: float(histogram_distances(shares).mean()) for order, shares in found.items()},
-    }
+def _runs(pushes: int, most: int) -> int:
+    return max(2, min(most, _MOST_SIMULATED // pushes))

@@ -7,10 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import finite_number
@@ -94,7 +93,7 @@ class Crowding:
         return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
 
 
-def _cell(theta: Any) -> NDArray[np.int64]:
+def _cell(theta: ArrayLike) -> NDArray[np.int64]:
     cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(np.int64)
     return np.minimum(cells, CELLS - 1)
 
@@ -199,7 +198,7 @@ class Coverage:
         )
 
 
-def _columns(theta: Any) -> Array:
+def _columns(theta: ArrayLike) -> Array:
     columns = fourier_columns(theta, HARMONICS)
     columns[..., 1:] *= math.sqrt(2.0)
     return columns

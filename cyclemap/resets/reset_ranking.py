@@ -16,9 +16,9 @@ from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
-from cyclemap.resets.design.action_cycles import room_needed, seconds
-from cyclemap.resets.design.reset_search import Candidates
-from cyclemap.resets.design.strategy_run import independent_distance
+from cyclemap.resets.action_cycles import room_needed, seconds
+from cyclemap.resets.reset_search import Candidates
+from cyclemap.resets.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
@@ -156,15 +156,18 @@ class Limit:
 class Pool:
     """All candidates in one list, n of them.
 
-    parts : their sets. part, number : (n,), the set of each and its number there. family : (n,),
-        the set's.
-    able : (n,), whether the robot can do it. values : (n,) of
-        all that demands or ranks are about. limits : what is
-    demanded. excess : (n,), by how many e-foldings a value lies on the wrong side of its limit,
-        negative on the right
-    one. missed : (n,), the sum of those on the wrong side. actions : (n,), how many. untidy : (n,),
-        how far from simple a mixture of so many actions is: unequal weights, then places not the
-        loop's own.
+    parts : their sets.
+    part, number : (n,), the set of each and its number there.
+    family : (n,), the set's.
+    able : (n,), whether the robot can do it.
+    values : (n,) of all that demands or ranks are about.
+    limits : what is demanded.
+    excess : (n,), by how many e-foldings a value lies on the wrong side of its limit, negative on
+        the right one.
+    missed : (n,), the sum of those on the wrong side.
+    actions : (n,), how many.
+    untidy : (n,), how far from simple a mixture of so many actions is: unequal weights, then places
+        not the loop's own.
     """
 
     parts: tuple[Candidates, ...]

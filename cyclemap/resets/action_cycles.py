@@ -17,7 +17,7 @@ from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
-from cyclemap.resets.design.material_range import on_material
+from cyclemap.resets.material_range import on_material
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5

@@ -17,7 +17,7 @@ from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX
-from cyclemap.resets.monitor.bias_monitor import LARGEST_ORIENTATION
+from cyclemap.resets.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, CsvRow, CsvTable
 
 COLUMNS = ("theta0_deg", "theta0_accum_deg")
@@ -59,6 +59,7 @@ def theta0_feed(
         themselves.
     convention : of the angles, None: what a collection.toml with the data says; orientations alone
         cannot tell it.
+
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
     place, convention = Path(path), convention or convention_of(path)

@@ -33,8 +33,9 @@ def affine_kernels(turn: Array, modes: int, sigma: float) -> Array:
     """Return the affine maps (..., 2M + 1, 2M + 1) of cycles that turn by `turn` (..., n) rad at n
     equal steps.
 
-    modes : M, below n/2. sigma : standard deviation of the noise added to a cycle, rad. They act on
-        (Re p, Im p, 1), so that one after another is their product.
+    modes : M, below n/2.
+    sigma : standard deviation of the noise added to a cycle, rad. They act on (Re p, Im p, 1), so
+        that one after another is their product.
 
     >>> rigid = affine_kernels(np.full(8, 0.5), 1, 0.0)   # a rotation by half a radian
     >>> (rigid.round(4) + 0.0).tolist()
@@ -198,15 +199,15 @@ def orientation_law(
     return OrientationLaw(*found, count, size, error, density)
 
 
-def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float, modes: int = 96) -> float:
-    """Return |lambda|, by which the slowest departure from the long run falls a push, with so many
+def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float) -> float:
+    """Return |lambda|, by which the slowest departure from the long run falls a push, with 96
     Fourier modes.
 
     >>> from cyclemap.protocol.strategy import CycleAction
     >>> round(slowest_factor(np.full((1, 256), 2.4), ResetStrategy((CycleAction(),)), 0.5), 4)
     0.8825
     """
-    steps = _steps(affine_kernels(turn, min(modes, turn.shape[-1] // 4), sigma), strategy)
+    steps = _steps(affine_kernels(turn, min(96, turn.shape[-1] // 4), sigma), strategy)
     return float(np.abs(np.linalg.eigvals(steps[-1][:-1, :-1])).max() ** (1.0 / len(steps)))
 
 
