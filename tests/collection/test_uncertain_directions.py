@@ -11,7 +11,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.uncertain_directions import sampled_loop
-from cyclemap.maps import fixed_points
+from cyclemap.maps import WrappedNormal, fixed_points, response
 from cyclemap.mechanics import (
     EllipseFriction,
     FoundWith,
@@ -143,3 +143,17 @@ def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance
         ends += [float(orbit.points[0]) for orbit in points if orbit.stable]
     (one,) = found.directions
     assert (one.lower, one.upper) == pytest.approx((min(ends), max(ends)), abs=3e-4)
+
+
+@pytest.mark.slow
+def test_a_direction_moves_by_the_engines_derivatives_as_the_response_of_sampled_maps_tells():
+    """By the rod's friction: dθ*/dp = -f_p/(f' - 1), exact, and by differences of five maps."""
+    loop = CollectionLoop.mit("plywood")
+
+    def family(friction):
+        return loop_from_settings({"pusher_mu": friction}, loop).circle_map(1e-7)
+
+    ((theta, rate),) = response(family, 0.15, WrappedNormal(0.3), (0.0, 0.8)).stable_points
+    exact = loop.sensitivity(theta)
+    assert rate.holds(-exact.by("pusher_friction") / (exact.by("theta") - 1.0))
+    assert rate.error_bound < 0.01 < abs(rate)

@@ -174,8 +174,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("+ error * (np.abs(steepness) + off)\n", "\n"),
             ("return min(outer.max_error + steepest * error", "return min(outer.max_error + error"),
             (
-                "angle, turns = one(angle), turns * float(one.degree)",
-                "angle, turns = one(angle), turns",
+                "turns = turns * float(one.degree)",
+                "turns = 1.0 * turns",
             ),
             (
                 "lowest > 0.0, error / (np.abs(slope) * lowest), np.inf",
@@ -276,12 +276,12 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "(np.abs(low) > TANGENCY * touch)\n            & (np.abs(high) > TANGENCY * touch)",
             ),
             (
-                "broken, smallest = np.any(table < 0, axis=0)",
-                "broken, smallest = np.any(table < -1, axis=0)",
+                "broken = np.any(table < 0, axis=0)",
+                "broken = np.any(table < -1, axis=0)",
             ),
             (
-                "theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap",
-                "theta = np.where(beyond, theta - TWO_PI, theta)",
+                "whole = whole - beyond * scan.lap",
+                "whole = whole + 0 * beyond",
             ),
         ],
     ),
@@ -337,8 +337,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("if q < 1 or gcd(p, q) != 1:", "if q < 1:"),
             (
-                "gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)",
-                "gap, noise = sign * gap, 1e9 * np.max(rounding, axis=1)",
+                "noise = 2.0 * np.max(rounding, axis=1)",
+                "noise = 1e9 * np.max(rounding, axis=1)",
             ),
         ],
     ),
