@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.evidence.tables.measured_cycle_map import full_turns
+from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
 from cyclemap.views.map_panels import CIRCLE

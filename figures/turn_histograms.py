@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.evidence import TurnHistogram, turn_histogram
-from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
+from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
 from cyclemap.views.map_panels import OUTCOMES
 from cyclemap.views.style import say

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.tables.set_fit import MotionLaw
+from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.views import style
 from cyclemap.views.fit_page import draw_motion_law
 from cyclemap.views.map_panels import CIRCLE, draw_curves

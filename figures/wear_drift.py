@@ -13,7 +13,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
-from cyclemap.evidence.tables.measured_cycle_map import TurnPace
+from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views import style
 from cyclemap.views.map_panels import CIRCLE, draw_turns

@@ -458,10 +458,7 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
     pushes = load_pushes(
         data, angles=convention.angles, frame=convention.frame, offset_deg=offset
     ).table
-    # The names by which rods' places are replayed, too.
-    told = pushes.drop(columns=["path", "samples", "dx", "dy"]).rename(
-        columns={"theta0": "th0", "theta1": "th1"}
-    )
+    told = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
     return str(told.to_csv(index=False, lineterminator="\n"))
 
 

@@ -21,8 +21,7 @@ from rich.text import Text
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
-from cyclemap.text_files import file_stem as file_stem
-from cyclemap.text_files import write_whole
+from cyclemap.text_files import file_stem as file_stem, write_whole
 from cyclemap.written import Json
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     QuantityAgreement,
     mean_distances,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue
+from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop

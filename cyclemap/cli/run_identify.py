@@ -22,16 +22,15 @@ from cyclemap.evidence.data_blocks.collected_blocks import (
     collected_blocks,
     telling_parameters,
 )
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
 from cyclemap.evidence.identification.known_floor import (
+    FLOOR_TOLD,
     held_values,
     known_beliefs,
     known_shapes,
     known_spread,
 )
 from cyclemap.evidence.identification.surface_parameters import (
-    SURFACE,
     ParameterSpace,
     starting_space,
 )
@@ -160,12 +159,12 @@ def _identified(
     """Identify what was asked for, or else what the data tell, and is not fixed."""
     blocks, plate = collected.blocks, collected.loop.slider.name
     named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
-    believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
+    believed = None if known is None else known_beliefs(known, FLOOR_TOLD)
     named = named or tuple(
         name for name in telling_parameters(blocks, believed) if name not in fixed
     )
     held = held_values(blocks, space, named, known)
-    beliefs = usual_beliefs(named) | known_beliefs(known, named, plate)
+    beliefs = collected.beliefs(named) | known_beliefs(known, named, plate)
     groups = sum(len(set(block.groups.tolist())) for block in blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:

@@ -18,7 +18,7 @@ from cyclemap.cli.output import (
 )
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.replay.replay_table import (
+from cyclemap.evidence.comparison.replay_table import (
     DATASET_PUSHER,
     ReplayedPushes,
     dataset_sliders,

@@ -5,7 +5,6 @@ once.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
@@ -104,7 +103,7 @@ class Estimate(float):
         object.__setattr__(made, "error_bound", float(error_bound))
         return made
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"cannot set {name!r}: an Estimate never changes")
 
     def __reduce__(self) -> tuple[type[Estimate], tuple[float, float]]:

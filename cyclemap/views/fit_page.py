@@ -10,15 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
-from cyclemap.evidence.tables.measured_cycle_map import (
+from cyclemap.evidence.laws.measured_cycle_map import (
     FEWEST_FOR_WEAR,
     MapState,
     MeasuredCycleMap,
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
 from cyclemap.views import style
 from cyclemap.views.map_panels import (
     CIRCLE,

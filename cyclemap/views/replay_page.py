@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.collection.cycle_scene import placed
-from cyclemap.evidence.replay.replay_push import Replay
-from cyclemap.evidence.replay.replay_table import ReplayedPushes
+from cyclemap.evidence.comparison.replay_push import Replay
+from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.views import style
 from cyclemap.views.object_page import MM, draw_way
 from cyclemap.views.sentences import angle

@@ -20,7 +20,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     mean_distances,
     pooled_quantities,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue
+from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.views.sentences import angle
 
 # A prediction is rejected below this p-value.

@@ -97,6 +97,8 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
         (["box.toml", "--floor", "plywood"], "plywood: a plan needs samples"),
         (["box.toml", "--pushes", "40"], "40"),
         (["box.toml", "--after", "none.csv"], "none.csv"),
+        (["box.toml", "--after", "box.toml"], "another kind (.toml); --after takes the table that"),
+        (["box.toml", "--after", "."], "holds no .h5, .json or .csv file; --after takes the table"),
     ],
 )
 def test_bad_use_is_one_line_that_names_the_value(here, capsys, arguments, words) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -14,15 +13,15 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.orientations.collection_null import CollectionModel
+from cyclemap.evidence.comparison.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
+from cyclemap.progress import Progress, part_of
 
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a
 # spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
-Progress = Callable[[float], None]
 Predictor = CollectionLoop | CircleMap | DriftingMap
 
 
@@ -106,16 +105,18 @@ def as_prediction(
             f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap "
             "with noise"
         )
-    report = progress or (lambda fraction: None)
-    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, lambda done: report(0.3 * done))
     samples = list[CircleMap | DriftingMap]()
     loops = posterior_samples(given)
+    parts = 1 + len(loops)
+    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, part_of(progress, 0, parts))
     for done, loop in enumerate(loops, 1):
         # A surface at the edge of the posterior may not be able to make every cycle: the others
         # tell the spread.
         with suppress(UnsupportedContact, ConvergenceError):
-            samples.append(_map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, lambda done: None))
-        report(0.3 + 0.7 * done / len(loops))
+            samples.append(
+                _map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, part_of(None, 0, 1))
+            )
+        part_of(progress, done, parts)(1.0)
     kept = tuple(samples) if len(samples) > 1 else ()
     return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
 

@@ -18,9 +18,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
-from cyclemap.evidence.predicted_strokes import loop_of_session, predicted_push_ends
+from cyclemap.evidence.predicted_strokes import loop_of_plate, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.mechanics import Slider
 
 # What belongs to a plate, or to the frame that its data are in, and what to a session.
 PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
@@ -47,15 +47,6 @@ class SessionBlock:
     session: str
     pushes: Sequence[MeasuredPush] = ()
     strayed: float | None = None
-
-
-def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
-    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
-    for another name.
-    """
-    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
-        return loop
-    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
 
 
 def named_blocks(

@@ -71,7 +71,8 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
         for touched, nodes, spread in blocks:
             gathered[np.mod(touched, cells)] += (spread @ columns[nodes]).view(np.complex128)
         along = np.fft.fft(gathered, axis=0)
-        falling, rising = undone[:, None] * along[order], undone[:, None] * along[-order]
+        falling = undone[:, None] * along[order]
+        rising = undone[:, None] * along[-order]
         both = np.concatenate([0.5 * (rising + falling), -0.5j * (rising - falling)[1:]]).T
         last = first + len(both)
         found[first:last] = both.real

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
@@ -118,7 +119,7 @@ class CircularLaw:
         object.__setattr__(self, "heights", read_only(values[::2] / total))
         object.__setattr__(self, "masses", read_only(below))
 
-    def cumulative(self, theta: Any) -> Array:
+    def cumulative(self, theta: ArrayLike) -> Array:
         """Probability of the arc from 0 to θ mod 2π, any shape."""
         angle = np.mod(finite_array("theta", theta), TWO_PI)
         step = TWO_PI / self.cells
@@ -138,7 +139,7 @@ class CircularLaw:
         return np.diff(np.append(inner, 1.0))
 
 
-def orientations(name: str, sample: Any, single: bool = False) -> Array:
+def orientations(name: str, sample: ArrayLike, single: bool = False) -> Array:
     """Angles brought into [0, 2π), shape (..., n) with n ≥ 1, or (n,) where ``single``; else
     InvalidInput.
     """
@@ -152,7 +153,12 @@ def orientations(name: str, sample: Any, single: bool = False) -> Array:
     return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
 
 
-def circular_wasserstein(sample: Any, law: Any) -> Array:
+def _two_samples(sample: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:
+    angles = orientations("sample", sample, single=True)
+    return angles, orientations("second sample", second, single=True)
+
+
+def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Array:
     """Return the Wasserstein distance of order 1 on the circle.
 
     Parameters
@@ -193,10 +199,7 @@ def circular_wasserstein(sample: Any, law: Any) -> Array:
     """
     if not isinstance(law, CircularLaw):
         # F - G is constant from one angle of either sample to the next.
-        pair = [
-            orientations(name, one, single=True)
-            for name, one in (("sample", sample), ("second sample", law))
-        ]
+        pair = _two_samples(sample, law)
         angles = np.unique(np.concatenate(pair))
         shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
         levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
@@ -243,7 +246,9 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
     return np.asarray(np.sum(width * mean, axis=1))
 
 
-def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
+def total_variation(
+    sample: ArrayLike, law: CircularLaw | ArrayLike, bins: int = DEFAULT_BINS
+) -> Array:
     """Return the total variation distance ½ Σ |share of the sample - probability| over equal bins
     of [0, 2π).
 
@@ -276,10 +281,7 @@ def total_variation(sample: Any, law: Any, bins: int = DEFAULT_BINS) -> Array:
     0.5
     """
     if not isinstance(law, CircularLaw):
-        pair = [
-            orientations(name, one, single=True)
-            for name, one in (("sample", sample), ("second sample", law))
-        ]
+        pair = _two_samples(sample, law)
         first, second = (
             np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair
         )
@@ -335,7 +337,7 @@ class PValue:
     standard_error: float
 
 
-def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
+def monte_carlo_p_value(observed: float, simulated: ArrayLike) -> PValue:
     """The upper-tail p-value of ``observed`` among ``simulated`` (runs,) values under the null.
 
     Raises InvalidInput without simulated values or where a number is not finite.
@@ -351,7 +353,7 @@ def monte_carlo_p_value(observed: float, simulated: Any) -> PValue:
     return PValue((1 + reached) / (null.size + 1), null.size, mark, quantiles, error)
 
 
-def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
+def kuiper_statistic(sample: ArrayLike, law: CircularLaw) -> Array:
     """Return Kuiper's V = max(F - G) + max(G - F); it does not depend on the origin of the angles.
 
     Parameters
@@ -390,7 +392,7 @@ def kuiper_statistic(sample: Any, law: CircularLaw) -> Array:
     ]
 
 
-def watson_statistic(sample: Any, law: CircularLaw) -> Array:
+def watson_statistic(sample: ArrayLike, law: CircularLaw) -> Array:
     """Return Watson's U² = n ∫ (F - G - mean)² dG; it does not depend on the origin of the angles.
 
     Parameters
@@ -428,7 +430,7 @@ def watson_statistic(sample: Any, law: CircularLaw) -> Array:
     return np.asarray(size * np.var(excess, axis=-1) + 1.0 / (12.0 * size))[()]
 
 
-def kernel_modes(theta: Any, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
+def kernel_modes(theta: ArrayLike, bandwidth: float = DEFAULT_BANDWIDTH) -> Array:
     """Return the maxima of a wrapped normal kernel estimate of the density of orientations.
 
     Parameters

@@ -6,26 +6,26 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Whole
 from cyclemap.checks import read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
+from cyclemap.evidence.laws.circular_distance import PValue, monte_carlo_p_value
 from cyclemap.evidence.laws.linear_fit import (
     cycle_folds,
     fourier_columns,
     nested_errors,
     weighted_least_squares,
 )
+from cyclemap.evidence.laws.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
 from cyclemap.evidence.laws.periodic_law import (
     PeriodicLaw,
     fit_periodic_law,
     paired_arrays,
     scatter_weights,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue, monte_carlo_p_value
-from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-from cyclemap.evidence.tables.push_sets import (
+from cyclemap.evidence.laws.push_sets import (
     FEWEST,
     QUANTITIES,
     PushSet,
@@ -33,6 +33,7 @@ from cyclemap.evidence.tables.push_sets import (
     push_statistics,
 )
 from cyclemap.maps import RestMultiplier, rest_multiplier
+from cyclemap.progress import Progress, part_of
 
 # Below this many pushes the scatter is taken constant: its dependence on the angle cannot be told
 # from chance.
@@ -128,7 +129,7 @@ def set_laws(
     *,
     harmonics: int | None = None,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> SetLaws:
     """Fit the laws of turn and displacement over θ0 to a set of pushes.
 
@@ -160,11 +161,10 @@ def set_laws(
     [1.2, 0.1]
     """
     laws = []
-    for done, quantity in enumerate(QUANTITIES, 1):
+    for index, quantity in enumerate(QUANTITIES):
         values = getattr(pushes, quantity)
         laws.append(motion_law(quantity, pushes.theta, values, harmonics=harmonics, seed=seed))
-        if progress is not None:
-            progress(done / len(QUANTITIES))
+        part_of(progress, index, len(QUANTITIES))(1.0)
     return SetLaws(pushes.name, pushes.count, *laws)
 
 
@@ -250,7 +250,7 @@ class TurnHistogram:
     """
 
     edges: Array
-    measured: NDArray[np.int64]
+    measured: Whole
     predicted: Array
     law_alone: Array
     total_variation: float
@@ -448,7 +448,7 @@ def fit_set(
     harmonics: int | None = None,
     wear: bool = True,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> SetFit:
     """Fit the laws, the histogram and the cycle map of a set; never fails for want of pushes.
 
@@ -481,14 +481,10 @@ def fit_set(
     >>> fit_set(pushes, harmonics=1).laws.count
     30
     """
-    report = progress or (lambda fraction: None)
-    laws = set_laws(
-        pushes, harmonics=harmonics, seed=seed, progress=lambda share: report(0.3 * share)
-    )
+    laws = set_laws(pushes, harmonics=harmonics, seed=seed, progress=part_of(progress, 0, 2))
     histogram, turns = None, laws.dtheta
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
-    report(0.4)
     cycle_map = rest = None
     problem: str | None = "no push has a known next θ0"
     pairs = pushes.pairs
@@ -499,12 +495,12 @@ def fit_set(
                 harmonics=harmonics,
                 wear=wear,
                 seed=seed,
-                progress=lambda share: report(0.4 + 0.6 * share),
+                progress=part_of(progress, 1, 2),
             )
             problem = None
         except (InvalidInput, ConvergenceError) as error:
             problem = str(error)
         if pairs.path is not None and not pairs.moved:
             rest = rest_multiplier(pairs.path)
-    report(1.0)
+    part_of(progress, 0, 1)(1.0)
     return SetFit(pushes, push_statistics(pushes), laws, histogram, cycle_map, problem, rest)

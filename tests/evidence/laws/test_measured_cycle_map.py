@@ -9,17 +9,17 @@ from made_sets import TURN, worn_pairs, worn_turn
 from refusals import refused
 
 from cyclemap.evidence.laws.fit_map import fit_map
+from cyclemap.evidence.laws.measured_cycle_map import (
+    MeasuredCycleMap,
+    full_turns,
+    measured_cycle_map,
+    turn_pace,
+)
 from cyclemap.evidence.pushes.theta0_pairs import (
     Theta0Pairs,
     is_covered,
     read_theta0_pairs,
     turn_bins,
-)
-from cyclemap.evidence.tables.measured_cycle_map import (
-    MeasuredCycleMap,
-    full_turns,
-    measured_cycle_map,
-    turn_pace,
 )
 
 pytestmark = pytest.mark.slow

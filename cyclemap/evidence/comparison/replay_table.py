@@ -4,37 +4,34 @@ speed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cyclemap.arrays import Place
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, InvalidInput
+from cyclemap.evidence.comparison.replay_push import TOLD, Replay, replay_push
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
-from cyclemap.evidence.pushes.columns import column_value
+from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, Selection
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
-    FACTS,
     LARGEST_TIP_ERROR,
-    PUSH_END_COLUMNS,
     RowSelection,
-    push_ends,
     select_pushes,
     session_name,
-    tip_error,
 )
-from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
-from cyclemap.evidence.replay.replay_push import TOLD, Replay, replay_push
+from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
-from cyclemap.text_files import file_stem, read_csv_table
+from cyclemap.progress import Progress, part_of
+from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -78,9 +75,10 @@ ACCURACY = 1e-5
 # Where the dataset's robot dragged objects to, m.
 DATASET_TARGET = (0.35, -0.03)
 _FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "repetition")
-# Reading the folder is this share of the work.
-_READING = 0.1
+# Reading the folder is one of so many parts of the work.
+_PARTS = 10.0
 _A_SCAN = "a friction scan, not a push"
+_NO_TIPS = "a table of poses before and after has no tip path to replay"
 REPLAY_COLUMNS = (
     *_FACTS,
     "error",
@@ -219,8 +217,8 @@ def replay_pushes(
     path: str | Path,
     loop: CollectionLoop,
     *,
-    select: Mapping[str, str | float] | None = None,
-    progress: Callable[[float], None] | None = None,
+    select: Selection | None = None,
+    progress: Progress | None = None,
 ) -> ReplayedPushes:
     """Replay every push of a file, a folder or a tree along its own tip path; see `replay_push`.
 
@@ -274,37 +272,36 @@ def replay_pushes(
     """
     import pandas
 
-    report = progress or (lambda fraction: None)
     chosen = dict(select or {})
     selection = RowSelection((str(chosen["object"]),) if "object" in chosen else (), chosen)
-    found, left = select_pushes(
-        Path(path), selection, True, lambda fraction: report(_READING * fraction)
-    )
-    if not len(found.table) and left:
+    pushes, left = select_pushes(Path(path), selection, True, part_of(progress, 0, _PARTS))
+    if not len(pushes.table) and left:
         reasons = ", ".join(f"{count} {why}" for why, count in left.items())
         raise InvalidInput(f"{path}: nothing is selected: {reasons}")
     replayer = _Replayer(loop)
-    of_known = found.table["object"].isin([*replayer.sliders])
-    check_pushes(replace(found, table=found.table[of_known]), loop)
-    left_out = [
-        *found.unreadable,
-        *(UnreadableFile(Path(file), _A_SCAN) for file in found.scans["path"].unique()),
-    ]
-    rows: list[dict[str, object]] = []
+    of_known = pushes.table["object"].isin([*replayer.sliders])
+    check_pushes(replace(pushes, table=pushes.table[of_known]), loop)
+    left_out = [*pushes.unreadable]
+    left_out += [UnreadableFile(Path(file), _A_SCAN) for file in pushes.scans["path"].unique()]
+    rows: list[Row] = []
     replays: list[Replay] = []
     done = 0
-    for file in map(Path, found.table["path"].unique()):
-        for facts, record in _recorded(file, selection, left_out):
-            done += 1
+    for name, own in pushes.table.groupby("path", sort=False):
+        file = Path(str(name))
+        if own[[*RODS]].isna().all(axis=None):
+            left_out.append(UnreadableFile(file, f"{_NO_TIPS}: no {', '.join(RODS)}"))
+            continue
+        for push in own.sort_values("line", kind="stable").to_dict("records"):
             try:
-                row, replay = replayer.replayed(facts, record)
+                row, replay = replayer.replayed(push)
             except CycleMapError as error:
                 left_out.append(UnreadableFile(file, str(error)))
             else:
-                rows.append({**row, "path": str(file)})
+                rows.append(row)
                 replays.append(replay)
-            report(_READING + (1.0 - _READING) * min(done / len(found.table), 1.0))
-    report(1.0)
+            done += 1
+            part_of(progress, 1.0 + (_PARTS - 1.0) * done / len(pushes.table), _PARTS)(0.0)
+    part_of(progress, 0, 1)(1.0)
     left_out.sort(key=lambda entry: entry.path)
     table = pandas.DataFrame(rows, columns=list(REPLAY_COLUMNS))
     return ReplayedPushes(table, tuple(replays), tuple(left_out))
@@ -318,10 +315,12 @@ class _Replayer:
         self.sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}
         self.models: dict[str, tuple[QuasiStaticModel, QuasiStaticModel]] = {}
 
-    def replayed(self, facts: PushFacts, record: PushRecord) -> tuple[dict[str, object], Replay]:
-        """Return the row of a push, and its replay; raises CycleMapError where there is none."""
-        name = facts.object
-        if name is None:
+    def replayed(self, push: Row) -> tuple[Row, Replay]:
+        """Return the row of a push, a row of `PushTable.table`, and its replay; raises
+        CycleMapError where there is none.
+        """
+        name, material = push["object"], self.loop.material
+        if not isinstance(name, str):
             raise InvalidInput(
                 "its name does not say which object was pushed: it is not of the MIT layout"
             )
@@ -330,65 +329,42 @@ class _Replayer:
                 f"object {name!r} has no outline: neither the material file nor the data's "
                 "collection.toml has it"
             )
-        session = session_name(name, facts.speed)
+        session = session_name(name, push["speed"])
         if session not in self.models:
             model = loop_of_session(self.loop, self.sliders[name], session).model
             self.models[session] = model, model.isotropic
         model, plain = self.models[session]
-        material = self.loop.material
-        seen = record if material.field is None else _seen_from(record, DATASET_TARGET)
-        replay = replay_push(seen, model, frame_shift(material, name))
-        beside = replay_push(seen, plain)
+        record = _record(push, (0.0, 0.0) if material.field is None else DATASET_TARGET)
+        replay = replay_push(record, model, frame_shift(material, name))
+        beside = replay_push(record, plain)
         isotropic = {
             "isotropic_error": float(beside.error[-1]),
             "isotropic_turn_error": float(beside.turn_error[-1]),
         }
-        known = {key: getattr(facts, key) for key in _FACTS}
-        return {**known, **replay.summary(), **isotropic}, replay
+        told = {column: push[column] for column in (*_FACTS, "path")}
+        return {**told, **replay.summary(), **isotropic}, replay
 
 
-def _seen_from(record: PushRecord, place: tuple[float, float]) -> PushRecord:
-    """The same push with its world's origin at a place, m."""
-    shift = np.array([0.0, *place, 0.0])
-    return PushRecord(record.object_pose - shift, record.tip_pose - shift, record.ft_wrench)
-
-
-def _recorded(
-    path: Path, selection: RowSelection, left_out: list[UnreadableFile]
-) -> Iterator[tuple[PushFacts, PushRecord]]:
-    """The pushes of a file with what is known of each: one of a file of the MIT layout, many of a
-    CSV table. What cannot be read is added to ``left_out``.
+def _record(push: Row, origin: Place) -> PushRecord:
+    """The recording of a push, with its world's origin at a place, m; of a row of a CSV table its
+    poses before and after, between which the rod went straight.
     """
-    try:
-        if path.suffix.lower() == CSV_SUFFIX:
-            yield from _of_table(path, selection, left_out)
-            return
-        record = convention_of(path).record(read_push_file(path))
-        if not isinstance(record, PushRecord):
-            raise InvalidInput(_A_SCAN)
-        yield push_facts(path) or PushFacts(), record
-    except CycleMapError as error:
-        left_out.append(UnreadableFile(path, str(error)))
-
-
-def _of_table(
-    path: Path, selection: RowSelection, left_out: list[UnreadableFile]
-) -> Iterator[tuple[PushFacts, PushRecord]]:
-    table = convention_of(path).table(read_csv_table(path))
-    if missing := [name for name in PUSH_END_COLUMNS if name not in table.header]:
-        raise InvalidInput(
-            f"a table of poses before and after has no tip path to replay: no {', '.join(missing)}"
+    if math.isnan(push["line"]):
+        record = convention_of(push["path"]).record(read_push_file(push["path"]))
+        assert isinstance(record, PushRecord)
+        series = record.object_pose, record.tip_pose, record.ft_wrench
+    else:
+        if push["tip_error"] > LARGEST_TIP_ERROR:
+            astray = f"the robot was {1e3 * push['tip_error']:.3g} mm off its way"
+            raise InvalidInput(f"line {push['line']:.0f}: {astray}")
+        before, after = ([push[name] for name in names] for names in (ENDS[:3], ENDS[3:]))
+        tips = np.reshape([push[name] for name in RODS], (2, 2))
+        times = np.array([[0.0], [1.0]])
+        series = (
+            np.hstack([times, [before, after]]),
+            np.hstack([times, tips, np.zeros((2, 1))]),
+            np.zeros((1, 4)),
         )
-    for row in table.rows:
-        facts = {name: column_value(table, row, name) for name in FACTS}
-        if selection.refusal(facts):
-            continue
-        astray = tip_error(table, row)
-        if astray > LARGEST_TIP_ERROR:
-            reason = f"line {row.line}: the robot was {1e3 * astray:.3g} mm off its way"
-            left_out.append(UnreadableFile(path, reason))
-            continue
-        start, end, tip_start, tip_end = push_ends(table, row)
-        poses = np.array([[0.0, start.x, start.y, start.theta], [1.0, end.x, end.y, end.theta]])
-        tips = np.array([[0.0, *tip_start, 0.0], [1.0, *tip_end, 0.0]])
-        yield PushFacts(**facts), PushRecord(poses, tips, np.zeros((1, 4)))
+    poses, tip, wrench = series
+    shift = np.array([0.0, *origin, 0.0])
+    return PushRecord(poses - shift, tip - shift, wrench)

@@ -4,27 +4,26 @@ was fitted to.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way, stretches
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
-from cyclemap.evidence.orientations.circular_distance import circular_wasserstein, total_variation
+from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     Theta0Pairs,
     angle_histogram,
     is_covered,
 )
-from cyclemap.evidence.tables.push_sets import FEWEST
 from cyclemap.maps import Orbit, fixed_points, slow_passages
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE
 
 _RUNS = 200
@@ -81,7 +80,7 @@ class TurnPace:
         return float(np.mean(held)) if held.size else float("nan")
 
 
-def full_turns(path: Array, level: float = 0.0) -> NDArray[np.int64]:
+def full_turns(path: Array, level: float = 0.0) -> Whole:
     """The places (k + 1,) in the path (m,), rad, unwrapped, where it first reaches level + 2πj for
     each next whole j.
 
@@ -281,7 +280,7 @@ def measured_cycle_map(
     wear: bool = True,
     runs: int = _RUNS,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> MeasuredCycleMap:
     """Fit the map, and follow it from where the measured path stood.
 
@@ -331,11 +330,10 @@ def measured_cycle_map(
         raise InvalidInput(
             f"{pairs.theta.size} pairs are too few for a cycle map; give at least {FEWEST}"
         )
-    report = progress or (lambda fraction: None)
     fitted = _fitted(pairs, harmonics, wear, seed)
-    report(0.5)
+    part_of(progress, 0, 2)(1.0)
     forecast = _forecast(pairs, fitted, whole_number("runs", runs, least=2), seed)
-    report(1.0)
+    part_of(progress, 1, 2)(1.0)
     # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees
     # of each place.
     worn, seen = fitted.wear, is_covered(pairs.theta, _AROUND)
@@ -358,9 +356,7 @@ def measured_cycle_map(
     return MeasuredCycleMap(pairs, fitted, quietest, loudest, early, late, forecast)
 
 
-def _map_state(
-    fitted: FittedMap, share: float, seen: NDArray[np.bool_], bias: Array, crowd: NDArray[np.int64]
-) -> MapState:
+def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: Whole) -> MapState:
     """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
     each place.
     """
@@ -402,27 +398,23 @@ def _map_state(
     # where all are.
     held = seen & (sign == 0.0)
     first = int(np.argmin(held))
-    edges = (
-        np.flatnonzero(np.diff(np.roll(held, -first).astype(np.int8), prepend=0, append=0)) + first
-    )
-    for low, high in edges.reshape(-1, 2).tolist():
-        run = [k % _GRID for k in range(low, high)]
+    for low, high in stretches(np.roll(held, -first)):
+        run = [k % _GRID for k in range(first + low, first + high)]
         if sign[run[0] - 1] * sign[(run[-1] + 1) % _GRID] < 0.0:
             sure += [orbits[k] for k in run if k in orbits]
         else:
             undecided.append(place(_least(np.abs(turn), np.array(run))))
-    passages = (
-        (round(one.theta / TWO_PI * _GRID) % _GRID, one.passage_cycles)
-        for one in slow_passages(frozen)
-    )
-    slow = tuple(place(k, cycles) for k, cycles in passages if sign[k] != 0.0)
+    slow = []
+    for passage in slow_passages(frozen):
+        index = round(passage.theta / TWO_PI * _GRID) % _GRID
+        if sign[index] != 0.0:
+            slow.append(place(index, passage.passage_cycles))
     slowest = place(_least(np.abs(turn), np.flatnonzero(seen)))
-    return MapState(
-        cycle, tuple(sorted(sure, key=lambda one: one.points[0])), slow, tuple(undecided), slowest
-    )
+    sure.sort(key=lambda orbit: orbit.points[0])
+    return MapState(cycle, tuple(sure), tuple(slow), tuple(undecided), slowest)
 
 
-def _least(values: Array, places: NDArray[np.int64]) -> int:
+def _least(values: Array, places: Whole) -> int:
     """The one of these places where the values are least: in the middle,
     where they are all alike."""
     least = places[values[places] <= np.min(values[places]) + 1e-12]
@@ -431,12 +423,19 @@ def _least(values: Array, places: NDArray[np.int64]) -> int:
 
 def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) -> FittedMap:
     """With numbered cycles the law may wear; paths without wear are paths of a law of degree 0."""
-    options: dict[str, Any] = {"harmonics": harmonics, "noise_harmonics": None, "seed": seed}
+    fit = partial(
+        fit_map,
+        pairs.theta,
+        pairs.theta_next,
+        harmonics=harmonics,
+        noise_harmonics=None,
+        seed=seed,
+        cycle=pairs.cycle,
+    )
     if pairs.cycle is None or np.ptp(pairs.cycle) == 0.0:
-        return fit_map(pairs.theta, pairs.theta_next, **options)
-    options["cycle"] = pairs.cycle
+        return fit(cycle=None)
     told = wear and pairs.theta.size >= FEWEST_FOR_WEAR
-    fitted = fit_map(pairs.theta, pairs.theta_next, wear_degree=None if told else 0, **options)
+    fitted = fit(wear_degree=None if told else 0)
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
@@ -444,8 +443,7 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     # out: the cautious degree depends on how the folds are dealt, and the turns foretold depend on
     # the degree.
     best = int(np.argmin(np.min(worn.rmse_by_order, axis=1)))
-    same = best in (0, worn.degree)
-    return fitted if same else fit_map(pairs.theta, pairs.theta_next, wear_degree=best, **options)
+    return fitted if best in (0, worn.degree) else fit(wear_degree=best)
 
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:

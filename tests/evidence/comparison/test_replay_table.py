@@ -10,7 +10,8 @@ from made_replays import START, clock, loop_on, model_of, record_of
 from refusals import refused
 
 import cyclemap as cm
-from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS, replay_pushes
+from cyclemap.errors import DoubtfulInput
+from cyclemap.evidence.comparison.replay_table import REPLAY_COLUMNS, replay_pushes
 from cyclemap.mechanics import (
     FrameShift,
     PatchFootprint,
@@ -176,6 +177,12 @@ def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> N
     assert found.table["isotropic_error"].min() > 1e-4
     assert [one.reason for one in found.not_replayed] == ["line 5: the robot was 9 mm off its way"]
     refused(replay_pushes, path, shifted, select={"surface": "delrin"}, told="nothing is selected")
+    # A row without a pose takes none of the others with it.
+    rows.insert(1, [*rows[0][:6], "", *rows[0][7:]])
+    path.write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]))
+    with pytest.warns(DoubtfulInput, match="1 of 6 rows left out for want of a pose"):
+        again = replay_pushes(path, shifted, select={"surface": "abs"})
+    assert again.table["error"].tolist() == found.table["error"].tolist()
 
 
 pytestmark = pytest.mark.slow

@@ -7,8 +7,8 @@ from refusals import refused
 from scipy.stats import wasserstein_distance
 
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.tables.push_sets import push_statistics
-from cyclemap.evidence.tables.set_fit import motion_law, set_laws, turn_histogram
+from cyclemap.evidence.laws.push_sets import push_statistics
+from cyclemap.evidence.laws.set_fit import motion_law, set_laws, turn_histogram
 
 GRID = np.linspace(0.0, 2 * np.pi, 90)
 # The paper's plywood: RMSE of the fitted law of Δθ (°), of Δx and Δy (mm): the noise put on the

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
+from cyclemap.evidence.laws.push_sets import PushSet
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
-from cyclemap.evidence.tables.push_sets import PushSet
 
 TURN = 2 * np.pi
 HEADER = "surface,shape,v_mm_s,i,s,t,rep,x0,y0,th0,x1,y1,th1"

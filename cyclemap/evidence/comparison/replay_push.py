@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
@@ -88,7 +88,7 @@ def _from_chord(place: Array) -> Array:
     return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
 
 
-def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> tuple[float, Array]:
+def rod_gap(model: QuasiStaticModel, pose: Pose, place: Place) -> tuple[float, Array]:
     """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward
     normal (2,) there.
 
@@ -111,7 +111,7 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> 
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
 
-def clearing_shift(model: QuasiStaticModel, pose: Pose, place: tuple[float, float]) -> Array:
+def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
     """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object;
     zero outside.
 
@@ -258,9 +258,7 @@ class Replay:
         return numbers | {name: getattr(self, name) for name in TOLD}
 
 
-def replay_push(
-    record: PushRecord, model: QuasiStaticModel, offset: tuple[float, float] = (0.0, 0.0)
-) -> Replay:
+def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.0, 0.0)) -> Replay:
     """Push the model's slider from a record's first pose along the record's tip path.
 
     Parameters

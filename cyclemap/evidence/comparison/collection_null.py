@@ -7,14 +7,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.orientations.circular_distance import (
+from cyclemap.evidence.laws.circular_distance import (
     CircularLaw,
     PValue,
     circular_wasserstein,
@@ -24,6 +24,7 @@ from cyclemap.evidence.orientations.circular_distance import (
     watson_statistic,
 )
 from cyclemap.maps import CircleMap, DriftingMap, Noise, sample_staircases
+from cyclemap.progress import Progress, part_of
 
 _CELLS = 4096  # of the grid on which the images of an ensemble are counted
 _REFIT_ENSEMBLE = 40  # paths of the ensemble of each refitted model
@@ -207,7 +208,7 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
 
 
 def collection_p_values(
-    theta: Any,
+    theta: ArrayLike,
     model: CollectionModel,
     statistics: Mapping[str, CollectionStatistic] | None = None,
     *,
@@ -215,7 +216,7 @@ def collection_p_values(
     seed: int = 0,
     refit: CollectionRefit | None = None,
     ensemble: Ensemble | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> dict[str, PValue]:
     """P-values of a path of orientations under a map that may wear, autocorrelation and fitted
     parameters included.
@@ -280,7 +281,7 @@ def collection_p_values(
     >>> [collection_p_values(path, model)["turns"].value < 0.05 for model in (worn, still)]
     [False, True]
     """
-    path, report = finite_array("theta", theta, ndim=1), progress or (lambda fraction: None)
+    path = finite_array("theta", theta, ndim=1)
     if path.size < 2:
         raise InvalidInput(
             f"theta holds {path.size} orientations: a chain needs at least two, in order"
@@ -305,13 +306,13 @@ def collection_p_values(
         null = values(paths, known)
     else:
         parts = []
-        for done, one in enumerate(paths, 1):
+        for index, made in enumerate(paths):
             # An ensemble of the simulated collection's own fit, made as the measured one's was.
             own = simulated_ensemble(
-                refit(one), float(one[0]), one.size, known.paths.shape[0], first_seed + 1
+                refit(made), float(made[0]), made.size, known.paths.shape[0], first_seed + 1
             )
-            parts.append(values(one[None], own))
-            report(done / len(paths))
+            parts.append(values(made[None], own))
+            part_of(progress, index, len(paths))(1.0)
         null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}
-    report(1.0)
+    part_of(progress, 0, 1)(1.0)
     return {name: monte_carlo_p_value(float(observed[name][0]), null[name]) for name in chosen}

@@ -9,7 +9,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.stats import vonmises
 
 from cyclemap.evidence import kernel_modes
-from cyclemap.evidence.orientations.circular_distance import (
+from cyclemap.evidence.laws.circular_distance import (
     CircularLaw,
     PValue,
     circular_wasserstein,

@@ -9,9 +9,9 @@ from made_replays import FRICTION, START, clock, model_of, record_of, world
 from refusals import refused
 
 from cyclemap.errors import RodMissesObject
+from cyclemap.evidence.comparison.replay_push import BEND, push_along, replay_push, tip_path
+from cyclemap.evidence.comparison.replay_table import dataset_sliders
 from cyclemap.evidence.pushes.contact_forces import interpolated
-from cyclemap.evidence.replay.replay_push import BEND, push_along, replay_push, tip_path
-from cyclemap.evidence.replay.replay_table import dataset_sliders
 from cyclemap.mechanics import PatchFootprint, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.outline import Ellipse, Polygon
 

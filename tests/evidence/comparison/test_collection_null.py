@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.evidence.orientations.circular_distance import CircularLaw
-from cyclemap.evidence.orientations.collection_null import (
+from cyclemap.evidence.comparison.collection_null import (
     CollectionModel,
     collection_p_values,
     collection_statistics,
     simulated_ensemble,
 )
+from cyclemap.evidence.laws.circular_distance import CircularLaw
 from cyclemap.maps import CircleMap, DriftingMap, WrappedNormal, transfer_operator
 
 KICKS = WrappedNormal(0.3)

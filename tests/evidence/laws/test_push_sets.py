@@ -7,8 +7,8 @@ import pytest
 from made_sets import HEADER, TURN, made_set, noisy_set, true_turn, worn_pairs, write_collection
 from refusals import refused
 
+from cyclemap.evidence.laws.push_sets import push_sets, push_statistics
 from cyclemap.evidence.pushes.push_table import load_pushes
-from cyclemap.evidence.tables.push_sets import push_sets, push_statistics
 
 PUSH = "0.35,-0.03,0.1,0.37,-0.05,0.4"
 

@@ -4,7 +4,7 @@ differ.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import Row
+from cyclemap.evidence.pushes.columns import Row, Selection
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 
@@ -95,9 +95,7 @@ class PushSet:
         return bool(np.isfinite(self.dtheta).any())
 
 
-def push_sets(
-    pushes: PushTable, select: Mapping[str, str | float] | None = None
-) -> tuple[PushSet, ...]:
+def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushSet, ...]:
     """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed
     and contact.
 
@@ -155,7 +153,7 @@ def _shared(rows: pandas.DataFrame) -> Row:
     return dict(facts.iloc[0][alike & facts.iloc[0].notna()])
 
 
-def selected_pushes(table: pandas.DataFrame, select: Mapping[str, str | float]) -> pandas.DataFrame:
+def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFrame:
     """Return the rows whose columns of ``SURROUNDINGS`` and ``CONTACT`` have these values, SI units
     and radians.
 
@@ -215,8 +213,7 @@ def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) ->
     follows = known[:-1] & (np.diff(number) == 1.0)
     steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    start = path[known]
-    return Theta0Pairs(start, start + turn[known], path, {}, number[known], number)
+    return Theta0Pairs.along(path, turn, known, number)
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:
@@ -225,7 +222,7 @@ def _names(sets: list[tuple[Path, Row]]) -> list[str]:
 
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
-    candidates: list[list[str]] = [[], [], [], []]
+    known = []
     for number, (home, facts) in enumerate(sets, 1):
         short = " ".join(facts[key] for key in _TEXT if key in facts) or home.stem
         told = [
@@ -234,12 +231,11 @@ def _names(sets: list[tuple[Path, Row]]) -> list[str]:
             if key in facts and (letter != "a" or facts[key])
         ]
         long = " ".join([short, *told])
-        levels = (short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}")
-        for names, name in zip(candidates, levels, strict=True):
-            names.append(name)
+        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}"))
+    alike = [Counter(names) for names in zip(*known, strict=True)]
     return [
-        next(names[place] for names in candidates if names.count(names[place]) == 1)
-        for place in range(len(sets))
+        next(name for name, counts in zip(names, alike, strict=True) if counts[name] == 1)
+        for names in known
     ]
 
 
