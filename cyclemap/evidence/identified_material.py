@@ -272,8 +272,8 @@ class IdentifiedCurves:
 def identified_curves(
     found: Identification, scans: Array | None = None, seed: int = 0
 ) -> IdentifiedCurves:
-    """Compute what is drawn of an identification; `scans` :
-    (s, 2) tractions of its friction scans."""
+    """Compute what is drawn of an identification; `scans` : (s, 2) tractions
+    of its friction scans."""
     laws = [
         SurfaceParameters.from_values(one).to_friction()
         for one in sampled_values(found, _BAND_DRAWS, seed)
