@@ -40,6 +40,10 @@ _COUNTS = {2: "two", 3: "three", 4: "four"}
 _TOLD_SHARE = 0.005
 
 
+# Of orbits that come back after more cycles noise leaves nothing.
+_MOST_IN_TURN = 12
+
+
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it
     on.
@@ -70,7 +74,11 @@ def headline(portrait: Portrait) -> str:
         for how, places in (("locks into", locked), ("rests at", rests))
         if places
     ]
-    words = words or [f"gathers about {listed(jumps)}" if jumps else "locks into no direction"]
+    lock = portrait.rotation.locked
+    nowhere = "locks into no direction"
+    if lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
+        nowhere = f"locks into {lock.denominator} directions in turn"
+    words = words or [f"gathers about {listed(jumps)}" if jumps else nowhere]
     told = f"{portrait.loop.material.name} {' and '.join(words)}"
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
         told += f" (locked in {known.chance:.0%} of what its data allow)"

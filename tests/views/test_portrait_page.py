@@ -229,3 +229,10 @@ def test_of_few_samples_no_interval_is_told_nor_a_decimal(count: int, told: str)
     have = "1 of 200 samples has" if count == 1 else "38 of 200 samples have"
     said = f"{have} a stable direction (to first order), only {told}."
     assert sentences.uncertainty_sentence("felt", known).endswith(said)
+
+
+@pytest.mark.slow
+def test_a_loop_that_comes_back_after_five_cycles_is_said_to() -> None:
+    loop = CollectionLoop.mit("plywood")
+    loop = replace(loop, slider=replace(loop.slider, hitch=(0.0, 0.0)), accuracy=1e-6)
+    assert sentences.headline(portrait(loop)) == "plywood locks into 5 directions in turn"

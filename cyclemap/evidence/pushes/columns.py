@@ -51,7 +51,7 @@ _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
 _TELLING, _MOST_OF_A_TURN = 8, 0.7
 # No cycle scatters by as many radians, and hardly one by as few degrees; orientations all around
 # reach over more than so many radians.
-_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 4.5, 200.0
+_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 5.6, 200.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
 # on.
 _AN_EPOCH = 1e8
@@ -103,9 +103,12 @@ _ENDS = {
     "0": r"(?:0|i|before(?:_push)?|start|initial|init|pre|vorher|vor|first)",
     "1": r"(?:1|f|after(?:_push)?|end|final|post|nachher|nach|last)",
 }
-_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)_"
+_ROD = r"(?:tip|rod|pusher|finger|tool|robot|ee|tcp)_"
 # Words of a name that tell no column from another, where others stand beside them.
-_IDLE = r"field|pose|pos|position|transform|translation|object|obj|tag|marker|body"
+_IDLE = (
+    r"field|pose|pos|position|transform|translation"
+    r"|object|objekt|obj|box|block|slider|tag|marker|body"
+)
 QUATERNION = ("qx", "qy", "qz", "qw")
 # What may be told of a file beside its columns: the topic of a bag, the sheet of a workbook.
 OF_THE_FILE = ("pose", "sheet")
@@ -416,9 +419,11 @@ def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool
     if min(map(len, known)) < _TELLING:
         return False
     if unit == "rad":
-        values = known[0]
-        alone = len(known) == 1 and float(np.ptp(values)) < _MOST_OF_A_CIRCLE
-        return alone and _scatter(values) > _ROUGH
+        low, high = float(known[0].min()), float(known[0].max())
+        # Radians that are wrapped begin at 0 or at minus half a turn.
+        is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
+        around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
+        return len(known) == 1 and not around and _scatter(known[0]) > _ROUGH
     # Rows before and after pushes may take turns.
     return most < _MANY_TURNS and any(
         all(_goes_on_in_radians(values[::every]) for values in known) for every in (1, 2)

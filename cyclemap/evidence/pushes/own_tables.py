@@ -60,6 +60,8 @@ _ORIENTATIONS = {"theta0_deg", "theta_next_deg", "flag"}
 _UPRIGHT = 0.9
 # Columns that say of a row whether it counts, and the value with which it does.
 _FLAGS = {"good": 1.0, "bad": 0.0}
+# So many orientations tell whether they begin anew each half a turn.
+_MANY_OF_HALVES = 20
 # So many rows a push are many; of a stream, places bend by less than this share of their spread.
 _MANY_ROWS, _SMOOTH = 200, 0.05
 # What robots write where they have no number.
@@ -274,6 +276,7 @@ def _understood(
             _refuse_a_stream(columns, meaning)
         if "theta1" not in columns:
             _refuse_several(columns)
+            _refuse_half_turns(table.columns["theta0"])
         return table if growing else _ordered(table)
 
 
@@ -405,6 +408,22 @@ def _refuse_several(columns: Columns) -> None:
             raise InvalidInput(f"{told}: split them, a table each")
 
 
+def _refuse_half_turns(theta: Array) -> None:
+    """Refuse orientations that begin anew each half a turn, as those of an axis without a head."""
+    known = theta[np.isfinite(theta)]
+    if known.size < _MANY_OF_HALVES or float(np.ptp(known)) > 1.01 * math.pi:
+        return
+    steps = np.diff(known)
+    jumps = np.abs(steps) > 0.6 * math.pi
+    rest = np.abs(steps[~jumps])
+    ahead = np.abs(math.pi - np.abs(steps[jumps]))
+    if jumps.sum() >= 2 and (ahead <= 1.5 * rest.max(initial=0.0)).all() and not jumps.mean() > 0.3:
+        raise InvalidInput(
+            "its orientations jump back by half a turn: those of an axis without a head? All "
+            "around are wanted, 0 to 360 degrees"
+        )
+
+
 def _collections(columns: Mapping[str, Array]) -> Whole:
     """Which of the collections in a table each row (n,) is of."""
     names: list[str] = [name for name in ("surface", "object", "run") if name in columns]
@@ -455,7 +474,7 @@ def _is_stream(columns: Columns, guessed: bool) -> bool:
     step = float(np.median(np.diff(np.sort(t[np.isfinite(t)])))) if t.size > 1 else 0.0
     if not step > 0.0:
         raise InvalidInput(
-            "its times do not rise from row to row; mend them, or say --columns theta0=NAME"
+            "its times do not rise from row to row: keep the rows of the object alone, in their order"
         )
     is_whole = guessed and step >= _A_CYCLE and (t % 1.0 == 0.0).all()
     if is_whole or _STREAM_STEP < step < _A_CYCLE:
@@ -563,7 +582,8 @@ def _cleaned(table: OwnTable) -> OwnTable:
     kept = np.all([np.isfinite(columns[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
-        raise InvalidInput(f"{told}; two or more are wanted")
+        mend = ": their numbers do not go up by 1, leave them out where rows do" if gaps else ""
+        raise InvalidInput(f"{told}; two or more are wanted{mend}")
     pushes = {name: columns[name][kept] for name in named if name in columns}
     return table.then(pushes, *words)
 

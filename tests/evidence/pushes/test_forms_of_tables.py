@@ -254,9 +254,23 @@ def test_rows_that_follow_a_moving_object_without_times_are_no_pushes(tmp_path) 
         ({"yaw": 4.0 + np.random.default_rng(1).standard_normal(PUSHES)}, "radians, or degrees"),
         ({"yaw_deg": THETA, "surface": ["felt", "tin"] * 12}, "several surfaces, felt, tin: split"),
         ({"x0_px": NUMBERS, "y0_px": 0, "x1_px": 1, "y1_px": 2, "yaw_deg": 3}, "its pixels by the"),
+        ({"yaw": 0.5 + 1.6 * np.cos(NUMBERS**2)}, "radians, or degrees"),
+        ({"yaw_deg": np.degrees(3.0 * THETA) % 180.0}, "jump back by half a turn"),
+        ({"push": 10 * NUMBERS, "yaw_deg": THETA}, "their numbers do not go up by 1"),
+        ({"t": np.repeat(NUMBERS, 2), "yaw_deg": 3.0}, "keep the rows of the object alone"),
         (quaternions(BEFORE, "q{}", upright="x"), "turn about neither z nor y"),
     ],
-    ids=["past a turn", "near 0", "two surfaces", "pixels", "lying"],
+    ids=[
+        "past a turn",
+        "on one side",
+        "two surfaces",
+        "pixels",
+        "near 0",
+        "half turns",
+        "tens",
+        "two bodies",
+        "lying",
+    ],
 )
 def test_what_two_readings_are_possible_of_is_asked_for(tmp_path, columns, told) -> None:
     path = tmp_path / "log.csv"
