@@ -77,7 +77,7 @@ def _probed(asked: ProbeOptions) -> Probe:
             "say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION"
         )
     loop = replace(
-        chosen_loop(asked.options, asked.data)[0],
+        chosen_loop(asked.options, asked.data).loop,
         material=load_material("isotropic"),
         accuracy=1e-6,
     )

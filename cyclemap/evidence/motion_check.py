@@ -95,7 +95,8 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     seen, in words.
 
     loop : who is pushed where; objects of the MIT dataset that the data name are known without.
-        Raises OtherConvention where another reading of an object's pushes explains them far better.
+
+    Raises OtherConvention where another reading of an object's pushes explains them far better.
     """
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
@@ -150,8 +151,8 @@ def check_orientations(
     loop makes of them.
 
     Alone they cannot tell it, which is said; beside a loop that explains them in a mirror, and only
-    there, they do:
-    OtherConvention is raised then. convention : in which they were read.
+    there, they do: OtherConvention is raised then.
+    convention : in which they were read.
     """
     angles = convention.words().partition("angles ")[2]
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
@@ -199,7 +200,8 @@ class _Written:
     """Pushes as they are written: places, displacements, first and last places of the rod as
     complex numbers, angles and turns; m and rad as read.
 
-    rows : of the table, for what is no motion. tips : (n, 2), NaN where unknown.
+    rows : of the table, for what is no motion.
+    tips : (n, 2), NaN where unknown.
     """
 
     rows: pandas.DataFrame
@@ -286,10 +288,9 @@ def check_motion(
     these cannot tell.
 
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
-        own frame, which tells whether angles and axes turn the same
-        way, not which way that is. convention : in which the table was read. told : whether
-        somebody said it, who is then
-        warned, not refused.
+        own frame, which tells whether angles and axes turn the same way, not which way that is.
+    convention : in which the table was read.
+    told : whether somebody said it, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.
@@ -305,8 +306,10 @@ def check_motion(
     looked, by_rod = _Looked.at(test, _Reading(convention)), False
     if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
         looked, by_rod = _by_rod(looked, written, loop)
-    off_centre = looked.test.off_centre(looked.taken, min(_BEATEN * looked.here, looked.best))
-    if looked.explains(moved) or (off_centre and looked.here > _WELL * moved):
+    off_centre = looked.test.off_centre(
+        looked.taken, min(_BEATEN * looked.here, looked.best), moved
+    )
+    if looked.explains(moved) or off_centre:
         line = off_centre or _refusal(looked)
         if not told:
             raise OtherConvention(line)
@@ -475,9 +478,11 @@ class _Predicted:
                 found.append(replace(convention, offset=offset))
         return found
 
-    def off_centre(self, taken: _Reading, limit: float) -> str:
+    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
         """What is wrong where the places are those of another point of the object than its origin,
         as one that leaves less than `limit` (m) in the median tells; empty where none does.
+
+        moved : m, the size of motions.
         """
         _, motion, turn = self.written.read(taken)
         swept = np.exp(1j * turn) - 1.0
@@ -487,7 +492,11 @@ class _Predicted:
         point = _middle(off / np.where(swept == 0.0, math.inf, swept))
         away = np.hypot(np.abs(off - swept * point), self.lever * (turn - self.turn))
         left = float(np.median(away))
-        if left > _CLEARLY * limit or abs(point) > _WITHIN * self.lever:
+        # Pushes that turn the object alike are off alike on any floor: then it takes more than that.
+        alike = float(np.median(np.abs(off - _middle(off))))
+        least = (_EXPLAINS if left > _CLEARLY * alike else _WELL) * moved
+        is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
+        if not is_other or self.distance(taken) <= least:
             return ""
         where = f"({1e3 * point.real:.3g}, {1e3 * point.imag:.3g}) mm"
         told = (
@@ -514,7 +523,7 @@ class _Alike(_Predicted):
         super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
         self.count = int(largest.sum())
 
-    def off_centre(self, taken: _Reading, limit: float) -> str:
+    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
         """Nothing: alike are pushes of any point."""
         return ""
 

@@ -13,7 +13,8 @@ from cyclemap.maps import CircleMap, Noise, UniformNoise, VonMises, WrappedCauch
 TWO_PI = 2 * np.pi
 MOST_WAVES = 5_000
 _NODES = 20
-_LOGARITHM_NODES = 48  # ln|F'| has its singularities beside the circle where F' is small
+# Of ln|F'|, whose singularities lie beside the circle where F' is small: F' > .01 leaves 1e-14.
+_LOGARITHM_PANELS, _LOGARITHM_NODES = 8, 48
 _UNIFORM_MODES = 700
 
 
@@ -91,11 +92,10 @@ def noise_coefficients(noise: Noise, orders: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class DenseNumbers:
-    """Moments E e^{imθ}, m = 0, 1, ...; mean turns a cycle and E ln|F'|; what they may be off."""
+    """Moments E e^{imθ}, m = 0, 1, ...; mean turns a cycle; what they may be off."""
 
     moments: np.ndarray
     rotation: float
-    exponent: float
     off: float
 
     def density(self, theta: np.ndarray) -> np.ndarray:
@@ -104,66 +104,75 @@ class DenseNumbers:
         waves = np.exp(-1j * np.multiply.outer(theta, orders)) @ self.moments[1:]
         return (1.0 + 2.0 * waves.real) / TWO_PI
 
+    def mean(self, theta: np.ndarray, weight: np.ndarray, values: np.ndarray) -> float:
+        """Of values at the nodes of a rule, under the stationary distribution."""
+        density = [self.density(some) for some in np.array_split(theta, 1 + theta.size // 4_000)]
+        return float(np.dot(np.concatenate(density) * weight, values)) * TWO_PI
+
 
 def dense_numbers(case: RandomLift) -> DenseNumbers:
-    """A Galerkin method in complex waves on Gauss nodes, twenty on every half wave of the detail,
-    cut at the breaks.
+    """A Galerkin method in complex waves on Gauss nodes, twenty on every wave of the detail, cut at
+    the breaks.
 
     Under uniform noise waves fall slowly: there all is off by what half as many modes change.
     """
-    orders = np.arange(0.0, 3_000.0)
-    kappa = noise_coefficients(case.noise, orders)
-    if isinstance(case.noise, UniformNoise):
-        rough, fine = (
-            _dense(case, kappa[: modes + 1]) for modes in (_UNIFORM_MODES // 2, _UNIFORM_MODES)
-        )
-        off = max(
-            np.max(np.abs(fine.moments[:3] - rough.moments[:3])),
-            abs(fine.rotation - rough.rotation),
-        )
-        return DenseNumbers(fine.moments, fine.rotation, fine.exponent, 2.0 * float(off))
-    return _dense(case, kappa[: int(np.argmax(np.abs(kappa) < 1e-18)) + 1])
-
-
-def _dense(case: RandomLift, kappa: np.ndarray) -> DenseNumbers:
-    modes = kappa.size - 1
-    theta, weight = _gauss_rule(case, modes, _NODES)
+    kappa = noise_coefficients(case.noise, np.arange(0.0, 3_000.0))
+    uniform = isinstance(case.noise, UniformNoise)
+    modes = _UNIFORM_MODES if uniform else int(np.argmax(np.abs(kappa) < 1e-18))
+    theta, weight = _gauss_rule(case, max(case.waves, modes, 96), _NODES)
     turn = case.map(theta) - theta
+    matrix = _galerkin(theta, turn, weight, modes)
+    moments = _stationary(matrix, kappa[: modes + 1])
+    fine = DenseNumbers(moments, np.nan, 0.0)
+    rotation = fine.mean(theta, weight, turn) / TWO_PI
+    if not uniform:
+        return DenseNumbers(moments, rotation, 0.0)
+    half = modes // 2
+    inner = matrix[: half + 1, modes - half : modes + half + 1]
+    rough = DenseNumbers(_stationary(inner, kappa[: half + 1]), np.nan, 0.0)
+    by_rotation = abs(rotation - rough.mean(theta, weight, turn) / TWO_PI)
+    off = max(by_rotation, *np.abs(moments - np.pad(rough.moments, (0, modes - half)))[:3])
+    return DenseNumbers(moments, rotation, 2.0 * float(off))
+
+
+def dense_exponent(case: RandomLift, dense: DenseNumbers) -> float:
+    """E ln|F'|."""
+    panels = _LOGARITHM_PANELS * max(case.waves, dense.moments.size - 1, 48)
+    theta, weight = _gauss_rule(case, panels, _LOGARITHM_NODES)
+    slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
+    return dense.mean(theta, weight, np.log(np.abs(slope(theta))))
+
+
+def _galerkin(theta: np.ndarray, turn: np.ndarray, weight: np.ndarray, modes: int) -> np.ndarray:
+    """What the map makes of waves, before noise: rows m = 0..modes of E e^{imθ} after it, columns
+    k = -modes..modes of the wave e^{-ikθ} with coefficient E e^{ikθ} before.
+    """
     matrix = np.zeros((modes + 1, 2 * modes + 1), dtype=complex)
     for some in np.array_split(np.arange(theta.size), 1 + theta.size // 4_000):
         before = _powers(theta[some], modes)
         after = _powers(theta[some] + turn[some], modes)
         both = np.concatenate([before[:0:-1].conj(), before])
         matrix += after @ (both * weight[some]).conj().T
-    # Column k, from -modes on, is of the wave e^{-ikθ} with coefficient E e^{ikθ}; rows below 0
-    # follow by symmetry.
+    return matrix
+
+
+def _stationary(matrix: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+    """The moments that map and noise leave as they are; rows below 0 follow by symmetry."""
+    modes = kappa.size - 1
     whole = np.concatenate([matrix[:0:-1, ::-1].conj(), matrix])
     both = np.concatenate([kappa[:0:-1], kappa])
     system = np.eye(2 * modes + 1) - both[:, None] * whole
     system[modes] = 0.0
     system[modes, modes] = 1.0
-    moments = np.linalg.solve(system, np.eye(2 * modes + 1)[modes])[modes:]
-    found = DenseNumbers(moments, np.nan, np.nan, 0.0)
-    rotation = float(_mass(found, theta, weight) @ turn) / TWO_PI
-    theta, weight = _gauss_rule(case, modes, _LOGARITHM_NODES)
-    slope: Callable[[np.ndarray], np.ndarray] = case.map.derivative
-    exponent = float(_mass(found, theta, weight) @ np.log(np.abs(slope(theta))))
-    return DenseNumbers(moments, rotation, exponent, 0.0)
+    return np.linalg.solve(system, np.eye(2 * modes + 1)[modes])[modes:]
 
 
-def _gauss_rule(case: RandomLift, modes: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nodes on a turn and their weights in turns, so many on every half wave of the detail."""
-    panels = max(2 * case.waves, 2 * modes, 96)
+def _gauss_rule(case: RandomLift, panels: int, nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes on a turn, so many on every panel between breaks, and their weights in turns."""
     edges = np.union1d(np.linspace(0.0, TWO_PI, panels + 1), case.map.breaks)
     x, w = np.polynomial.legendre.leggauss(nodes)
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1.0 + x)).ravel(), (half * w).ravel() / TWO_PI
-
-
-def _mass(found: DenseNumbers, theta: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """What the law gives to each node."""
-    density = [found.density(part) for part in np.array_split(theta, 64)]
-    return TWO_PI * weight * np.concatenate(density)
 
 
 def _powers(theta: np.ndarray, most: int) -> np.ndarray:

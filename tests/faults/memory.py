@@ -1,5 +1,6 @@
-"""Peak memory of every command on the readers' samples, whole and damaged:
-`python -m tests.faults.memory [FILES] [SEED]`; 1 where one needs more than two gigabytes.
+"""Peak memory of every command on the readers' samples, whole, hostile and damaged at random:
+`python -m tests.faults.memory [FILES] [SEED] [COMMAND ...]`; 1 where one needs more than two
+gigabytes.
 """
 
 import os
@@ -10,6 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from tests.faults.hostile import hostile_files
 from tests.faults.mutations import mutated
 from tests.faults.samples import PUSH
 
@@ -34,6 +36,7 @@ COMMANDS: dict[str, tuple[str, tuple[str, ...]]] = {
     "report": ("report plywood --data {}", DATA),
     "explore": ("explore plywood --no-browser --data {}", DATA),
     "portrait": ("portrait --material {}", ("material.toml",)),
+    "pressure": ("portrait plywood --set footprint={}", ("support.csv",)),
     "fingerprint": ("fingerprint --material {}", ("material.toml",)),
     "simulate": ("simulate plywood --cycles 20 --out made --protocol {}", PROTOCOLS),
     "cycle": ("cycle plywood --theta0-deg 10 --protocol {}", PROTOCOLS),
@@ -80,7 +83,8 @@ def peaks(command: str, folder: Path, files: int, chance: random.Random) -> tupl
         if not sample.exists():  # what reads it is not installed
             continue
         healthy = sample.read_bytes()
-        contents = [healthy] + [mutated(healthy, chance) for _ in range(files)]
+        contents = [healthy, *hostile_files(kind, healthy)]
+        contents += [mutated(healthy, chance) for _ in range(files)]
         for content in contents:
             with tempfile.TemporaryDirectory() as place:
                 # Protocols name files that stand beside them.
@@ -92,14 +96,14 @@ def peaks(command: str, folder: Path, files: int, chance: random.Random) -> tupl
     return highest, codes
 
 
-def main(files: int, seed: int) -> int:
+def main(files: int, seed: int, commands: list[str]) -> int:
     """A row a command, as they come."""
     chance, exceeds = random.Random(seed), False
     with tempfile.TemporaryDirectory() as place:
         # In another process: a child's peak is never told as less than its parent's memory.
         write = f"{_SAMPLES}write_samples(Path({place!r}))"
         subprocess.run([sys.executable, "-c", write], check=True)
-        for command in COMMANDS:
+        for command in commands or COMMANDS:
             peak, codes = peaks(command, Path(place), files, chance)
             ended = {code: codes.count(code) for code in sorted(set(codes))}
             print(f"{command:<12}{peak / 1e6:>8.0f} MB, exit codes {ended}", flush=True)
@@ -108,5 +112,5 @@ def main(files: int, seed: int) -> int:
 
 
 if __name__ == "__main__":
-    numbers = [int(word) for word in sys.argv[1:]]
-    sys.exit(main(*(numbers + [3, 0][len(numbers) :])))
+    numbers = [int(word) for word in sys.argv[1:3]]
+    sys.exit(main(*(numbers + [3, 0][len(numbers) :]), sys.argv[3:]))

@@ -8,20 +8,28 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.text_files import CsvRow, CsvTable
 
+if TYPE_CHECKING:
+    import pandas
+
+# What stands in a field without a number.
+_NOTHING = ("", "nan", "na", "null", "none")
 # A row of a table by its columns: numbers, NaN where unknown, and texts, None where unknown.
 Row = dict[str, Any]
+# The values of facts, SI units and radians, by which rows are chosen.
+Selection = Mapping[str, str | float]
 
 DEGREE = math.radians(1.0)
 ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": 2.0 * math.pi}
@@ -108,6 +116,11 @@ OF_THE_FILE = ("pose", "sheet")
 ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 PLACES = {"x0", "y0", "x1", "y1"}
 RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+# Its pose before and after a drag.
+DRAG_ENDS = ("x1", "y1", "theta1", "x0n", "y0n", "theta_next")
+# Forces and torque on an object, N, and the twist they keep up, m/s, both with the same length.
+WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
+TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 
 
 def _at_ends(
@@ -172,6 +185,13 @@ _ALL = (
     Column("angle", Kind.NUMBER, {"t": 1.0}),
     Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
+    Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
+    # How far off readings are, and whether rod and object were seen in one frame.
+    Column("read_error", Kind.NUMBER, {"error_mm": 1e-3}),
+    Column("read_turn_error", Kind.NUMBER, {"error_deg": DEGREE}),
+    Column("frames_agree", Kind.NUMBER),
+    *(Column(name, Kind.NUMBER) for name in (*WRENCH_COLUMNS, *TWIST_COLUMNS)),
+    Column("source", Kind.TEXT),
     Column("dtheta", Kind.TURN),
     Column("force_ratio", Kind.NUMBER),
     # After the drag back; of staircases and pairs.
@@ -190,6 +210,11 @@ def named_column(table: CsvTable, column: str) -> str | None:
     return next((name for name in COLUMNS[column].names if name in table.header), None)
 
 
+def has_columns(table: CsvTable, columns: Collection[str]) -> bool:
+    """Return whether the header of a table of ours has all of these columns, by any name."""
+    return all(named_column(table, column) for column in columns)
+
+
 def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     """Return what a row of a table of ours tells for a column, SI units; NaN, of texts None, where
     it does not.
@@ -201,6 +226,47 @@ def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     if name is None or not text:
         return math.nan
     return COLUMNS[column].names[name] * table.number(row, name)
+
+
+def known_columns(
+    table: CsvTable, needed: Collection[str], most_lost: float = 1.0
+) -> pandas.DataFrame:
+    """Return what a table of ours tells: every known column, SI units, NaN (of texts None) where it
+    tells nothing, and the `path` and `line` of each row.
+
+    Rows without a number in a column that is needed are left out, and warned of. Raises
+    DataFileError where one of these columns is missing, or so large a share of the rows or more
+    is lost.
+    """
+    import pandas
+
+    names = {column: named_column(table, column) for column in needed}
+    missing = [column for column, name in names.items() if name is None]
+    if missing:
+        have = ", ".join(table.header)
+        raise table.error(1, f"column {', '.join(missing)} is missing; the header has {have}")
+    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
+    for row in table.rows:
+        empty = [
+            name for name in names.values() if name and table.text(row, name).lower() in _NOTHING
+        ]
+        if empty:
+            lost.append((row, empty[0]))
+        else:
+            kept.append(row)
+    if lost:
+        first, name = lost[0]
+        count = f"{len(lost)} of {len(table.rows)} rows"
+        if len(lost) >= most_lost * len(table.rows):
+            told = (
+                f"{name} is '{table.text(first, name)}'; it must be a number, and {count} lack one"
+            )
+            raise table.error(first.line, told)
+        told = f"{count} left out for want of a pose, the first in line {first.line}"
+        warnings.warn(f"{table.path}: {told}", DoubtfulInput, stacklevel=5)
+    columns = {column: [column_value(table, row, column) for row in kept] for column in COLUMNS}
+    lines = [row.line for row in kept]
+    return pandas.DataFrame(columns).assign(path=str(table.path), line=lines)
 
 
 # -- tables of one's own
@@ -291,8 +357,8 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
 def unit_of(
     name: str, meaning: Mapping[str, str], raw: Mapping[str, Array], units: Sequence[str]
 ) -> tuple[str, str]:
-    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to be
-    alike.
+    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to
+    be alike.
     """
     kind = COLUMNS[name].kind
     known = UNITS_OF[kind]

@@ -83,7 +83,8 @@ _A_CYCLE = 3.0
 class OwnTable:
     """Columns of pushes in SI units by the names of `read_push_csv`, in our convention.
 
-    words : what was read as what, and left out. segments : of a stream of poses, how it was cut.
+    words : what was read as what, and left out.
+    segments : of a stream of poses, how it was cut.
     """
 
     columns: Mapping[str, Array]
@@ -103,12 +104,6 @@ class OwnTable:
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
             columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
-        elif "tip_x1" in columns:
-            # The names by which rods' places are read, too.
-            columns = {
-                {"theta0": "th0", "theta1": "th1"}.get(name, name): one
-                for name, one in columns.items()
-            }
         return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
@@ -146,7 +141,7 @@ def _is_ours(names: set[str]) -> bool:
         return "theta0_deg" in names and names <= _ORIENTATIONS
     if names >= {*RODS, "th0", "th1"}:
         return True
-    known = {name for column in COLUMNS.values() for name in column.names} - {*RODS}
+    known = {name for column in COLUMNS.values() for name in column.names}
     return names <= known and all(names & COLUMNS[name].names.keys() for name in ENDS)
 
 
@@ -182,12 +177,13 @@ def read_own_table(
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream
         t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; of a bag pose = its topic, of
-        a workbook sheet = its name. A
-        part of a list is named[i]. units : of angles (deg, rad, turn), lengths (mm, cm, m, inch)
-        and times (s, ms, us, ns). What is not told is guessed.
+        a workbook sheet = its name. A part of a list is named[i].
+    units : of angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is
+        not told is guessed.
     angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`;
         what is not told is what a collection.toml with the data says, else counter-clockwise and
         right-handed, 0.
+
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)

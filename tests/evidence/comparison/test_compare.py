@@ -27,7 +27,7 @@ from cyclemap.evidence import (
     simulated_ensemble,
 )
 from cyclemap.evidence.comparison.collection_data import collection_data
-from cyclemap.evidence.comparison.cycle_agreement import map_misfit
+from cyclemap.evidence.comparison.cycle_agreement import map_misfit, simulated_quantity
 from cyclemap.evidence.comparison.prediction import as_prediction
 from cyclemap.maps import CircleMap, WrappedNormal, sample_staircase
 from cyclemap.mechanics import MaterialPosterior
@@ -51,6 +51,12 @@ def test_the_misfit_of_a_models_own_paths_is_an_f_ratio() -> None:
     ratios = map_misfit(paths, ensemble)
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.05)
     assert np.var(ratios) == pytest.approx(2.0 / 13.0 + 2.0 / 86.0, rel=0.3)
+
+
+def test_a_number_below_all_simulated_ones_is_as_unlikely_as_one_above_them() -> None:
+    simulated = np.arange(-20.0, 21.0)
+    below, above = (simulated_quantity(sign * 25.0, simulated).p_value.value for sign in (-1, 1))
+    assert below == above == 1 / 42
 
 
 def test_the_true_law_is_kept_in_every_question() -> None:
