@@ -319,7 +319,7 @@ def table_options(command: Command) -> Command:
     """
     named = (
         "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; "
-        "pose=TOPIC for a bag."
+        "pose=TOPIC of a bag, sheet=NAME of a workbook."
     )
     senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(

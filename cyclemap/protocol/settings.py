@@ -84,8 +84,8 @@ def warn_of_defaults(settings: Settings) -> None:
     if left:
         keys = ", ".join(key for group in left.values() for key in group)
         told = (
-            f"the object is not MIT's, but {', '.join(left)} still are: give {keys}, or begin "
-            "with cyclemap init"
+            f"the object is not MIT's, but of MIT's experiment still: {', '.join(left)}; give {keys}, "
+            "or begin with cyclemap init"
         )
         warnings.warn(told, DoubtfulInput, stacklevel=3)
 
