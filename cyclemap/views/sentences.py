@@ -8,8 +8,6 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import (
@@ -392,14 +390,13 @@ def shape_words(shape: SurfaceShape) -> str:
 
 
 def material_line(material: Material) -> str:
-    """That a material was inferred and how far it misses its data, that it wears, and of which
-    floor its map is.
+    """That a material was inferred and how far it misses its data, and that it wears.
 
     Empty where nothing is to be said.
 
     >>> from cyclemap.mechanics import load_material
-    >>> material_line(load_material("unknown")).split("; ")[1]
-    'its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
+    >>> material_line(load_material("unknown"))
+    'unknown was inferred, not measured'
     """
     misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
     how_far = f": {misfit}" if misfit else ""
@@ -407,11 +404,6 @@ def material_line(material: Material) -> str:
     said += [f"{material.name}: {misfit}"] if misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
-    posterior, dome = material.posterior, "floor_dome_kpa"
-    if posterior is not None and dome in posterior.parameters and material.has_flat_floor:
-        domes = np.array(posterior.samples)[:, posterior.parameters.index(dome)]
-        shapes = f"its samples have domes of {domes.mean():.2g} ± {domes.std():.2g} kPa at 50 mm"
-        said.append(f"its own map is of a flat floor, {shapes}")
     return "; ".join(said)
 
 
