@@ -3,12 +3,12 @@
 
     python3 run.py portrait plywood     install what is needed, then run `cyclemap portrait plywood`
     python3 run.py COMMAND ...          the same for any command of cyclemap
-    python3 run.py test [PYTEST ...]    install the test tools too, check style and types, run the tests
-    python3 run.py test --quick ...     the same without the tests marked slow: an answer in two minutes
-    python3 run.py test --floors ...    run the tests on the oldest packages that pyproject.toml allows
+    python3 run.py test [PYTEST ...]    install the test tools too, check style, types and tests
+    python3 run.py test --quick ...     the same without the tests marked slow: in two minutes
+    python3 run.py test --floors ...    the tests on the oldest packages that pyproject.toml allows
     python3 run.py test --newest ...    run the tests on the newest packages there are
     python3 run.py docs [SPHINX ...]    build the documentation into docs/_build/html
-    python3 run.py wheels [NAME ...]    compile the engine for browsers and for other systems, wheels into dist/
+    python3 run.py wheels [NAME ...]    the engine for browsers, wheels for all systems, in dist/
 
 The packages of constraints.txt go into the folder .venv beside this file; --floors and --newest
 have folders of their own. A folder is made on the first run, brought up to date when

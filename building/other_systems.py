@@ -1,8 +1,8 @@
 """The engine for other systems, all by one compiler on one machine: WebAssembly for the browser,
 and wheels.
 
-    python3 run.py wheels              the engine for browsers, and a wheel for every system, into dist/
-    python3 run.py wheels NAME ...     those named: browser, linux-x86_64, musl-aarch64, macos-arm64, ...
+    python3 run.py wheels              the engine for browsers, a wheel for every system, into dist/
+    python3 run.py wheels NAME ...     those named: browser, linux-x86_64, macos-arm64, ...
 
 Each library is checked for its format and for what it exports; a wheel of this system is run, and
 so is the engine of one for which an emulator is installed (qemu-aarch64, qemu-x86_64).

@@ -3,24 +3,34 @@ the types and the constant that every room shares."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
+# A point of the plane, m.
+Place = tuple[float, float]
 TWO_PI = 2.0 * np.pi
 
 
-def shorter_way(angle: Any) -> Array:
+def shorter_way(angle: npt.ArrayLike) -> Array:
     """The same angles, radians, any shape, taken the shorter way round: in [-π, π).
 
     >>> round(float(shorter_way(1.75 * np.pi)) / np.pi, 12)
     -0.25
     """
     return np.asarray(np.mod(np.asarray(angle) + np.pi, TWO_PI) - np.pi)
+
+
+def stretches(mask: Mask) -> list[tuple[int, int]]:
+    """Return where each stretch begins in which a mask holds, and the place behind its end.
+
+    >>> stretches(np.array([True, True, False, True]))
+    [(0, 2), (3, 4)]
+    """
+    edges = np.flatnonzero(np.diff(mask.astype(np.int8), prepend=0, append=0))
+    return [(first, end) for first, end in edges.reshape(-1, 2).tolist()]
 
 
 def evenly_spread(count: int, most: int) -> list[int]:

@@ -114,7 +114,8 @@ def toml_text(
     tables (arrays of tables). Decimals keep all their digits. Raises InvalidInput for any other
     value.
 
-    >>> print(toml_text({"push": {"side": 2, "push_mm": Decimal("80.5"), "parts": [{"kind": "straight"}]}}, ("Mine.",)))
+    >>> push = {"side": 2, "push_mm": Decimal("80.5"), "parts": [{"kind": "straight"}]}
+    >>> print(toml_text({"push": push}, ("Mine.",)))
     # Mine.
     <BLANKLINE>
     [push]

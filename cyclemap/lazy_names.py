@@ -21,7 +21,9 @@ def import_on_first_use(package: str) -> None:
     package's own ``__init__``.
     """
     module = sys.modules[package]
-    module._places = dict(_imports(_source(module)))  # type: ignore[attr-defined]
+    places = dict(_imports(_source(module)))
+    module._places = places  # type: ignore[attr-defined]
+    module.__all__ = list(places)  # type: ignore[attr-defined]
     module.__class__ = _LazyRoom
 
 

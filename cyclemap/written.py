@@ -10,9 +10,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 Json = dict[str, object]
 
@@ -62,17 +65,18 @@ def written(value: Any, unit: Unit = NUMBER) -> Any:
         return written(value.tolist(), unit)
     if isinstance(value, Path):
         return str(value)
-    if is_dataclass(value):
+    if is_dataclass(value) and not isinstance(value, type):
         return json_of(value, unit=unit)
     if isinstance(value, Mapping):
         return {str(name): written(entry, unit) for name, entry in value.items()}
     return [written(entry, unit) for entry in value]
 
 
-def json_of(result: Any, *names: str, unit: Unit = NUMBER) -> Json:
+def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER) -> Json:
     """Return the fields of a result by their written names, in their units; or those of `names`.
 
-    A name may be a property's, too. unit : of what has none in its metadata.
+    A name may be a property's, too.
+    unit : of what has none in its metadata.
 
     >>> from cyclemap.maps import RestMultiplier
     >>> json_of(RestMultiplier(0.5, 0.4, 0.6, 50, math.pi), "value", "theta")
@@ -88,7 +92,7 @@ def json_of(result: Any, *names: str, unit: Unit = NUMBER) -> Json:
     return told
 
 
-def rows(**columns: Any) -> list[Json]:
+def rows(**columns: object) -> list[Json]:
     """Return columns of the same length as rows.
 
     >>> rows(cycle=[0, 1], turn_deg=np.array([0.5, 0.25]))
@@ -98,6 +102,6 @@ def rows(**columns: Any) -> list[Json]:
     return [dict(zip(columns, row, strict=True)) for row in cells]
 
 
-def degrees(radians: Any) -> Any:
+def degrees(radians: object) -> Any:
     """Return an angle, or angles in an array or list, as `written` in degrees."""
     return written(radians, DEGREES)

@@ -63,8 +63,9 @@ BEYOND = "not in the paper"
 class Entry:
     """One exhibit as the gallery lists it; its module in this room has its name, with underscores.
 
-    name : as the command line says it. source : the paper's figure, or `BEYOND`. title : a few
-        words.
+    name : as the command line says it.
+    source : the paper's figure, or `BEYOND`.
+    title : a few words.
     """
 
     name: str
@@ -74,8 +75,10 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One picture of an animation. pixels : (height, width, 3), 0 to 255. seconds : how long it is
-    shown.
+    """One picture of an animation.
+
+    pixels : (height, width, 3), 0 to 255.
+    seconds : how long it is shown.
     """
 
     pixels: NDArray[np.uint8]

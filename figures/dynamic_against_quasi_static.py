@@ -34,8 +34,10 @@ class InertiaStudy:
     """The comparison at the experiment's speed, and the largest difference of a cycle's turn over
     speed.
 
-    material, isotropic : by orientation, at 20 mm/s. speeds : (k,) m/s. differences : (2, k) rad,
-        largest over the orientations, on the material and on isotropic friction.
+    material, isotropic : by orientation, at 20 mm/s.
+    speeds : (k,) m/s.
+    differences : (2, k) rad, largest over the orientations, on the material and on isotropic
+        friction.
     """
 
     material: DynamicsComparison

@@ -43,12 +43,13 @@ _ORIENTATIONS = np.radians(np.arange(0.0, 360.0, 15.0))
 class FingerprintAgainstFull:
     """What the figure shows.
 
-    prediction, checked : on plywood, and beside the full map. predicted_edge, full_edge : (k, 2),
-        the lock-in boundary as (offset, ellipticity) along `RAYS`. scales : (n,), factors of
-        plywood's anisotropy. turn_error,
-    second_turn_error : (n,), rad, largest over the orientations, of the first- and the
-        second-order turn. ring : m, its distance at which an isotropic cycle turns nothing. direction_error :
-        (n,), rad, of the stable direction there.
+    prediction, checked : on plywood, and beside the full map.
+    predicted_edge, full_edge : (k, 2), the lock-in boundary as (offset, ellipticity) along `RAYS`.
+    scales : (n,), factors of plywood's anisotropy.
+    turn_error, second_turn_error : (n,), rad, largest over the orientations, of the first- and the
+        second-order turn.
+    ring : m, its distance at which an isotropic cycle turns nothing.
+    direction_error : (n,), rad, of the stable direction there.
     """
 
     prediction: Prediction

@@ -23,8 +23,9 @@ from cyclemap.mechanics import (
     resting_pressure,
 )
 from cyclemap.views import style
-from cyclemap.views.map_panels import draw_turns
+from cyclemap.views.map_panels import draw_medians, draw_turns
 from cyclemap.views.object_page import MM, draw_object
+from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import measured_theta0
@@ -48,8 +49,9 @@ _PIXELS = 160
 class FloorTurn:
     """Turns of a cycle on one floor.
 
-    name : what the floor is. turn : (n,) rad, at the orientations of the figure. miss : rad, root
-        mean square of the measured turns less these, nan where nothing was measured.
+    name : what the floor is.
+    turn : (n,) rad, at the orientations of the figure.
+    miss : rad, root mean square of the measured turns less these, nan where nothing was measured.
     """
 
     name: str
@@ -137,13 +139,12 @@ def draw(result: FloorShapes) -> Figure:
     curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}
     draw_turns(turns, around, curves, looks)
     if result.measured is not None:
-        medians = np.degrees([result.measured.centre, result.measured.median])
-        turns.plot(*medians, "o", label="measured", **style.MARKS)
+        draw_medians(turns, result.measured, "measured")
     style.legend_above(turns)
     _draw_harmonics(harmonics, result)
     places = style.panels(figure, "abc", (0.0, 0.5))
-    for axes, pressure, angle in zip(places, result.resting, RESTING, strict=True):
-        image = _draw_resting(axes, result, pressure, angle)
+    for axes, pressure, theta in zip(places, result.resting, RESTING, strict=True):
+        image = _draw_resting(axes, result, pressure, theta)
     figure.colorbar(image, ax=places, label="pressure (mean pressures)")
     return figure
 
@@ -159,15 +160,15 @@ def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
     style.entitle(axes, "Ellipse, trough, from pushes")
 
 
-def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, angle: float) -> AxesImage:
+def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, theta: float) -> AxesImage:
     reach, top = MM * result.reach, float(np.nanmax(result.resting))
     look: style.Look = {"origin": "lower", "extent": (-reach, reach, -reach, reach), "zorder": 1}
     image = axes.imshow(pressure, cmap="Blues", vmin=0.0, vmax=top, **look)
-    corners = placed(np.array([0.0, 0.0, angle]), result.outline)
+    corners = placed(np.array([0.0, 0.0, theta]), result.outline)
     draw_object(axes, corners, facecolor="none", edgecolor=style.INK)
     axes.grid(visible=False)
     axes.set(aspect="equal", xlabel="robot's x (mm)", ylabel="robot's y (mm)")
-    axes.set_title(f"rests at θ = {math.degrees(angle):.0f}°")
+    axes.set_title(f"rests at θ = {angle(theta, 0)}")
     return image
 
 
@@ -179,15 +180,15 @@ def caption(result: FloorShapes) -> str:
     sentences = [
         "Turn of a whole cycle over θ0. On a flat floor with friction alike in all directions "
         f"every cycle turns by the same {mean[0]:.1f}°. The friction ellipse of Table I makes it "
-        f"depend on θ0, by a first harmonic (its offset, {math.degrees(ellipse.harmonic(1)):.1f}°) "
-        f"and a second ({math.degrees(ellipse.harmonic(2)):.1f}°). So does the floor's shape with "
+        f"depend on θ0, by a first harmonic (its offset, {angle(ellipse.harmonic(1))}) "
+        f"and a second ({angle(ellipse.harmonic(2))}). So does the floor's shape with "
         "friction alike in all directions and nothing fitted to any cycle: on a trough along the "
         "robot's x axis (q = 20 y² mean pressures at 50 mm, as single pushes of other plates found "
         f"it) turns go from {low:.1f}° to {high:.1f}°, a second harmonic of "
-        f"{math.degrees(trough.harmonic(2)):.1f}°, and the same half a turn further: a floor's "
+        f"{angle(trough.harmonic(2))}, and the same half a turn further: a floor's "
         "shape alone makes no first harmonic. The shapes of floor and plate that are identified "
         f"from single pushes and drag-backs ({FROM_PUSHES}), where the floor's varies with the "
-        f"place, make one of {math.degrees(pushes.harmonic(1)):.1f}°. Below: where the square "
+        f"place, make one of {angle(pushes.harmonic(1))}. Below: where the square "
         "rests on the trough.",
     ]
     if result.measured is None:
@@ -195,9 +196,9 @@ def caption(result: FloorShapes) -> str:
     else:
         sentences.append(
             f"Measured: medians over 10° of pushes {FIRST_CYCLE} to 2000. They lie "
-            f"{math.degrees(flat.miss):.1f}° (root mean square) from the rotation, "
-            f"{math.degrees(ellipse.miss):.1f}° from Table I's map, "
-            f"{math.degrees(trough.miss):.1f}° from the trough's and "
-            f"{math.degrees(pushes.miss):.1f}° from that of the shapes found in pushes."
+            f"{angle(flat.miss)} (root mean square) from the rotation, "
+            f"{angle(ellipse.miss)} from Table I's map, "
+            f"{angle(trough.miss)} from the trough's and "
+            f"{angle(pushes.miss)} from that of the shapes found in pushes."
         )
     return " ".join(sentences)

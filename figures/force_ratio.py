@@ -24,12 +24,12 @@ from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
 
 from .catalogue import NO_DATA, MeasuredFolder
 from .measured_sets import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
-MM = 1000.0
 FOLDER = "mit_files"
 # Most recorded pushes that are looked through for one that both sticks and slides.
 MOST_FILES = 120
@@ -55,8 +55,9 @@ class RecordedRatio:
     """The samples of one recorded push in which rod and object touch.
 
     name : object, surface and speed. travel (n,) m; ratio (n,); sliding, sticking (n,) by the
-        motion alone, neither where the poses do not tell. forces : of its pieces. files : looked
-        through; unreadable : those passed over.
+        motion alone, neither where the poses do not tell.
+    forces : of its pieces.
+    files : looked through; unreadable : those passed over.
     """
 
     name: str

@@ -45,7 +45,8 @@ class LimitEllipseAndPatch:
     """What the panels show beside a sketched law: the law of plywood with scans and their fit, and
     the patch.
 
-    table : Table I. scans (n, 2) tractions, fitted : None where no scans were found.
+    table : Table I.
+    scans (n, 2) tractions, fitted : None where no scans were found.
     """
 
     table: EllipseFriction
@@ -73,11 +74,11 @@ def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
     return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
 
-def limit_curve(law: EllipseFriction, count: int = 241) -> Array:
-    """Return the limit ellipse as a closed polyline (count, 2), by the traction of every direction
-    of sliding.
+def limit_curve(law: EllipseFriction) -> Array:
+    """Return the limit ellipse as a closed polyline (241, 2), by the traction of every direction of
+    sliding.
     """
-    angle = np.linspace(0.0, 2.0 * math.pi, count)
+    angle = np.linspace(0.0, 2.0 * math.pi, 241)
     return law.traction(np.stack([np.cos(angle), np.sin(angle)], axis=-1))
 
 
@@ -161,9 +162,10 @@ def _centre(law: EllipseFriction) -> Array:
 
 
 def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
-    (left, bottom), (right, top) = (middle - _REACH).tolist(), (middle + _REACH).tolist()
-    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
-    axes.set(xlabel="traction coefficient along x", ylabel="traction coefficient along y")
+    style.show_window(axes, middle - _REACH, middle + _REACH)
+    axes.set(
+        aspect="equal", xlabel="traction coefficient along x", ylabel="traction coefficient along y"
+    )
     style.entitle(axes, title)
 
 
@@ -212,17 +214,16 @@ def lean_of(law: EllipseFriction, angle: float) -> float:
 class PatchForces:
     """The forces on the patch during one push, in the object's frame.
 
-    angle : rad, of the object. footprint : its points. twist : (3,) m, m, rad per metre of the
-        rod's way.
-    velocity, force : (k, 2) of the points, the second in N, of the ground on the object. wrench :
-        (3,) N, N, N m, of the ground on the object about its centre; rod
-        : of the rod on it. contact : (2,) m. outline : (5, 2) m, closed.
+    footprint : its points.
+    twist : (3,) m, m, rad per metre of the rod's way.
+    force : (k, 2) N, of the ground on the object at the points.
+    wrench : (3,) N, N, N m, of the ground on the object about its centre; rod : of the rod on it.
+    contact : (2,) m.
+    outline : (5, 2) m, closed.
     """
 
-    angle: float
     footprint: PointFootprint
     twist: Array
-    velocity: Array
     force: Array
     wrench: Array
     rod: Array
@@ -256,9 +257,7 @@ def patch_forces(loop: CollectionLoop) -> PatchForces:
     push = _turned(course.contact_force[at], -pose[2])
     rod = np.array([*push, float(_torque(contact, push))])
     outline = loop.slider.outline.points(4)
-    return PatchForces(
-        float(pose[2]), footprint, twist, velocity, force, wrench, rod, contact, outline
-    )
+    return PatchForces(footprint, twist, force, wrench, rod, contact, outline)
 
 
 def _torque(lever: Array, force: Array) -> Array:

@@ -25,6 +25,7 @@ from cyclemap.mechanics import Polygon as PolygonOutline
 from cyclemap.views import style
 from cyclemap.views.map_panels import draw_cobweb
 from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
+from cyclemap.views.sentences import angle
 
 from .catalogue import Frame, MeasuredFolder
 
@@ -54,10 +55,13 @@ _TICK, _SHORTEST = 0.01, 0.02
 class Moment:
     """One picture's worth of motion.
 
-    cycle : number of the cycle, from 0. outline : (k, 2) m, the object. side : (2, 2) m, ends of
-        the side pushed.
-    ring, rod : (2,) m. pushing : else dragged. rod_path : (n, 2) m, of
-        the rod since this stroke began. seconds : how long it is shown.
+    cycle : number of the cycle, from 0.
+    outline : (k, 2) m, the object.
+    side : (2, 2) m, ends of the side pushed.
+    ring, rod : (2,) m.
+    pushing : else dragged.
+    rod_path : (n, 2) m, of the rod since this stroke began.
+    seconds : how long it is shown.
     """
 
     cycle: int
@@ -74,9 +78,10 @@ class Moment:
 class LockingIn:
     """A run of the loop until it locks in.
 
-    theta : (n + 1,) rad, unwrapped: θ0 of every cycle. directions : the stable and the unstable
-        one.
-    curve : (m, 2) rad, θ0 and next θ0 over the run's range. moments : what the pictures show.
+    theta : (n + 1,) rad, unwrapped: θ0 of every cycle.
+    directions : the stable and the unstable one.
+    curve : (m, 2) rad, θ0 and next θ0 over the run's range.
+    moments : what the pictures show.
     rod_radius : m.
     """
 
@@ -115,6 +120,7 @@ def compute(
 
     pace : (up to this cycle, pictures of its push, of its drag), in order; slow : those of the last
         cycle.
+
     Raises ConvergenceError where MOST_CYCLES cycles do not lock in.
     """
     del measured
@@ -175,7 +181,7 @@ def caption(result: LockingIn) -> str:
     return (
         "The loop of push and drag on plywood (Table I), to scale: the rod pushes the object, then "
         "drags it back by its ring to the same spot (first cycles slowly, later ones at a glance). "
-        f"Started at {math.degrees(result.theta[0]):.0f}°, each cycle begins where the last one "
+        f"Started at {angle(result.theta[0], 0)}, each cycle begins where the last one "
         f"left θ0: on the cycle map it climbs the stairs of a cobweb, until after {result.cycles} "
         f"cycles it repeats the same push at {math.degrees(result.stable) % 360:.0f}°, "
         f"{abs(near):.1f}° from the stable direction. There every cycle leaves "
@@ -225,8 +231,8 @@ def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     """The table from above; the world's origin is where the ring is set down."""
     everything = MM * np.concatenate([moment.outline for moment in result.moments])
     low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", anchor="W")
-    axes.set(xticks=[], yticks=[], facecolor=TABLE_COLOUR)
+    style.show_window(axes, low, high)
+    axes.set(aspect="equal", anchor="W", xticks=[], yticks=[], facecolor=TABLE_COLOUR)
     axes.spines[:].set_visible(False)
     style.cross(axes, zorder=1)
     draw_object(axes, moment.outline)

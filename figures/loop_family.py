@@ -9,12 +9,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import reduce
-from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebpts2, chebvander
 from numpy.polynomial.polynomial import polyval
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, positive_number
@@ -35,10 +34,11 @@ _ANGLE_STEP, _LENGTH_STEP = 1e-4, 1e-6
 class LoopFamily:
     """The cycle maps of a family of loops, interpolated.
 
-    loop_at : parameters -> loop. ranges : (low, high) of each parameter. coefficients : (n₁, ...,
-        K) complex: by Chebyshev polynomials of the parameters the Fourier coefficients of the turn:
-        the real part of Σ c_k e^{ikθ} is the turn f(θ) - θ in rad. Called with one number a
-        parameter it gives the CircleMap.
+    loop_at : parameters -> loop.
+    ranges : (low, high) of each parameter.
+    coefficients : (n₁, ..., K) complex: by Chebyshev polynomials of the parameters the Fourier
+        coefficients of the turn: the real part of Σ c_k e^{ikθ} is the turn f(θ) - θ in rad. Called
+        with one number a parameter it gives the CircleMap.
 
     Where the mechanics is smooth the error falls with every node; kinks of f' (stick to slip) slow
     that down. Measure it with `error_at`.
@@ -48,7 +48,7 @@ class LoopFamily:
     ranges: tuple[Range, ...]
     coefficients: NDArray[np.complex128]
 
-    def series(self, *parameters: Any) -> NDArray[np.complex128]:
+    def series(self, *parameters: ArrayLike) -> NDArray[np.complex128]:
         """Return the coefficients (..., K) of the turn at parameters of shape (...) each."""
         polynomials = []
         for value, (low, high), count in zip(
@@ -60,11 +60,11 @@ class LoopFamily:
             return np.asarray(polynomials[0] @ self.coefficients)
         return np.asarray(np.einsum("...i,...j,ijk->...k", *polynomials, self.coefficients))
 
-    def turn(self, theta: Any, *parameters: Any) -> Array:
+    def turn(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f(θ) - θ (rad); θ and parameters broadcast."""
         return np.asarray(_wave(theta, self.series(*parameters)).real)
 
-    def slope(self, theta: Any, *parameters: Any) -> Array:
+    def slope(self, theta: ArrayLike, *parameters: ArrayLike) -> Array:
         """Return f'(θ); θ and parameters broadcast."""
         series = self.series(*parameters)
         return np.asarray(1.0 + _wave(theta, 1j * np.arange(series.shape[-1]) * series).real)
@@ -97,7 +97,7 @@ class LoopFamily:
             lambda theta, *p: theta + self.turn(theta, *p), self.slope, circle_map=self
         )
 
-    def error_at(self, theta: Any, *parameters: float) -> Array:
+    def error_at(self, theta: ArrayLike, *parameters: float) -> Array:
         """Return |interpolated - computed| (rad) of f at angles (...), running the mechanics."""
         angles = np.asarray(theta, dtype=float)
         return np.asarray(
@@ -144,7 +144,7 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
     return np.asarray(low + (high - low) * (0.5 + 0.5 * chebpts2(count)))
 
 
-def _wave(theta: Any, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _wave(theta: ArrayLike, series: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Σ c_k e^{ikθ} with coefficients (..., K), which broadcast over θ."""
     found = polyval(
         np.exp(1j * np.asarray(theta, dtype=float)), np.moveaxis(series, -1, 0), tensor=False
@@ -193,8 +193,11 @@ def with_anisotropy_times(loop: CollectionLoop, scale: float) -> CollectionLoop:
 class RingFold:
     """A saddle-node of the cycle map over the ring's radius: f(θ) = θ and f'(θ) = 1.
 
-    theta : rad. radius : m. by_radius : ∂f/∂radius, rad/m. curvature : half of f'', per rad: the
-        move of a cycle beside it is by_radius·(r - radius) + curvature·(θ - theta)².
+    theta : rad.
+    radius : m.
+    by_radius : ∂f/∂radius, rad/m.
+    curvature : half of f'', per rad: the move of a cycle beside it is by_radius·(r - radius) +
+        curvature·(θ - theta)².
     """
 
     theta: float
@@ -215,8 +218,9 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
     `radius` (m).
 
     loop_at : radius -> loop. f, f' and ∂f/∂radius are the exact tangents of the mechanics
-        (`sensitivity`), second derivatives differences of them. Raises ConvergenceError where 12
-        steps do not reach 1e-9 rad.
+        (`sensitivity`), second derivatives differences of them.
+
+    Raises ConvergenceError where 12 steps do not reach 1e-9 rad.
     """
     for _ in range(_STEPS):
         turn, slope, by_radius = _tangent(loop_at(radius), theta)

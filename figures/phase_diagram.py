@@ -19,7 +19,7 @@ from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
 from cyclemap.views import style
-from cyclemap.views.object_page import draw_object, draw_way
+from cyclemap.views.object_page import MM, draw_object, draw_way
 from cyclemap.views.rotation_panels import draw_shades
 from cyclemap.views.style import INK, PREDICTED, QUIET
 
@@ -35,7 +35,6 @@ from .loop_family import (
     with_ring_at,
 )
 
-MM = 1000.0
 RADII, SCALES = (0.006, 0.034), (0.0, 1.5)
 # Turns a cycle, to which the shade is computed.
 TOLERANCE = 2e-4
@@ -50,8 +49,9 @@ class FirstOrder:
     """The lock-in boundary to first order in the anisotropy: Ω(r) + ε h(θ; r) touches zero, h by
     the fingerprint.
 
-    radius : (n,) m. turn : (n,) rad, Ω, the isotropic turn of a cycle. scale : (n,) ε at which it
-        locks.
+    radius : (n,) m.
+    turn : (n,) rad, Ω, the isotropic turn of a cycle.
+    scale : (n,) ε at which it locks.
     neutral : m, the radius where Ω is zero: the tip of the tongue.
     """
 
@@ -65,12 +65,13 @@ class FirstOrder:
 class PhaseDiagram:
     """The loop on plywood with its ring at a radius (m) and its anisotropy times a scale.
 
-    plane : rotation numbers, turns a cycle; rows radii, columns scales. stable : (rows, columns)
-        stable fixed points.
-    inner, outer : ((scale, fold), ...) of the boundary nearer to
-        the centre and farther from it, exact. first : to
-    first order. error : rad, the most by which the interpolated f differs from cycles that were run
-        at some places.
+    plane : rotation numbers, turns a cycle; rows radii, columns scales.
+    stable : (rows, columns) stable fixed points.
+    inner, outer : ((scale, fold), ...) of the boundary nearer to the centre and farther from it,
+        exact.
+    first : to first order.
+    error : rad, the most by which the interpolated f differs from cycles that were run at some
+        places.
     mit : m, the ring of the MIT protocol; mit_scale : from which scale on it locks, by the
         interpolated maps.
     """
@@ -101,8 +102,8 @@ def compute(
     """Interpolate the maps, wind them on a grid of `shape`, and trace the boundary exactly at
     `scales` scales a side.
 
-    nodes, angles : of `loop_family`. fingerprints : at so many radii, for the boundary to first
-        order.
+    nodes, angles : of `loop_family`.
+    fingerprints : at so many radii, for the boundary to first order.
     """
     del measured
     loop = CollectionLoop.mit(material="plywood")
@@ -162,14 +163,14 @@ def _boundary(
     return tuple(found)
 
 
-def first_order(loop: CollectionLoop, nodes: int = 9, count: int = 201) -> FirstOrder:
-    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at
-    `count` radii.
+def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
+    """Return the boundary that the fingerprints of the protocol at `nodes` radii foretell, at 201
+    radii.
 
     Turn and gradient of a fingerprint belong to the protocol alone; between the Chebyshev nodes
     they are interpolated.
     """
-    radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, count)
+    radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, 201)
     found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
     curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
     surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))

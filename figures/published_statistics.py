@@ -28,10 +28,12 @@ class PublishedStatistics:
     """What is published of one material, in the order dtheta (rad), dx, dy (m, initial object
     frame).
 
-    mean, std : of the pushes. rmse : of them about the paper's fitted law of θ0; rmse_percent : as
-        printed beside it, per cent of a mean that is up to 3 % off that of Table II. directions :
-        rad, where the histogram of θ0 has the peaks that the text names,
-        the one visited first in front. always_advancing : the text sees no stable direction.
+    mean, std : of the pushes.
+    rmse : of them about the paper's fitted law of θ0; rmse_percent : as printed beside it, per cent
+        of a mean that is up to 3 % off that of Table II.
+    directions : rad, where the histogram of θ0 has the peaks that the text names, the one visited
+        first in front.
+    always_advancing : the text sees no stable direction.
     first_share : of the cycles, spent in the first direction, where the run starts there and leaves
         it for good.
     """

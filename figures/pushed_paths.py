@@ -16,7 +16,7 @@ from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import read_only
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
@@ -24,7 +24,8 @@ from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.maps import DriftingMap, sample_staircase
 from cyclemap.views import style
-from cyclemap.views.sentences import listed
+from cyclemap.views.object_page import MM
+from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
 from .measured_sets import (
@@ -45,7 +46,6 @@ MAP_TOLERANCE = 1e-3
 _ACCURACY = 1e-6
 # Parts of the wear at whose ends maps are made: between them they are blended.
 _WEAR_STAGES = 2
-MM = 1000.0
 ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
 # From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey
 # print too.
@@ -56,14 +56,15 @@ SHADES = ListedColormap(colormaps["YlGnBu"](np.linspace(0.32, 1.0, 256)))
 class PushedPaths:
     """Paths of the object's centre in k pushes on one surface.
 
-    surface : as the paper names it. material : what was simulated, ""
-        where the pushes are recorded ones. origin : of the pushes, `RECORDED`, `MEASURED_THETA0`
-        (simulated from measured
-        orientations) or `SIMULATED`.
-    theta0, turn : (k,) rad, before the push, and of the push. object_frame : (k, m, 2) m, in the
-        object's frame before
-    the push. robot_frame : (k, m, 2) m, in the world, from the reset's target. orientations : (n,)
-        rad, θ0 of all cycles of the run from which the pushes were taken at equal distances.
+    surface : as the paper names it.
+    material : what was simulated, "" where the pushes are recorded ones.
+    origin : of the pushes, `RECORDED`, `MEASURED_THETA0` (simulated from measured orientations) or
+        `SIMULATED`.
+    theta0, turn : (k,) rad, before the push, and of the push.
+    object_frame : (k, m, 2) m, in the object's frame before the push.
+    robot_frame : (k, m, 2) m, in the world, from the reset's target.
+    orientations : (n,) rad, θ0 of all cycles of the run from which the pushes were taken at equal
+        distances.
     """
 
     surface: str
@@ -89,9 +90,9 @@ def paths_on_four_surfaces(
     """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0,
     else of a run.
 
-    cycles : of a simulated run. drawn : how many of all these pushes, at equal distances. Recorded
-        pushes are looked for by the names of the MIT dataset, as `measured_run` does, θ0 as
-        `measured_theta0` does.
+    cycles : of a simulated run.
+    drawn : how many of all these pushes, at equal distances. Recorded pushes are looked for by the
+        names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
     """
     return [
         recorded_paths(measured, surface, drawn)
@@ -107,8 +108,8 @@ def recorded_paths(
     """Return paths of `drawn` of the recorded pushes on `surface`, evenly chosen; None where
     `measured_run` finds none.
 
-    Of the files chosen those that cannot be read are left out. orientations : those of all the
-    recorded pushes.
+    Of the files chosen those that cannot be read are left out.
+    orientations : those of all the recorded pushes.
     """
     run = measured_run(measured, surface)
     if run is None:
@@ -122,7 +123,7 @@ def recorded_paths(
         for path, facts in named
         if all(getattr(facts, name) == value for name, value in shared)
     ]
-    records, _ = readable_pushes(files[number] for number in _evenly(len(files), drawn).tolist())
+    records, _ = readable_pushes(files[index] for index in evenly_spread(len(files), drawn))
     courses = []
     for _, record in records:
         # At equal times.
@@ -173,11 +174,6 @@ def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> P
     )
 
 
-def _evenly(count: int, drawn: int) -> NDArray[np.intp]:
-    """Numbers below `count`, at most `drawn` of them, the first and the last included."""
-    return np.linspace(0, count - 1, min(drawn, count)).round().astype(np.intp)
-
-
 def _simulated(
     surface: str, loop: CollectionLoop, origin: str, theta: Array, cycle: Array, drawn: int
 ) -> PushedPaths:
@@ -186,7 +182,7 @@ def _simulated(
     At equal distances of the rod's stroke; the object rests where the rod has left it.
     """
     chosen, travel, found = (
-        _evenly(theta.size, drawn),
+        evenly_spread(theta.size, drawn),
         np.linspace(0.0, loop.push.distance, STATIONS),
         [],
     )
@@ -221,7 +217,8 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
 
     Paths that meet at an end do not cross there.
 
-    >>> paths = np.array([[[0.0, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]], [[2.0, 0.0], [2.0, 1.0]]])
+    >>> rising, falling = [[0.0, 0.0], [1.0, 1.0]], [[0.0, 1.0], [1.0, 0.0]]
+    >>> paths = np.array([rising, falling, [[2.0, 0.0], [2.0, 1.0]]])
     >>> crossing_pairs(paths, np.ones((3, 3), dtype=bool))
     (1, 3)
     """
@@ -288,7 +285,7 @@ def material_sentence(surfaces: list[PushedPaths]) -> str:
         names, count = listed(paths.material for paths in simulated), len(simulated[0].orientations)
         words.append(
             f"Simulated as a whole: {names}, {len(simulated[0].theta0)} pushes at equal distances "
-            f"in a run of {count} cycles with {np.degrees(NOISE.sigma):.1f}° of noise each."
+            f"in a run of {count} cycles with {angle(NOISE.sigma)} of noise each."
         )
     if any(paths.material == "plywood-measured" for paths in surfaces):
         words.append(

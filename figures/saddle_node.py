@@ -16,12 +16,13 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
 from cyclemap.views import style
 from cyclemap.views.map_panels import draw_turns
+from cyclemap.views.object_page import MM
 from cyclemap.views.orbit_panels import LOST, STABLE
+from cyclemap.views.sentences import angle
 
 from .catalogue import MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 
-MM = 1000.0
 RADII = (0.008, 0.0155)
 _FOLD = "saddle-node"
 SHOWN = (0.013, 0.0085)
@@ -35,14 +36,13 @@ _ACCURACY = 1e-6
 class SaddleNode:
     """The pair of fixed points over the ring's radius (m), and what is left beyond their meeting.
 
-    branch : both, stable and unstable, followed round the fold. fold : where they meet, by the
-        exact tangents of the
-    mechanics. error : rad, the most by which f on the branch
-        differs from cycles that were run. distances : (n,) m, of the radius inside the fold.
-        cycles_a_turn : (n,) there. counted : (k,
-        2) distance (m) and cycles of one turn,
-    run cycle by cycle. graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the
-        fold.
+    branch : both, stable and unstable, followed round the fold.
+    fold : where they meet, by the exact tangents of the mechanics.
+    error : rad, the most by which f on the branch differs from cycles that were run.
+    distances : (n,) m, of the radius inside the fold.
+    cycles_a_turn : (n,) there.
+    counted : (k, 2) distance (m) and cycles of one turn, run cycle by cycle.
+    graphs : (radius m, θ (m,), turn (m,)) of the map before, at and beyond the fold.
     """
 
     branch: OrbitBranch
@@ -199,7 +199,7 @@ def caption(result: SaddleNode) -> str:
     return (
         "Plywood (Table I), exact patch. With the ring 13 mm from the centre the robot locks in at "
         f"{stable:.1f}° and is driven away from {unstable:.1f}°; as the ring moves in the two "
-        f"directions walk together and meet at {math.degrees(result.fold.theta):.1f}° with the "
+        f"directions walk together and meet at {angle(result.fold.theta)} with the "
         f"ring at {MM * result.fold.radius:.3f} mm, both multipliers 1. Nearer the centre no "
         f"direction repeats, but the robot lingers: a turn takes {result.cycles_a_turn[0]:.0f} "
         f"cycles {MM * near:.2g} mm inside, {law:.0f} of which passage theory gives the "

@@ -14,6 +14,7 @@ from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
 from cyclemap.views import style
 from cyclemap.views.object_page import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET
 
 from .catalogue import MeasuredFolder
@@ -52,8 +53,8 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
 
 @style.picture_style()
 def draw(result: SetupAndCycles) -> Figure:
-    """Draw the set-up in the object's frame on the left,
-    the two cycles in the world on the right."""
+    """Draw the set-up in the object's frame on the left, the two cycles in the world on the
+    right."""
     figure, (setup, cycles) = style.page("ab", size=(11.0, 5.9), keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)
@@ -92,7 +93,7 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         way = placed(turned, np.array([0.0, -1.0]))
         corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
         style.arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
-        words = f"push {index}, from\nθ₀{raised} = {math.degrees(cycle.theta):.0f}°"
+        words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"
         x, y = (tip - (_ARROW + 4.0) * way).tolist()
         lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)

@@ -22,6 +22,7 @@ from cyclemap.views.map_panels import (
     draw_measured_turns,
     draw_turns,
 )
+from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .measured_sets import MeasuredRun, measured_run, measured_theta0
@@ -39,8 +40,10 @@ _CURVE = np.linspace(0.0, 2.0 * np.pi, 721)
 class SimulatedTurns:
     """Simulated pushes and cycles from equally spaced orientations, and curves through them.
 
-    name : what was simulated. theta : (n,) rad. push, cycle : of which the turns are those of a
-        push, Δθ, and of a whole cycle; shape-preserving cubics.
+    name : what was simulated.
+    theta : (n,) rad.
+    push, cycle : of which the turns are those of a push, Δθ, and of a whole cycle; shape-preserving
+        cubics.
     """
 
     name: str
@@ -54,8 +57,9 @@ class SimulatedAgainstMeasured:
     """Table I on the paper's grid, then plywood-measured, fresh and worn; and what was measured,
     None where it is not.
 
-    recorded : the repeated pushes with their Δθ. cycles : for each of `simulated` the measured
-        turns of the whole cycle, push and drag, set against it; empty where no θ0 was found.
+    recorded : the repeated pushes with their Δθ.
+    cycles : for each of `simulated` the measured turns of the whole cycle, push and drag, set
+        against it; empty where no θ0 was found.
     """
 
     simulated: tuple[SimulatedTurns, ...]
@@ -142,11 +146,7 @@ def caption(result: SimulatedAgainstMeasured) -> str:
     pushes = []
     for number, simulated in enumerate(result.simulated):
         here = np.degrees(result.push_statistics(number))
-        off = (
-            ""
-            if result.recorded is None
-            else f", {np.degrees(result.recorded_error(number)):.1f}° RMS off"
-        )
+        off = "" if result.recorded is None else f", {angle(result.recorded_error(number))} RMS off"
         pushes.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
     dots = f"{NO_DATA} of Δθ."
     if result.recorded is not None:
@@ -154,7 +154,7 @@ def caption(result: SimulatedAgainstMeasured) -> str:
     cycles = f"{NO_DATA} of θ0 ({THETA0_FILE})."
     if result.cycles:
         both = zip(result.simulated, result.cycles, strict=True)
-        errors = [f"{one.name} {np.degrees(cycle.agreement.bin_rms):.1f}°" for one, cycle in both]
+        errors = [f"{one.name} {angle(cycle.agreement.bin_rms)}" for one, cycle in both]
         cycles = (
             f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive "
             "pushes; squares, their medians in 5°. Root mean square of these less the simulated: "

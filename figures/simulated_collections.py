@@ -1,16 +1,21 @@
 """Simulated repeated pushes on each material, sampled from maps of the cycle and of the push: not
-2000 full cycles.
+2000 full cycles; and the panels of the figures of all four.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number, read_only, whole_number
@@ -25,6 +30,8 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
+from cyclemap.views import style
+from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .measured_sets import measured_run
@@ -59,9 +66,10 @@ fitted_laws = lru_cache(maxsize=32)(set_laws)
 class Sampling:
     """How long and how finely a run is sampled.
 
-    pushes : in the run, 2 or more. states : of a wearing surface, 2 or more, between which maps are
-        blended; with 5 the blend is within 0.07 degrees of the
-        map of a cycle between them. tolerance : rad, of the cycle maps.
+    pushes : in the run, 2 or more.
+    states : of a wearing surface, 2 or more, between which maps are blended; with 5 the blend is
+        within 0.07 degrees of the map of a cycle between them.
+    tolerance : rad, of the cycle maps.
     """
 
     pushes: int = PUBLISHED_CYCLES
@@ -81,9 +89,10 @@ PAPER = Sampling()
 class SurfaceState:
     """The cycle and the push on a surface as it is at one cycle.
 
-    cycle : its number. map : the cycle map, rad. motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and
-        Δy (m, initial object frame) of the push, the periodic cubic spline through pushes computed
-        where the map had to be sampled.
+    cycle : its number.
+    map : the cycle map, rad.
+    motion : of θ0 (n,), rad: (n, 3), Δθ (rad), Δx and Δy (m, initial object frame) of the push, the
+        periodic cubic spline through pushes computed where the map had to be sampled.
     slopes : of θ0: (n, 4, 2), derivatives of Δθ, Δx, Δy and the next θ0 by the centre (m0, n0) of
         the limit ellipse, linear between 36 orientations.
     """
@@ -140,10 +149,11 @@ def surface_states(
 class SampledRun:
     """A run of noisy cycles on one material, each push with its motion.
 
-    surface, material : the paper's name, and that of what stands for it. states : one, or several
-        of a surface that
-    wears. map : of the cycle. run : the orientations, rad, lifted. pushes : the same as recorded
-        pushes.
+    surface, material : the paper's name, and that of what stands for it.
+    states : one, or several of a surface that wears.
+    map : of the cycle.
+    run : the orientations, rad, lifted.
+    pushes : the same as recorded pushes.
     jitter : (n, 2), by how much the centre (m0, n0) of each push's limit ellipse was off, over the
         mean coefficient.
     """
@@ -231,9 +241,11 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
 class MaterialPushes:
     """One of the paper's materials.
 
-    published : what the paper prints. runs : simulated, of each material that stands for it. sets :
-        of these and, last, the recorded one where it was found, each with the
-        words for where it comes from. recorded : whether it was.
+    published : what the paper prints.
+    runs : simulated, of each material that stands for it.
+    sets : of these and, last, the recorded one where it was found, each with the words for where it
+        comes from.
+    recorded : whether it was.
     """
 
     published: PublishedStatistics
@@ -256,3 +268,42 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> lis
             MaterialPushes(published_statistics(surface), runs, sets, recorded is not None)
         )
     return found
+
+
+One = TypeVar("One")
+
+PANEL_INCHES = (5.2, 3.7)
+SIMULATED_FILL = "#c4c4c4"
+
+
+@style.picture_style()
+def draw_materials(
+    names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]
+) -> Figure:
+    """A figure with a panel for each of a few materials, titled with the names; room above each for
+    a legend.
+    """
+    columns = 2 if len(names) <= 4 else 3
+    rows = -(-len(names) // columns)
+    width, height = PANEL_INCHES
+    size, layout = (width * columns, height * rows), style.rows_of(*(columns,) * rows)
+    figure, places = style.page(layout, size=size, keys=2)
+    for axes, name, one in zip(places, names, panels, strict=False):
+        draw_one(axes, one)
+        style.entitle(axes, name)
+    for axes in places[len(names) :]:
+        axes.remove()
+    return figure
+
+
+def as_simulated(axes: Axes) -> None:
+    """Show what a view drew as measured for what it is here: simulated, in grey,
+    in the legend too."""
+    for artist in axes.get_children():
+        if artist.get_label() != "measured":
+            continue
+        artist.set_label("simulated")
+        if isinstance(artist, Line2D):
+            artist.set(color=QUIET, markeredgecolor=QUIET)
+        elif isinstance(artist, Patch):
+            artist.set(facecolor=SIMULATED_FILL, edgecolor=QUIET)

@@ -34,7 +34,14 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_turns
+from cyclemap.views.map_panels import (
+    CIRCLE,
+    PER_DEGREE,
+    draw_histogram,
+    draw_medians,
+    draw_turns,
+)
+from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 from .loop_family import with_ring_at
@@ -197,8 +204,7 @@ def _parabola(case: Bottleneck) -> tuple[Array, Array]:
 
 def _draw_turn(axes: Axes, case: Bottleneck) -> None:
     if case.bins is not None:
-        medians = np.degrees([case.bins.centre, case.bins.median])
-        axes.plot(*medians, "s", label="medians", **style.MARKS)
+        draw_medians(axes, case.bins, "medians")
     name = "map" if case.bins is None else "fitted map"
     draw_turns(axes, CIRCLE, {name: case.map.turn(CIRCLE)})
     axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **style.SECOND)
@@ -206,9 +212,8 @@ def _draw_turn(axes: Axes, case: Bottleneck) -> None:
 
 
 def _draw_directions(axes: Axes, case: Bottleneck) -> None:
-    edges, fill = np.degrees(case.histogram.edges), style.BAND if case.bins is None else style.BARS
-    heights = PER_DEGREE * case.histogram.density
-    axes.stairs(heights, edges, fill=True, label=_seen(case), **fill)
+    look = style.BAND if case.bins is None else style.BARS
+    draw_histogram(axes, case.histogram, _seen(case), fill=True, **look)
     axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **style.LINE)
     theta, pace = _parabola(case)
     share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)
@@ -253,10 +258,10 @@ def caption(result: StaircaseBottleneck) -> str:
     mean, spread = one.visit
     told = (
         f"Plywood (Table I) with its ring at {1000 * RADIUS:g} mm, just inside the saddle-node: no "
-        f"direction repeats, but at {math.degrees(one.passage.theta):.0f}° a cycle turns the "
-        f"object by {math.degrees(one.passage.gap):.2f}° only. There the robot spends most cycles, "
+        f"direction repeats, but at {angle(one.passage.theta, 0)} a cycle turns the "
+        f"object by {angle(one.passage.gap, 2)} only. There the robot spends most cycles, "
         "and each climb of 360° stops there: passage theory gives "
-        f"{one.passage.passage_cycles:.0f} cycles, map and noise ({math.degrees(one.sigma):.1f}°) "
+        f"{one.passage.passage_cycles:.0f} cycles, map and noise ({angle(one.sigma)}) "
         f"together {mean:.0f} ± {spread:.0f}, {one.lengths.size} steps sampled from them lasted "
         f"{one.lengths.mean():.0f} on average."
     )
@@ -273,7 +278,7 @@ def caption(result: StaircaseBottleneck) -> str:
     (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
     return (
         f"{told} The measured plywood staircase has such a bottleneck at "
-        f"{math.degrees(found.passage.theta):.0f}°: its fitted map predicts steps of {mean:.0f} ± "
+        f"{angle(found.passage.theta, 0)}: its fitted map predicts steps of {mean:.0f} ± "
         f"{spread:.0f} cycles. The {found.lengths.size} measured ones that were seen whole lasted "
         f"{found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than "
         f"noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the "

@@ -9,16 +9,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.evidence.tables.measured_cycle_map import full_turns
+from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
 from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.staircase_panels import draw_staircase
 
 from .catalogue import MeasuredFolder
-from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
-from .simulated_collections import NOISE, PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+from .simulated_collections import (
+    NOISE,
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    draw_materials,
+    sampled_run,
+)
 
 DEFAULT_RUNS = 200
 # A path has left a direction when it is further from it than this (rad).
@@ -29,12 +36,12 @@ AWAY = float(np.deg2rad(30.0))
 class Climb:
     """A path and what it does.
 
-    path : (m,) rad, not wrapped, one entry a push. steps : the dwells and steps found in it,
-        without a model.
-    turns : from the first push to the last. turn_pushes : (k,) pushes that each full turn took, in
-        order, from where
-    the map is fastest. first_stay : pushes before the path is first more than 30 degrees from where
-        it began; all, where it never is.
+    path : (m,) rad, not wrapped, one entry a push.
+    steps : the dwells and steps found in it, without a model.
+    turns : from the first push to the last.
+    turn_pushes : (k,) pushes that each full turn took, in order, from where the map is fastest.
+    first_stay : pushes before the path is first more than 30 degrees from where it began; all,
+        where it never is.
     """
 
     path: Array
@@ -48,10 +55,10 @@ class Climb:
 class MaterialStaircase:
     """One panel.
 
-    run, climb : the predicted path that is drawn. lower, upper : (m,) rad, between which 95 % of
-        such paths lie at each
-    push. turns : (runs,) full turns that these climb. recorded : the measured path; None where none
-        was found.
+    run, climb : the predicted path that is drawn.
+    lower, upper : (m,) rad, between which 95 % of such paths lie at each push.
+    turns : (runs,) full turns that these climb.
+    recorded : the measured path; None where none was found.
     """
 
     run: SampledRun

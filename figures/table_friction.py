@@ -9,7 +9,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence import friction_ellipse_from_scans
 from cyclemap.mechanics import EllipseFriction, load_material
-from cyclemap.views.sentences import listed
+from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
 from .measured_sets import measured_scans, not_found
@@ -32,8 +32,11 @@ HEADER = (
 
 @dataclass(frozen=True)
 class FrictionRow:
-    """One limit ellipse. surface : the paper's name. material : the row's. source : where the
-    numbers come from.
+    """One limit ellipse.
+
+    surface : the paper's name.
+    material : the row's.
+    source : where the numbers come from.
     """
 
     surface: str
@@ -64,8 +67,10 @@ class FrictionRow:
 
 @dataclass(frozen=True)
 class FrictionEllipses:
-    """The table. absent : materials without friction scans. unfitted : those whose scans fix no
-    ellipse, and why.
+    """The table.
+
+    absent : materials without friction scans.
+    unfitted : those whose scans fix no ellipse, and why.
     """
 
     rows: tuple[FrictionRow, ...]
@@ -129,7 +134,7 @@ def caption(result: FrictionEllipses) -> str:
         f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ "
         f"= {paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and "
         f"its centre lies {100 * paper.offset:.1f} % of the mean coefficient from zero, towards "
-        f"{math.degrees(paper.offset_direction):.0f}°. The others are inferred from how objects "
+        f"{angle(paper.offset_direction, 0)}. The others are inferred from how objects "
         "moved, which does not tell the size of friction: their mean is 0.25 by convention. Their "
         f"axis ratios are {min(ratios):.2f} to {max(ratios):.2f}, their offsets {min(offsets):.1f} "
         f"to {max(offsets):.1f} % of the mean.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cyclemap.evidence import SetLaws
-from cyclemap.evidence.tables.set_fit import MotionLaw
+from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.views.sentences import listed
 
 from .catalogue import MeasuredFolder

@@ -12,13 +12,19 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import Array
 from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_recorded
-from cyclemap.views.sentences import listed
+from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
+from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
-from .material_panels import draw_materials
 from .measured_sets import measured_theta0, not_found
-from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    draw_materials,
+    sampled_run,
+)
 
 UNIFORM = 1.0 / (2 * np.pi)
 # A maximum of the density counts as a peak from this many times the uniform density on.
@@ -33,9 +39,12 @@ NEAR = float(np.deg2rad(30.0))
 class MaterialDirections:
     """One panel.
 
-    run : simulated pushes. simulated : their histogram. density : (721,) per rad at ``CIRCLE``,
-        stationary, of the map with its noise, known to density_error. theta0 : (m,) rad, the
-        recorded orientations, and recorded, their histogram; None where not found.
+    run : simulated pushes.
+    simulated : their histogram.
+    density : (721,) per rad at ``CIRCLE``, stationary, of the map with its noise, known to
+        density_error.
+    theta0 : (m,) rad, the recorded orientations, and recorded, their histogram; None where not
+        found.
     """
 
     run: SampledRun
@@ -91,8 +100,8 @@ def draw(result: tuple[MaterialDirections, ...]) -> Figure:
 
 def _draw_material(axes: Axes, one: MaterialDirections) -> None:
     draw_recorded(axes, one.recorded)
-    edges, height = np.degrees(one.simulated.edges), PER_DEGREE * one.simulated.density
-    axes.stairs(height, edges, label="simulated", **{**style.SECOND, "linestyle": "-"})
+    look = {**style.SECOND, "linestyle": "-"}
+    draw_histogram(axes, one.simulated, "simulated", **look)
     around, density = np.degrees(CIRCLE), PER_DEGREE * one.density
     axes.plot(around, density, label="stationary density", **style.LINE)
     top = 1.3 * axes.dataLim.y1
@@ -125,7 +134,7 @@ def caption(result: tuple[MaterialDirections, ...]) -> str:
 
 
 def _sentence(one: MaterialDirections) -> str:
-    name, peaks = one.run.surface, [f"{np.degrees(peak):.0f}°" for peak in one.peaks]
+    name, peaks = one.run.surface, [f"{angle(peak, 0)}" for peak in one.peaks]
     where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
     told = f"On {name} the density {where}"
     if not _published(one):

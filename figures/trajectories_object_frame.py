@@ -6,13 +6,14 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
+from cyclemap.views.sentences import angle
 
 from .catalogue import MeasuredFolder
 from .published_statistics import published_statistics
 from .pushed_paths import (
     CYCLES,
     DRAWN,
-    MM,
     RECORDED,
     PushedPaths,
     draw_paths,
@@ -39,12 +40,12 @@ def draw(result: list[PushedPaths]) -> Figure:
     shades = shades_of(result)
     for axes, paths in zip(panels, result, strict=True):
         draw_paths(axes, paths.object_frame, paths.turn, shades)
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xlabel="x (mm)")
-        axes.set_ylabel("y (mm), object's frame before the push")
+        style.show_window(axes, low, high)
+        axes.set(xlabel="x (mm)", ylabel="y (mm), object's frame before the push")
         axes.label_outer()
         axes.set_title(f"{paths.surface},\n{paths.origin}")
         turn, dx, dy = paths.spread
-        told = f"σ(Δθ) {np.degrees(turn):.1f}°\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+        told = f"σ(Δθ) {angle(turn)}\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
         axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
     shade_bar(figure, panels, shades)
     return figure

@@ -11,12 +11,13 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
+from cyclemap.views.sentences import angle
 
 from .catalogue import MeasuredFolder
 from .pushed_paths import (
     CYCLES,
     DRAWN,
-    MM,
     PushedPaths,
     crossing_pairs,
     draw_paths,
@@ -42,8 +43,9 @@ _MARK_GAP = 8.0
 class RobotFramePaths:
     """The pushes on each surface, the crowded arcs of θ0, and how many pairs of paths cross.
 
-    arcs : for each surface, (begin, end) in rad, begin in [0, 2π). crossed : for each surface,
-        pairs of paths that cross in the robot's frame, in the object's frame, and pairs looked at.
+    arcs : for each surface, (begin, end) in rad, begin in [0, 2π).
+    crossed : for each surface, pairs of paths that cross in the robot's frame, in the object's
+        frame, and pairs looked at.
     """
 
     surfaces: list[PushedPaths]
@@ -72,8 +74,9 @@ def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) 
 def crowded_arcs(orientations: Array) -> list[Arc]:
     """Return the arcs (begin, end), rad, of orientations that are crowded, in bins of 10 degrees.
 
-    >>> [[round(float(np.degrees(end))) for end in arc] for arc in crowded_arcs(np.array([0.1, 0.02, -0.02]))]
-    [[350, 370]]
+    >>> (arc,) = crowded_arcs(np.array([0.1, 0.02, -0.02]))
+    >>> [round(float(np.degrees(end))) for end in arc]
+    [350, 370]
     """
     histogram = angle_histogram(orientations, _BINS)
     crowded = histogram.density * (2 * np.pi) >= CROWDED
@@ -127,9 +130,7 @@ def caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
     marked = []
     for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
-        told = ", ".join(
-            f"{np.degrees(begin):.0f}° to {np.degrees(end):.0f}°" for begin, end in arcs
-        )
+        told = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
         marked.append(f"{paths.surface} {told or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
@@ -137,7 +138,7 @@ def caption(result: RobotFramePaths) -> str:
         "target (cross); a darker shade is a larger turn. Thick arcs are where those pushes end "
         "whose orientation before the push occurs at least twice as often as if all were alike (in "
         f"bins of 10°): {'; '.join(marked)}. Of {pairs} pairs of paths from orientations "
-        f"{np.degrees(APART):.0f}° or more apart, {here} cross here and {there} in the object's "
+        f"{angle(APART, 0)} or more apart, {here} cross here and {there} in the object's "
         "frame: seen from the floor the pushes are told apart. "
         f"{material_sentence(result.surfaces)}"
     )

@@ -11,15 +11,22 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.evidence import TurnHistogram, turn_histogram
-from cyclemap.evidence.tables.set_fit import MotionLaw, motion_law
+from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_turn_histogram
 from cyclemap.views.map_panels import OUTCOMES
 from cyclemap.views.style import say
 
 from .catalogue import MeasuredFolder
-from .material_panels import as_simulated, draw_materials
 from .measured_sets import measured_run, measured_theta0, not_found
-from .simulated_collections import PAPER, STANDS_FOR, Sampling, fitted_laws, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    Sampling,
+    as_simulated,
+    draw_materials,
+    fitted_laws,
+    sampled_run,
+)
 
 DEFAULT_RUNS = 200
 # Bins of the turn of a push, and of a cycle, which spreads far wider than where most of them lie.
@@ -30,12 +37,13 @@ PUSH_BINS, CYCLE_BINS = 40, 120
 class TurnPanel:
     """One panel.
 
-    surface : the material. recorded : whether its turns were measured on a robot, else they are
-        simulated.
+    surface : the material.
+    recorded : whether its turns were measured on a robot, else they are simulated.
     whole_cycle : whether a turn is that of push and drag together, since only θ0 was recorded; else
         of the push alone.
-    law : fitted to the turns over θ0. histogram : of the turns and of what the law makes of the
-        same θ0; None where no law could be fitted.
+    law : fitted to the turns over θ0.
+    histogram : of the turns and of what the law makes of the same θ0; None where no law could be
+        fitted.
     """
 
     surface: str
@@ -47,8 +55,9 @@ class TurnPanel:
 
 @dataclass(frozen=True, eq=False)
 class TurnHistograms:
-    """A panel a material, and those of whole cycles where only θ0 was recorded. absent : without
-    recorded pushes.
+    """A panel a material, and those of whole cycles where only θ0 was recorded.
+
+    absent : without recorded pushes.
     """
 
     panels: tuple[TurnPanel, ...]

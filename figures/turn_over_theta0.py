@@ -11,17 +11,25 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
-from cyclemap.evidence.tables.set_fit import MotionLaw
+from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.views import style
 from cyclemap.views.fit_page import draw_motion_law
 from cyclemap.views.map_panels import CIRCLE, draw_curves
-from cyclemap.views.sentences import listed
+from cyclemap.views.sentences import angle, listed
 from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
-from .material_panels import as_simulated, draw_materials
 from .measured_sets import MeasuredRun, measured_run, not_found
-from .simulated_collections import PAPER, STANDS_FOR, SampledRun, Sampling, fitted_laws, sampled_run
+from .simulated_collections import (
+    PAPER,
+    STANDS_FOR,
+    SampledRun,
+    Sampling,
+    as_simulated,
+    draw_materials,
+    fitted_laws,
+    sampled_run,
+)
 
 # Share of the pushes whose arc is told.
 MOST = 0.95
@@ -31,12 +39,14 @@ MOST = 0.95
 class MaterialTurns:
     """One panel.
 
-    run : simulated pushes. measured : the recorded set, None where none was found. law : of the
-        recorded Δθ where there are any, else of the simulated. simulated_law : of these. curves :
-        (states, 721) rad, the mechanics' Δθ at ``CIRCLE``, fresh and worn; one
-        where the surface does not wear. arc : rad, the shortest in which 95 % of the
-    simulated pushes start. worst_miss : rad, how far their law lies from the mechanics of the fresh
-        surface, at worst.
+    run : simulated pushes.
+    measured : the recorded set, None where none was found.
+    law : of the recorded Δθ where there are any, else of the simulated.
+    simulated_law : of these.
+    curves : (states, 721) rad, the mechanics' Δθ at ``CIRCLE``, fresh and worn; one where the
+        surface does not wear.
+    arc : rad, the shortest in which 95 % of the simulated pushes start.
+    worst_miss : rad, how far their law lies from the mechanics of the fresh surface, at worst.
     """
 
     run: SampledRun
@@ -106,7 +116,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
     count = result[0].run.pushes.count
     recorded = [
         f"{one.run.surface} ({one.measured.pushes.count} pushes, law within "
-        f"{np.degrees(one.law.law.rmse):.2f}° RMS)"
+        f"{angle(one.law.law.rmse, 2)} RMS)"
         for one in result
         if one.measured is not None and one.law.law is not None
     ]
@@ -119,7 +129,7 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
         *[_sentence(one) for one in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up "
         "to "
-        f"{listed(f'{np.degrees(one.worst_miss):.1f}° on {one.run.surface}' for one in result)}.",
+        f"{listed(f'{angle(one.worst_miss)} on {one.run.surface}' for one in result)}.",
         f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [one.run.surface for one in result if one.measured is None]),
     ]
@@ -130,12 +140,10 @@ def _sentence(one: MaterialTurns) -> str:
     low, high = np.degrees([one.curves[0].min(), one.curves[0].max()])
     rmse = one.simulated_law.law
     fitted = (
-        "no law could be fitted"
-        if rmse is None
-        else f"the law is {np.degrees(rmse.rmse):.2f}° RMS off"
+        "no law could be fitted" if rmse is None else f"the law is {angle(rmse.rmse, 2)} RMS off"
     )
     return (
         f"On {one.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the "
-        f"simulated pushes (paper, recorded: {np.degrees(one.run.published.rmse[0]):.2f}°), and 95 "
-        f"% of these start on an arc of {np.degrees(one.arc):.0f}°."
+        f"simulated pushes (paper, recorded: {angle(one.run.published.rmse[0], 2)}), and 95 "
+        f"% of these start on an arc of {angle(one.arc, 0)}."
     )

@@ -13,11 +13,11 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
-from cyclemap.evidence.tables.measured_cycle_map import TurnPace
+from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
 from cyclemap.views import style
 from cyclemap.views.map_panels import CIRCLE, draw_turns
-from cyclemap.views.sentences import LONGEST_STAY
+from cyclemap.views.sentences import LONGEST_STAY, angle
 from cyclemap.views.staircase_panels import draw_pace
 
 from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
@@ -33,13 +33,13 @@ _EVEN = 2 * np.pi * np.arange(4096) / 4096
 class WearDrift:
     """The map over the cycles, computed and measured.
 
-    cycles : (n,). least, measured_least : (n,) rad, the least turn of
-        a cycle, where the bottleneck is. turns : the turn (rad) at `CIRCLE` at AGES, computed;
-        measured_turns : as fitted, nan
-        where the robot hardly was; None without
-    data. ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle. error :
-        rad, bound on that of the maps between those computed. pace : cycles of each measured turn,
-        beside what the fitted map foretells; None without data.
+    cycles : (n,).
+    least, measured_least : (n,) rad, the least turn of a cycle, where the bottleneck is.
+    turns : the turn (rad) at `CIRCLE` at AGES, computed; measured_turns : as fitted, nan where the
+        robot hardly was; None without data.
+    ages, mean_turn : (k,) of the map frozen at some cycles, with noise, rad a cycle.
+    error : rad, bound on that of the maps between those computed.
+    pace : cycles of each measured turn, beside what the fitted map foretells; None without data.
     """
 
     cycles: Array
@@ -83,8 +83,9 @@ def compute(
     """Follow the map as the loop wears, foretell its staircase, and fit the measured map with its
     wear.
 
-    points : ages at which the pace is foretold. runs : paths of the
-    fitted map a measured turn. harmonics : of the fitted map, None to choose them.
+    points : ages at which the pace is foretold.
+    runs : paths of the fitted map a measured turn.
+    harmonics : of the fitted map, None to choose them.
     """
     loop = CollectionLoop.mit(material=MATERIAL)
     wear = loop.material.wear
@@ -172,7 +173,7 @@ def caption(result: WearDrift) -> str:
         f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
         f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
         f"{result.opened:.0f} a stable direction holds the robot and only noise "
-        f"({math.degrees(DEFAULT_SIGMA):.1f}°) frees it, then the bottleneck opens, and at the end "
+        f"({angle(DEFAULT_SIGMA)}) frees it, then the bottleneck opens, and at the end "
         f"a turn takes {last:.0f} cycles; {result.expected_turns:.1f} turns are expected in all."
     )
     pace = result.pace

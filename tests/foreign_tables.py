@@ -214,8 +214,8 @@ def json_lines(start, end, *_) -> str:
 
 
 def dirty(start, end, *_) -> str:
-    """Our own names, three rows without a pose,
-    and an empty field in a column that nobody needs."""
+    """Our own names, three rows without a pose, and an empty field in a column that nobody
+    needs."""
     text = canonical(start, end).splitlines()
     lines = [f"{text[0]},remark"] + [
         f"{line},{'' if number == 4 else 'ok'}" for number, line in enumerate(text[1:])

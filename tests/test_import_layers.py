@@ -29,7 +29,7 @@ ROOMS = (
 RANK = {name: rank for rank, names in enumerate(ROOMS, 2) for name in names.split()}
 # Modules beside the rooms: small things that every room may use, and the doors of the package.
 SMALL = (
-    "arrays errors lazy_names one_thread plain_text written",
+    "arrays errors lazy_names one_thread plain_text progress written",
     "checks file_text inline_svg text_files",
 )
 SHARED = {name: rank for rank, names in enumerate(SMALL) for name in names.split()}
@@ -203,12 +203,10 @@ ROWS = {
         ("pushes", "replay"),
         ("pushes", "laws", "tables", "identification", "data_blocks", "push_plan"),
     ),
-    "resets": (("monitor", "design"),),
 }
 PARTS_SHARED: dict[str, set[str]] = {
     "maps": {"estimate", "quadrature"},
     "evidence": {"motion_check", "predicted_strokes"},
-    "resets": set(),
 }
 
 

@@ -8,7 +8,8 @@ along it. Functions named `..._residual` vanish.
 
 import sympy as sp
 
-#: Distance of the origin from a side's line (its sign does not matter to the integrals), and position along the side.
+#: Distance of the origin from a side's line (its sign does not matter to the integrals), and
+#: position along the side.
 D, T = sp.Symbol("d", positive=True), sp.Symbol("t", real=True)
 #: Where the side starts and ends.
 T0, T1 = sp.symbols("t_0 t_1", real=True)

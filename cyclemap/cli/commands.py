@@ -2,9 +2,7 @@
 run_NAME.py.
 """
 
-from collections.abc import Callable
 from importlib import import_module
-from typing import Any
 
 import click
 from click import Choice, argument, option
@@ -12,6 +10,7 @@ from click import Choice, argument, option
 from cyclemap.cli.options import (
     MOST_CYCLES,
     PATH,
+    Decorator,
     Real,
     RealRange,
     Whole,
@@ -106,15 +105,16 @@ def cli() -> None:
     """What a robot that pushes an object and drags it back will record, predicted from friction."""
 
 
-def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
+def command(name: str, says: str, *takes: Decorator, beside: str = "") -> None:
     """Add a command: its name, its help, its arguments and options in order.
 
-    It does run_NAME of run_NAME.py, which is imported only then: no help waits for it. Where that
-    file has NameOptions, all that was asked comes as one of these.
+    It does run_NAME of run_NAME.py, or of the file of the command that it stands `beside`; that is
+    imported only then: no help waits for it. Where the file has NameOptions, all that was asked
+    comes as one of these.
     """
 
-    def work(**given: Any) -> None:
-        module = import_module(f"cyclemap.cli.run_{name}")
+    def work(**given: object) -> None:
+        module = import_module(f"cyclemap.cli.run_{beside or name}")
         run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
         if hasattr(module, options):
             run(getattr(module, options)(**given))
@@ -126,7 +126,8 @@ def command(name: str, says: str, *takes: Callable[[Any], Any]) -> None:
 
 command(
     "init",
-    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a picture of it all.
+    """Write FILE.toml for your own object: its outline, a first guess of push, rod and ring, and a
+    picture of it all.
 
     Asked for no outline, it asks back.
     """,
@@ -162,27 +163,34 @@ command(
 )
 command(
     "check",
-    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and draw it.""",
+    """Look at a collection FILE.toml as a careful colleague would: say what is likely wrong, and
+    draw it.
+    """,
     argument("file", type=PATH),
     option("--out", metavar="DIR", type=PATH, default="out", help="Of the picture."),
     json_option,
+    beside="init",
 )
 command(
     "audit",
-    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its reset did.
+    """Audit a data set of pushes: what it covers, where it locked in, what it is worth, what its
+    reset did.
 
-    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much, poses more.
+    DATA is a file, folder or tree in the MIT layout, or a table: orientations alone tell much,
+    poses more.
     """,
     argument("data", type=PATH),
     table_options,
     result_options("audit_DATA.png and .json"),
+    beside="watch",
 )
 command(
     "probe",
-    """Ask whether pushes depend on their direction, what friction ellipse does the same, and where it would lock in.
+    """Ask whether pushes depend on their direction, what friction ellipse does the same, and where
+    it would lock in.
 
-    MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give one of --data,
-    --command and --python.
+    MATERIAL, or --protocol, tells the object and its push; the surface is taken as isotropic. Give
+    one of --data, --command and --python.
     """,
     protocol_options,
     option("--data", metavar="DATA", type=PATH, help="Pushes made: a table with end poses."),
@@ -205,12 +213,14 @@ command(
 )
 command(
     "plan",
-    """Plan the pushes that tell most of where your object locks in, to make by hand or robot, and a table to fill in.
+    """Plan the pushes that tell most of where your object locks in, to make by hand or robot, and a
+    table to fill in.
 
-    OBJECT is a file that cyclemap init made. What is believed of the floor are the samples of --floor. A push is
-    measured before, after, and, where there is a ring, once it is dragged back to where the ring was: by two corners
-    with a ruler, or by a pose. Rows may stay empty, or be added. --after takes the tables that are filled in, and tells
-    whether that is enough, or the next pushes.
+    OBJECT is a file that cyclemap init made. What is believed of the floor are the samples of
+    --floor. A push is measured before, after, and, where there is a ring, once it is dragged back
+    to where the ring was: by two corners with a ruler, or by a pose. Rows may stay empty, or be
+    added. --after takes the tables that are filled in, and tells whether that is enough, or the
+    next pushes.
     """,
     argument("object_file", metavar="OBJECT", type=PATH),
     set_option,
@@ -281,6 +291,7 @@ command(
     """Predict the staircase of θ0: its steps, how long it rests on them, and one run.""",
     loop_options,
     run_options,
+    beside="portrait",
 )
 command(
     "fingerprint",
@@ -299,10 +310,11 @@ command(
 )
 command(
     "explore",
-    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and staircase.
+    """Write explore_MATERIAL.html and open it: sliders, the object moving, its map, directions and
+    staircase.
 
-    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself: no network, no
-    server, no installation where it is mailed to.
+    MATERIAL is plywood where none is given. The page computes in the browser, by the engine itself:
+    no network, no server, no installation where it is mailed to.
     """,
     protocol_options,
     option(
@@ -319,10 +331,12 @@ command(
 )
 command(
     "dynamics",
-    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic friction.
+    """Set dynamic cycles (with inertia) beside quasi-static ones, on MATERIAL and on isotropic
+    friction.
 
-    Both stand on the footprint if it is made of points, else on points that carry its pressure: the paper's grid:8
-    where it is even, weighted and with points along the rim where it leans or has parts.
+    Both stand on the footprint if it is made of points, else on points that carry its pressure: the
+    paper's grid:8 where it is even, weighted and with points along the rim where it leans or has
+    parts.
     """,
     loop_options,
     theta0_option,
@@ -331,11 +345,13 @@ command(
 )
 command(
     "experiment",
-    """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic friction.
+    """Run the paper's numerical experiment: batches of cycles from several θ0, and on isotropic
+    friction.
 
-    It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic cycles stand on the
-    footprint if it is made of points, else on points that carry its pressure: the paper's grid:8 where it is even,
-    weighted and with points along the rim where it leans or has parts.
+    It takes a minute or two; --quasi-static on the exact footprint a quarter of that. Dynamic
+    cycles stand on the footprint if it is made of points, else on points that carry its pressure:
+    the paper's grid:8 where it is even, weighted and with points along the rim where it leans or
+    has parts.
     """,
     loop_options,
     option("--batches", type=Whole(min=1), default=6, help="Batches, evenly spaced."),
@@ -347,12 +363,14 @@ command(
         help="Quasi-static cycles, without inertia, in place of dynamic ones.",
     ),
     result_options("experiment_MATERIAL.png and .json"),
+    beside="dynamics",
 )
 command(
     "figures",
     """Make figures and tables of the paper, and those it lacks; without a NAME, list them.
 
-    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their captions.
+    Figures become pictures, tables CSV, the animation a GIF. figures.json beside them holds their
+    captions.
     """,
     argument("names", metavar="[NAME ...|all]", nargs=-1),
     option("--data", metavar="DIR", type=PATH, help=_FOLDER),
@@ -360,7 +378,8 @@ command(
 )
 command(
     "simulate",
-    """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes after.
+    """Write a simulated collection as files of the MIT dataset's layout, to rehearse what comes
+    after.
 
     Run it again with the same arguments to go on with a collection that was broken off.
     """,
@@ -391,10 +410,11 @@ command(
 )
 command(
     "fit",
-    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its wear.
+    """Fit laws to measured pushes: Δθ, Δx, Δy over θ0, their histogram, and the cycle map with its
+    wear.
 
-    DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table of
-    your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+    DATA is a file, a folder or a tree in the MIT layout, a CSV table of poses or of θ0, or a table
+    of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
     """,
     argument("data", type=PATH),
     select_option,
@@ -410,10 +430,11 @@ command(
     "identify",
     """Identify a surface from measured data, and write it as a material.
 
-    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of push ends with
-    tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on one surface. All are explained at
-    once: friction and mean shape are the floor's, what it is in one session that session's, a plate's shape each
-    object's, the shift between robot and camera each data set's.
+    DATA are files, folders or trees: friction scans and pushes in the MIT layout, and CSV tables of
+    push ends with tip, of drag-backs, of θ0, or of wrenches and twists, of any number of objects on
+    one surface. All are explained at once: friction and mean shape are the floor's, what it is in
+    one session that session's, a plate's shape each object's, the shift between robot and camera
+    each data set's.
     """,
     argument("data", nargs=-1, required=True, type=PATH),
     table_options,
@@ -481,9 +502,10 @@ command(
     "replay",
     """Replay recorded pushes along their own tip paths on MATERIAL, and tell how far off each ends.
 
-    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic friction. The object is
-    the data's: MIT's by its name in them, any other from MATERIAL, --protocol or the collection.toml beside the data.
-    On an isotropic surface the friction coefficient changes no motion.
+    How plates press on it is taken from MATERIAL, and errors stand beside those of isotropic
+    friction. The object is the data's: MIT's by its name in them, any other from MATERIAL,
+    --protocol or the collection.toml beside the data. On an isotropic surface the friction
+    coefficient changes no motion.
     """,
     loop_options,
     option("--data", metavar="PATH", required=True, type=PATH, help=_RECORDED),
@@ -498,12 +520,13 @@ command(
 )
 command(
     "watch",
-    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of MIT pushes, or a
-    table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or told by --columns.
+    """Watch a collection of θ0 for locking in: FILE is a CSV with theta0_deg in order, a folder of
+    MIT pushes, or a table of your own (CSV, Excel, LeRobot, ROS bag), whose columns are guessed, or
+    told by --columns.
 
-    With --protocol it also tells which action of the strategy takes the object to where least is recorded. With a
-    --material that has samples and one action, it tells the chance that the next 300 pushes lock in, and where. With
-    --follow, `--json -` prints a line of JSON for each push.
+    With --protocol it also tells which action of the strategy takes the object to where least is
+    recorded. With a --material that has samples and one action, it tells the chance that the next
+    300 pushes lock in, and where. With --follow, `--json -` prints a line of JSON for each push.
     """,
     argument("file", type=PATH),
     option("--alarm-rate", type=_SHARE, default=0.01, help=_RATE),
@@ -525,7 +548,9 @@ command(
 )
 command(
     "reset",
-    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol and schedule.""",
+    """Find a reset that spreads θ0 uniformly on MATERIAL and its likes, and write it as protocol
+    and schedule.
+    """,
     loop_options,
     option("--allow-tv", type=_SHARE, default=0.10, help=_TV),
     option("--extra-tv", type=_SHARE, default=0.02, help="More after --within pushes."),
@@ -566,8 +591,8 @@ command(
     "sweep",
     """Sweep settings: the portrait's numbers at every point of a grid or a sample.
 
-    Results are stored as they come; the same command again goes on where it stopped, and ends at once when all is
-    there. Over one key or two it draws the bifurcation or phase diagram.
+    Results are stored as they come; the same command again goes on where it stopped, and ends at
+    once when all is there. Over one key or two it draws the bifurcation or phase diagram.
     """,
     protocol_options,
     option("--over", metavar="KEY=VALUES", multiple=True, required=True, help=_OVER),

@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
 
 _QUIET = "cyclemap.quiet"
-PATH: Any = click.Path(path_type=Path)
+PATH = click.Path(path_type=Path)
 Command = Callable[..., None]
+Decorator = Callable[[Command], Command]
 
 
 json_option = click.option(
@@ -55,12 +56,12 @@ select_option = click.option(
 )
 
 
-def seed_option(of: str) -> Callable[[Command], Command]:
+def seed_option(of: str) -> Decorator:
     """The option of the seed `of` something."""
     return click.option("--seed", type=Whole(min=0), default=0, help=of)
 
 
-def decorated(command: Command, *decorators: Callable[[Any], Any]) -> Command:
+def decorated(command: Command, *decorators: Decorator) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
         command = decorate(command)
@@ -78,7 +79,7 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         material_file: str | None,
         protocol: Path | None,
         settings: tuple[str, ...],
-        **others: Any,
+        **others: object,
     ) -> None:
         one = (material is None) != (material_file is None)
         if not one and (needs_material or material is not None):
@@ -213,14 +214,14 @@ def gathered(command: Command, name: str, kind: type) -> Command:
     """Give `command` the options that are fields of `kind` as one object, called `name`."""
 
     @wraps(command)
-    def gather(**given: Any) -> None:
+    def gather(**given: object) -> None:
         own = {field.name: given.pop(field.name) for field in fields(kind)}
         command(**given, **{name: kind(**own)})
 
     return gather
 
 
-def result_options(files: str) -> Callable[[Command], Command]:
+def result_options(files: str) -> Decorator:
     """Give a command the options of where results go, and as what, which reach it as results, a
     `ResultOptions`; `files` names them in the help.
     """
@@ -260,7 +261,9 @@ class _PlainDigits(click.ParamType):  # type: ignore[type-arg]
 
     read: Callable[[str], float] = staticmethod(plain_number)
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         """Return the number."""
         try:
             given = self.read(value) if isinstance(value, str) else value
@@ -282,7 +285,9 @@ class Real(_PlainDigits, click.types.FloatParamType):
 class RealRange(_PlainDigits, click.FloatRange):
     """A number of a range, which has no nan."""
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Any:
         """Return the number."""
         found = super().convert(value, param, ctx)
         if math.isnan(found):
@@ -371,53 +376,55 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     what was read.
     """
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
-    from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+    from cyclemap.evidence.pushes.own_tables import is_own
     from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
-    from cyclemap.evidence.pushes.pose_streams import UnclearStream
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
+    said = {key: value for key, value in table.convention.items() if value is not None}
+    said = {**data_table(data), **said}
+    words: Sequence[str] = ()
+    guessed = False
     if is_planned(data):
         if any(vars(table).values()):
             raise InvalidInput(
                 f"{data}: a table of planned pushes tells its columns, units and angles: leave "
                 "these out"
             )
-        text, words = filled_text(data)
         target = out / f"{file_stem(data.stem)}_as_read.csv"
-        tell_what_was_read((*words, f"written as {target}"), guessed=False)
-        write_whole(target, text.encode())
-        return target
-    own = table.columns is not None or table.units is not None or is_own(data)
-    told = {
-        **data_table(data),
-        **{key: one for key, one in table.convention.items() if one is not None},
-    }
-    if not own and not told:
-        return data
-    target = out / as_read_name(file_stem(data.stem), told)
-    if own:
-        try:
-            found = read_own_table(
-                data, *told_columns(table.columns, table.units), **table.convention
-            )
-        except UnclearStream as error:
-            picture = _pictured(error.seen, out / f"{file_stem(data.stem)}_motions.png")
-            raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
-        text, words, guessed = found.csv_text(), [*found.words], found.guessed
-        if found.segments is not None:
-            words.append(
-                f"picture: {_pictured(found.segments, out / f'{file_stem(data.stem)}_motions.png')}"
-            )
+        text, words = filled_text(data)
+    elif table.columns is not None or table.units is not None or is_own(data):
+        target = out / as_read_name(file_stem(data.stem), said)
+        text, words, guessed = _own_text(data, table, out)
+    elif said:
+        target = out / as_read_name(file_stem(data.stem), said)
+        text = _in_our_convention(data, convention_of(data, **table.convention))
     else:
-        text, words, guessed = (
-            _in_our_convention(data, convention_of(data, **table.convention)),
-            [],
-            False,
-        )
+        return data
     tell_what_was_read((*words, f"written as {target}"), guessed)
     write_whole(target, text.encode())
     return target
+
+
+def _own_text(data: Path, table: TableOptions, out: Path) -> tuple[str, Sequence[str], bool]:
+    """A table of people's own as CSV, what was read as what, and whether that was guessed; a
+    stream of poses is drawn as it was cut.
+    """
+    from cyclemap.evidence.pushes.own_tables import read_own_table
+    from cyclemap.evidence.pushes.pose_streams import UnclearStream
+    from cyclemap.text_files import file_stem
+
+    motions = out / f"{file_stem(data.stem)}_motions.png"
+    columns, units = told_columns(table.columns, table.units)
+    try:
+        found = read_own_table(data, columns, units, **table.convention)
+    except UnclearStream as error:
+        picture = _pictured(error.seen, motions)
+        raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
+    words = list(found.words)
+    if found.segments is not None:
+        words.append(f"picture: {_pictured(found.segments, motions)}")
+    return found.csv_text(), words, found.guessed
 
 
 def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
@@ -451,10 +458,7 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
     pushes = load_pushes(
         data, angles=convention.angles, frame=convention.frame, offset_deg=offset
     ).table
-    # The names by which rods' places are replayed, too.
-    told = pushes.drop(columns=["path", "samples", "dx", "dy"]).rename(
-        columns={"theta0": "th0", "theta1": "th1"}
-    )
+    told = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
     return str(told.to_csv(index=False, lineterminator="\n"))
 
 

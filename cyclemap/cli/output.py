@@ -21,8 +21,7 @@ from rich.text import Text
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
-from cyclemap.text_files import file_stem as file_stem
-from cyclemap.text_files import write_whole
+from cyclemap.text_files import file_stem as file_stem, write_whole
 from cyclemap.written import Json
 
 if TYPE_CHECKING:
@@ -44,12 +43,14 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     """Return where results of a kind about a loop go, without an ending: named by its surface, and
     by its object.
 
-    MIT's square, which the paper is about, goes unsaid. surface : in place of the material's name.
+    MIT's square, which the paper is about, goes unsaid.
+    surface : in place of the material's name.
 
     >>> from cyclemap.collection.loop import CollectionLoop
     >>> from cyclemap.mechanics import Slider
     >>> for shape in ("rect1", "hex"):
-    ...     print(result_stem(Path(), "portrait", CollectionLoop.mit("pu", slider=Slider.mit(shape))))
+    ...     loop = CollectionLoop.mit("pu", slider=Slider.mit(shape))
+    ...     print(result_stem(Path(), "portrait", loop))
     portrait_pu
     portrait_hex_on_pu
     """
@@ -109,6 +110,14 @@ def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) 
     picture = stem.with_name(f"{stem.name}.{picture_format}")
     write_whole(picture, render(figure, picture_format))
     return picture
+
+
+def write_page(page: str, stem: Path) -> Path:
+    """Write a page as stem.html, tell people where, and return that."""
+    place, content = stem.with_name(f"{stem.name}.html"), page.encode()
+    write_whole(place, content)
+    click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
+    return place
 
 
 def styled(text: str, style: str) -> Text:

@@ -17,10 +17,10 @@ from cyclemap.evidence.comparison.push_agreement import (
     QuantityAgreement,
     mean_distances,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue
+from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.maps import WrappedNormal
 from cyclemap.mechanics.plate_footprint import plate_note
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.compare_page import compare_page, data_sentence, headline, trust_sentences
 from cyclemap.views.verdicts import told_sets, verdicts
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, Unit, degrees, json_of, written
@@ -42,19 +42,17 @@ def run_compare(
     as JSON.
     """
     read = readable_data(data, table, results.out)
-    loop, sigma = chosen_loop(options, data)
-    name = loop.material.name
+    chosen = chosen_loop(options, data)
+    loop, name = chosen.loop, chosen.loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
         found = compare(
             loop,
             read,
-            noise=None if sigma is None else WrappedNormal(sigma),
+            noise=None if chosen.sigma is None else WrappedNormal(chosen.sigma),
             first=first,
             select=selected_values(select),
             # MIT's own 150 mm are no answer for data that do not tell.
-            push_length=loop.push.distance
-            if "push_mm" in told_settings(options, data)[1]
-            else None,
+            push_length=loop.push.distance if "push_mm" in chosen.settings else None,
             runs=runs,
             seed=seed,
             progress=report,

@@ -1,6 +1,7 @@
 """`cyclemap cycle`: single cycles, as a table or as JSON."""
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 from cyclemap.cli.json_report import actions_report
@@ -8,8 +9,8 @@ from cyclemap.cli.output import PeopleConsole, people_table, publish_json, resul
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.plain_text import plain_number
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
-from cyclemap.written import Json, degrees, written
+from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_collection
+from cyclemap.written import MILLIMETRES, Json, degrees, written
 
 COLUMNS = (
     "θ0 (°)",
@@ -29,49 +30,52 @@ def run_cycle(
 ) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
     starts, chosen = parse_angles(theta0_deg), chosen_collection(options)
-    loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
-    acts: list[tuple[CollectionLoop, float, Json, str]] = [
-        (loop, 0.0, {}, f"One push and drag back on {name}")
-    ]
-    if strategy is not None:
-        parts = zip(
-            strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True
-        )
-        acts = [
-            (
-                acted,
-                action.turn,
-                {"action": told},
-                f"{told['name']}: {told['weight']:.3g} of the cycles on {name}",
-            )
-            for action, acted, told in parts
-        ]
     cycles, tables = list[Json](), []
-    for acted, turn, more, title in acts:
+    for title, loop, turn, more in _acted(chosen):
         table = people_table(title, COLUMNS)
         for start in starts:
-            cycle = acted.cycle(math.radians(start))
-            dx, dy = cycle.push_displacement
-            found = {
-                "theta0_deg": start,
-                "push_turn_deg": degrees(cycle.push_turn),
-                "push_dx_mm": written(1000 * dx),
-                "push_dy_mm": written(1000 * dy),
-                "drag_turn_deg": degrees(cycle.drag_turn),
-                "drag_mm": written(1000 * cycle.drag_length),
-                # What a gripper turns comes after the drag.
-                "theta1_deg": degrees(cycle.theta_next + turn),
-            }
-            table.add_row(*(f"{value:.3f}" for value in found.values()))
-            cycles.append({**found, **more})
+            row = _cycle(loop, start, turn)
+            table.add_row(*(f"{value:.3f}" for value in row.values()))
+            cycles.append({**row, **more})
         tables.append(table)
     report: Json = {"cycles": cycles}
     if out is not None:
-        stem = result_stem(out, "cycles", loop)
+        stem = result_stem(out, "cycles", chosen.loop)
         write_json(stem.with_name(f"{stem.name}.json"), report)
     if not publish_json(report, json_target):
         for table in tables:
             PeopleConsole().print_table(table)
+
+
+def _acted(chosen: ChosenCollection) -> Iterator[tuple[str, CollectionLoop, float, Json]]:
+    """A title, the loop, the turn of the gripper and what is told of it in JSON: of each action,
+    or of a loop without a strategy.
+    """
+    loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
+    if strategy is None:
+        yield f"One push and drag back on {name}", loop, 0.0, {}
+        return
+    actions = zip(
+        strategy.actions, strategy.loops(loop), actions_report(strategy, loop), strict=True
+    )
+    for action, acted, row in actions:
+        title = f"{row['name']}: {row['weight']:.3g} of the cycles on {name}"
+        yield title, acted, action.turn, {"action": row}
+
+
+def _cycle(loop: CollectionLoop, start_deg: float, turn: float) -> dict[str, float]:
+    """A cycle from an orientation; what a gripper turns (rad) comes after the drag."""
+    cycle = loop.cycle(math.radians(start_deg))
+    dx, dy = cycle.push_displacement
+    return {
+        "theta0_deg": start_deg,
+        "push_turn_deg": degrees(cycle.push_turn),
+        "push_dx_mm": written(dx, MILLIMETRES),
+        "push_dy_mm": written(dy, MILLIMETRES),
+        "drag_turn_deg": degrees(cycle.drag_turn),
+        "drag_mm": written(cycle.drag_length, MILLIMETRES),
+        "theta1_deg": degrees(cycle.theta_next + turn),
+    }
 
 
 def parse_angles(text: str) -> list[float]:

@@ -16,7 +16,7 @@ from cyclemap.collection import CollectionLoop
 from cyclemap.errors import EngineNotBuilt, InvalidInput
 from cyclemap.figures.catalogue import MeasuredFolder
 from cyclemap.mechanics.engine import library
-from cyclemap.written import Json
+from cyclemap.written import Json, written
 
 PACKAGES = ("cyclemap", "numpy", "scipy", "casadi", "matplotlib")
 # MIT's loop on plywood: theta0, turn of the push and of the drag that follows, degrees, by that
@@ -33,6 +33,15 @@ REFERENCE_ERROR_DEG = 1e-4
 
 def run_doctor(json_target: str | None) -> None:
     """Look at all of it, and tell people or write JSON; exit code 1 where something is wrong."""
+    report = health_report()
+    if not publish_json(report, json_target):
+        _tell(report)
+    if not report["healthy"]:
+        raise click.exceptions.Exit(1)
+
+
+def health_report() -> Json:
+    """What is installed and found, and what is wrong with it."""
     problems: list[str] = []
     data = engine = off = None
     try:
@@ -48,9 +57,11 @@ def run_doctor(json_target: str | None) -> None:
             )
     except EngineNotBuilt as missing:
         problems.append(str(missing))
-    versions = {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
-    report: Json = {
-        "versions": versions,
+    return {
+        "versions": {
+            "python": platform.python_version(),
+            **{name: version(name) for name in PACKAGES},
+        },
         "machine": f"{platform.system()} {platform.machine()}",
         "engine": str(library.library_path(Path(library.__file__).parent)),
         "engine_version": engine,
@@ -59,25 +70,24 @@ def run_doctor(json_target: str | None) -> None:
         "problems": problems,
         "healthy": not problems,
     }
-    if not publish_json(report, json_target):
-        table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
-        table.add_row(
-            "versions", ", ".join(f"{name} {number}" for name, number in versions.items())
-        )
-        table.add_row("machine", str(report["machine"]))
-        table.add_row("engine", f"{report['engine']}, {engine or 'not to be used'}")
-        if off is not None:
-            table.add_row("self-check", f"4 cycles within {off:.1e}° of an independent solver's")
-        table.add_row(
-            "measured data", str(data or "not found: set CYCLEMAP_DATA where it is needed")
-        )
-        console = PeopleConsole()
-        console.print_table(table)
-        for problem in problems:
-            console.print(f"PROBLEM: {problem}")
-        console.print("not healthy" if problems else "healthy")
-    if problems:
-        raise click.exceptions.Exit(1)
+
+
+def _tell(report: Json) -> None:
+    """The report for people."""
+    versions, off = written(report["versions"]), report["self_check_error_deg"]
+    table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
+    table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
+    table.add_row("machine", str(report["machine"]))
+    table.add_row("engine", f"{report['engine']}, {report['engine_version'] or 'not to be used'}")
+    if off is not None:
+        table.add_row("self-check", f"4 cycles within {off:.1e}° of an independent solver's")
+    where = report["data_folder"] or "not found: set CYCLEMAP_DATA where it is needed"
+    table.add_row("measured data", str(where))
+    console = PeopleConsole()
+    console.print_table(table)
+    for problem in written(report["problems"]):
+        console.print(f"PROBLEM: {problem}")
+    console.print("healthy" if report["healthy"] else "not healthy")
 
 
 def reference_error() -> float:

@@ -1,4 +1,6 @@
-"""`cyclemap dynamics`: dynamic and quasi-static cycles side by side: table, JSON, picture."""
+"""With inertia: `cyclemap dynamics` sets dynamic cycles beside quasi-static ones, and `cyclemap
+experiment` runs batches of them as the paper did; in sentences, as JSON, and as pictures.
+"""
 
 import math
 from dataclasses import replace
@@ -6,6 +8,7 @@ from dataclasses import replace
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
 from cyclemap.cli.run_cycle import parse_angles
+from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     compare_dynamics,
@@ -13,8 +16,9 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.collection.loop import Cycles
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
+from cyclemap.views import experiment_page as page
 from cyclemap.views.experiment_page import difference_sentence, dynamics_page
-from cyclemap.written import MILLIMETRES, Json, degrees, rows, written
+from cyclemap.written import MILLIMETRES, Json, degrees, direction_deg, json_of, rows, written
 
 COLUMNS = (
     "law",
@@ -39,7 +43,7 @@ def run_dynamics(
     """
     starts_deg = parse_angles(theta0_deg)
     theta = [math.radians(start) for start in starts_deg]
-    chosen, _ = chosen_loop(options)
+    chosen = chosen_loop(options).loop
     loop = DynamicLoop(chosen, speed=1e-3 * speed_mm_s)
     with progress_bar(f"dynamic cycles on {chosen.material.name}") as report:
         material = compare_dynamics(loop, theta)
@@ -86,3 +90,55 @@ def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
 def _cells(row: Json) -> list[str]:
     start, *lengths, _ = row.values()
     return [f"{start:.1f}", *("–" if length is None else f"{length:.3f}" for length in lengths)]
+
+
+def run_experiment(
+    options: LoopOptions,
+    batches: int,
+    cycles: int,
+    speed_mm_s: float,
+    quasi_static: bool,
+    results: ResultOptions,
+) -> None:
+    """Run the batches, draw them, and tell how they end; theta0_deg is on the lift, one entry more
+    than cycles.
+    """
+    loop = chosen_loop(options).loop
+    run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
+    with progress_bar(f"batches of cycles on {loop.material.name}") as report:
+        experiment = batch_experiment(run, batches, cycles, report)
+    told: Json = {
+        "model": "quasi-static" if experiment.speed is None else "dynamic",
+        "speed_mm_s": written(experiment.speed, MILLIMETRES),
+        "cycles": experiment.cycles,
+        "within_deg": degrees(WITHIN),
+        "anisotropic": _run(experiment.anisotropic),
+        "isotropic": _run(experiment.isotropic),
+    }
+    stem = result_stem(results.out, "experiment", loop)
+    publish(
+        told,
+        page.experiment_page(experiment),
+        stem,
+        results,
+        page.experiment_headline(experiment),
+        page.spread_sentence(experiment),
+        page.isotropic_sentence(experiment),
+        page.method_line(experiment),
+    )
+
+
+def _run(run: BatchRun) -> Json:
+    directions, settled = run.directions(), run.settled_after()
+    return {
+        "directions_deg": [*map(direction_deg, directions)],
+        "all_agree": len(directions) == 1,
+        **json_of(run, "spread", unit=MILLIMETRES),
+        "batches": rows(
+            start_deg=degrees(run.theta[:, 0]),
+            final_deg=map(direction_deg, run.theta[:, -1]),
+            last_step_deg=degrees(run.last_step),
+            settled_after_cycles=settled if directions else [None] * len(run.theta),
+            theta0_deg=degrees(run.theta),
+        ),
+    }

@@ -3,13 +3,10 @@
 import webbrowser
 from pathlib import Path
 
-import click
-
 from cyclemap.cli.options import TableOptions, measured_orientations
-from cyclemap.cli.output import progress_bar, result_stem
+from cyclemap.cli.output import progress_bar, result_stem, write_page
 from cyclemap.collection.portrait import portrait
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
-from cyclemap.text_files import write_whole
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.explorer.page import page_html
 
 
@@ -18,16 +15,11 @@ def run_explore(
 ) -> None:
     """Write the page, and open it."""
     options = LoopOptions(options.material or "plywood", options.protocol, options.settings)
-    loop, sigma = chosen_loop(options, data)
+    chosen = chosen_loop(options, data)
     pairs = measured_orientations(data, table, out)
-    with progress_bar(f"page on {loop.material.name}") as progress:
-        found = portrait(loop, sigma=sigma, progress=progress)
-    page = page_html(
-        found, 0.0, (str(options.material),), told_settings(options, data)[1], pairs=pairs
-    )
-    stem = result_stem(out, "explore", loop)
-    place = stem.with_name(f"{stem.name}.html")
-    write_whole(place, page.encode())
-    click.echo(f"page: {place} ({len(page.encode()) / 1e3:.0f} kB)")
+    with progress_bar(f"page on {chosen.loop.material.name}") as progress:
+        found = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
+    page = page_html(found, 0.0, (str(options.material),), chosen.settings, pairs=pairs)
+    place = write_page(page, result_stem(out, "explore", chosen.loop))
     if browser:
         webbrowser.open(place.resolve().as_uri())

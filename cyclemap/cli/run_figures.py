@@ -4,7 +4,6 @@ import csv
 import io
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
@@ -139,7 +138,7 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     return line, bool(data.asked), table
 
 
-def _read_index(path: Path) -> dict[str, Any]:
+def _read_index(path: Path) -> dict[str, Json]:
     """The lines of an index by name, in order; none where there is no file; DataFileError where it
     is no index.
     """

@@ -4,6 +4,8 @@ as a picture.
 
 import math
 
+from rich.table import Table
+
 from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
@@ -40,22 +42,15 @@ def run_fingerprint(
     margin: bool,
     results: ResultOptions,
 ) -> None:
-    """Compute the fingerprint and the prediction, draw both,
-    and print them for people or as JSON."""
-    loop, _ = chosen_loop(options)
-    surface = Anisotropy.of(loop.material.friction)
-    named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
-    bow = floor_bow(loop)
-    predicts = named and bow == 0.0
-    if check and bow:
-        raise InvalidInput(
-            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
-            "mean pressures: set floor_bow=0, or ask for the portrait"
-        )
+    """Compute the fingerprint and the prediction, draw both, and print them for people or as
+    JSON.
+    """
+    loop = chosen_loop(options).loop
+    surface, bow = Anisotropy.of(loop.material.friction), floor_bow(loop)
+    is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
+    predicts = is_named and bow == 0.0
     if check and not predicts:
-        raise InvalidInput(
-            "--check compares a prediction with the full map: name a MATERIAL or set its friction"
-        )
+        raise InvalidInput(_why_unchecked(bow))
     name = loop.material.name if predicts else "protocol"
     with progress_bar(f"fingerprint of {name}") as report:
         found = fingerprint(loop, (lambda done: report(0.2 * done)) if check else report)
@@ -66,36 +61,47 @@ def run_fingerprint(
                 prediction, loop, progress=lambda done: report(0.2 + 0.8 * done)
             )
     known = direction_uncertainty(loop) if predicts else None
-    told, margins = (
-        fingerprint_report(found, prediction, checked, name, known),
-        margins_of(loop) if margin else None,
-    )
-    if margins is not None:
-        told["margins"] = [*map(margin_report, margins)]
-    page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
-    numbers = (
-        (part, *fingerprint_page.seven_numbers(getattr(found, part)))
-        for part in ("push", "drag", "cycle")
-    )
-    lines: list[Told] = [
-        people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,)),
-        fingerprint_page.protocol_sentence(found),
-    ]
+    as_json = fingerprint_report(found, prediction, checked, name, known)
+    lines: list[Told] = [_numbers_table(found), fingerprint_page.protocol_sentence(found)]
     if prediction is not None:
-        lines += [
-            fingerprint_page.surface_sentence(prediction, name),
-            styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
-            fingerprint_page.lock_in_sentence(prediction),
-            fingerprint_page.trust_sentence(prediction),
-        ]
-    if margins is not None:
+        lines += _prediction_lines(prediction, name)
+    if margin:
+        margins = margins_of(loop)
+        as_json["margins"] = [*map(margin_report, margins)]
         lines += told_margins(margins)
     if bow:
         lines.append(fingerprint_page.bow_sentence(found, bow))
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
-    publish(told, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
+    page = fingerprint_page.fingerprint_page(found, prediction, checked, name)
+    publish(as_json, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
+
+
+def _why_unchecked(bow: float) -> str:
+    if bow:
+        return (
+            f"--check compares a prediction for a floor without a bow, but this one has {bow:.3g} "
+            "mean pressures: set floor_bow=0, or ask for the portrait"
+        )
+    return "--check compares a prediction with the full map: name a MATERIAL or set its friction"
+
+
+def _numbers_table(found: Fingerprint) -> Table:
+    numbers = (
+        (part, *fingerprint_page.seven_numbers(getattr(found, part)))
+        for part in ("push", "drag", "cycle")
+    )
+    return people_table("Fingerprint of the protocol", COLUMNS, numbers, words=(0,))
+
+
+def _prediction_lines(prediction: Prediction, name: str) -> list[Told]:
+    return [
+        fingerprint_page.surface_sentence(prediction, name),
+        styled(fingerprint_page.direction_sentence(prediction, name), "bold"),
+        fingerprint_page.lock_in_sentence(prediction),
+        fingerprint_page.trust_sentence(prediction),
+    ]
 
 
 def fingerprint_report(

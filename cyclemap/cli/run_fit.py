@@ -24,16 +24,16 @@ from cyclemap.cli.output import (
 )
 from cyclemap.errors import CycleMapError, InvalidInput, unknown_name
 from cyclemap.evidence import PushTable, UnreadableFile, load_pushes
-from cyclemap.evidence.motion_check import check_pushes
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
-from cyclemap.evidence.tables.measured_cycle_map import (
+from cyclemap.evidence.laws.measured_cycle_map import (
     MapState,
     MeasuredCycleMap,
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.tables.push_sets import MotionStatistics, push_sets
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram, fit_set
+from cyclemap.evidence.laws.push_sets import MotionStatistics, PushStatistics, push_sets
+from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.motion_check import check_pushes
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences
@@ -292,7 +292,10 @@ def _peak(histogram: AngleHistogram) -> list[float]:
 
 
 def _table(
-    title: str, parts: Sequence[Any], fields: Callable[[Any, Unit], list[str]], *columns: str
+    title: str,
+    parts: Sequence[PushStatistics | SetLaws],
+    fields: Callable[[Any, Unit], list[str]],
+    *columns: str,
 ) -> Table:
     notes, lines = any(part.problem for part in parts), []
     for part in parts:

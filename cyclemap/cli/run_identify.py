@@ -22,16 +22,15 @@ from cyclemap.evidence.data_blocks.collected_blocks import (
     collected_blocks,
     telling_parameters,
 )
-from cyclemap.evidence.identification.data_block import usual_beliefs
 from cyclemap.evidence.identification.identify import Estimate, Identification, KindErrors, identify
 from cyclemap.evidence.identification.known_floor import (
+    FLOOR_TOLD,
     held_values,
     known_beliefs,
     known_shapes,
     known_spread,
 )
 from cyclemap.evidence.identification.surface_parameters import (
-    SURFACE,
     ParameterSpace,
     starting_space,
 )
@@ -48,7 +47,7 @@ from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
 from cyclemap.plain_text import plain_number
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
@@ -107,39 +106,47 @@ def run_identify(asked: IdentifyOptions) -> None:
     target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
     shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
     options = LoopOptions("isotropic", asked.protocol, asked.settings)
-    chosen, loop = selected_values(asked.select), chosen_loop(options, asked.data[0])[0]
-    settings = told_settings(options, asked.data[0])[1]
+    selected, chosen = selected_values(asked.select), chosen_loop(options, asked.data[0])
+    loop = chosen.loop
     read = readable_tables(asked.data, asked.table, asked.results.out)
     space = starting_space(loop, surface)
     with progress_bar("reading") as report:
         collected = collected_blocks(
             read,
             loop,
-            chosen,
+            selected,
             first=asked.first,
             wear=asked.wear,
             most=asked.most,
             progress=report,
-            push_length=loop.push.distance if "push_mm" in settings else None,
+            push_length=loop.push.distance if "push_mm" in chosen.settings else None,
             population=known is not None,
             target=target,
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
     found = _identified(asked, collected, fixed, known, space)
+    doubtful = _is_doubtful(found, collected, asked.force)
+    since = f" from cycle {asked.first} on" if asked.first else ""
+    sources = [f"{path.name}{since}" for path in read]
+    default = collected.surface or selected.get("surface", "surface")
+    name = asked.name or f"{default}-identified"
+    plate_name, last = collected.loop.slider.name, collected.last_cycle
+    material = identified_material(found, name, sources, last, plate_name, floor=known)
+    _conclude(collected, found, material, doubtful, asked)
+
+
+def _is_doubtful(found: Identification, collected: CollectedBlocks, force: bool) -> bool:
+    """Whether the answer cannot be right, which is said; CycleMapError, unless `force`, where it
+    is.
+    """
     doubts = implausible(found, collected.loop.slider.outline.extent)
-    if doubts and not asked.force:
+    if doubts and not force:
         why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
         mend = "look at object, push, units and --angles; with --force it is written all the same"
         raise CycleMapError(f"no material is written, for this cannot be right: {why}: {mend}")
     for words in doubts:
         click.echo(f"warning: this cannot be right: {words}", err=True)
-    since = f" from cycle {asked.first} on" if asked.first else ""
-    sources = [f"{path.name}{since}" for path in read]
-    default = collected.surface or chosen.get("surface", "surface")
-    name = asked.name or f"{default}-identified"
-    plate_name, last = collected.loop.slider.name, collected.last_cycle
-    material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, bool(doubts), asked)
+    return bool(doubts)
 
 
 def _identified(
@@ -152,12 +159,12 @@ def _identified(
     """Identify what was asked for, or else what the data tell, and is not fixed."""
     blocks, plate = collected.blocks, collected.loop.slider.name
     named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
-    believed = None if known is None else known_beliefs(known, SURFACE.names[1:5])
+    believed = None if known is None else known_beliefs(known, FLOOR_TOLD)
     named = named or tuple(
         name for name in telling_parameters(blocks, believed) if name not in fixed
     )
     held = held_values(blocks, space, named, known)
-    beliefs = usual_beliefs(named) | known_beliefs(known, named, plate)
+    beliefs = collected.beliefs(named) | known_beliefs(known, named, plate)
     groups = sum(len(set(block.groups.tolist())) for block in blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:

@@ -1,4 +1,6 @@
-"""`cyclemap init`: a file for one's own object, made from its outline."""
+"""`cyclemap init`: a file for one's own object, made from its outline; `cyclemap check`: what is
+likely wrong with such a file.
+"""
 
 import sys
 from dataclasses import dataclass, replace
@@ -6,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from cyclemap.cli.run_check import tell_check
+from cyclemap.cli.output import PeopleConsole, publish_json
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
@@ -16,10 +18,13 @@ from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import set_settings
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.protocol.outline_files import read_outline
-from cyclemap.protocol.own_object import first_settings, within_reach
+from cyclemap.protocol.own_object import check_collection, first_settings, within_reach
 from cyclemap.protocol.setting_table import SETTINGS, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
+from cyclemap.views.object_page import object_page
+from cyclemap.views.style import render
+from cyclemap.written import Json
 
 COMMENTS = (
     "What is pushed, on what, where, and how it is dragged back: lengths in mm, angles in "
@@ -141,3 +146,36 @@ def _outline(asked: InitOptions) -> tuple[Outline, list[str]]:
     if asked.rectangle_mm:
         return Polygon(((x, y), (-x, y), (-x, -y), (x, -y))), []
     return Ellipse(x, y), []
+
+
+def run_check(file: Path, out: Path, json_target: str | None) -> None:
+    """Check the file, and draw it under `out`."""
+    tell_check(file, out / f"check_{file.stem}.png", json_target, [])
+
+
+def tell_check(file: Path, picture: Path, json_target: str | None, said: list[str]) -> None:
+    """Check a file, draw it, and tell what was said before and what was found; InvalidInput where
+    nothing would run.
+    """
+    found = check_collection(file)
+    wrong = [finding.words for finding in found.findings if finding.wrong]
+    doubts = [finding.words for finding in found.findings if not finding.wrong]
+    write_whole(picture, render(object_page(found)))
+    report: Json = {
+        "file": str(file),
+        "said": said,
+        "wrong": wrong,
+        "doubts": doubts,
+        "picture": str(picture),
+    }
+    if not publish_json(report, json_target):
+        console = PeopleConsole()
+        for line in (*said, *(f"check: {words}" for words in doubts)):
+            console.print(line)
+        if not (wrong or doubts):
+            console.print(f"{file}: nothing to object to", style="bold")
+        console.print(f"picture: {picture}")
+    if wrong:
+        raise InvalidInput(f"{file}: {'; '.join(wrong)}")
+    if json_target != "-":
+        PeopleConsole().print(f"next: cyclemap portrait {file}")

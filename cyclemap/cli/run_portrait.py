@@ -1,14 +1,16 @@
-"""`cyclemap portrait`: in sentences, as JSON, and as a picture."""
+"""`cyclemap portrait` and `cyclemap staircase`: in sentences, as JSON, and as pictures."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margin_report, portrait_report
+from cyclemap.cli.json_report import margin_report, portrait_report, staircase_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
+    Told,
     margins_of,
     people_table,
     progress_bar,
@@ -17,7 +19,7 @@ from cyclemap.cli.output import (
     styled,
     told_margins,
 )
-from cyclemap.collection.portrait import Portrait, portrait
+from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.chosen_loop import chosen_collection
@@ -40,7 +42,6 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
                 "--margin tells how far one loop's settings are from a change, and a strategy "
                 "has many"
             )
-
         run_strategy_portrait(chosen, chosen.strategy, pairs, asked)
         return
     run = asked.run_beside(None if pairs is None else pairs.path)
@@ -49,20 +50,25 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     measured = None if pairs is None else _overlay(pairs, found)
     page = portrait_page(found, portrait_curves(found), measured)
     stem = result_stem(asked.results.out, "portrait", loop)
-    report, margins = portrait_report(found, measured), margins_of(loop) if margin else None
-    if margins is not None:
-        report["margins"] = [*map(margin_report, margins)]
+    report, margins = portrait_report(found, measured), list[Told]()
+    if margin:
+        changes = margins_of(loop)
+        report["margins"] = [*map(margin_report, changes)]
+        margins = told_margins(changes)
+    publish(report, page, stem, asked.results, *_lines(found, measured, margins))
+
+
+def _lines(
+    found: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
+) -> list[Told]:
+    """What people are told of a portrait, in order."""
     material = found.loop.material
     rows = [
         (f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
         for orbit in found.fixed_points
     ]
     columns = ("θ0 (°)", "multiplier", "")
-    publish(
-        report,
-        page,
-        stem,
-        asked.results,
+    return [
         sentences.headline(found),
         sentences.lock_sentence(found),
         sentences.noise_sentence(found),
@@ -71,12 +77,12 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
         sentences.ahead_sentence(found.forecast),
         "" if measured is None else sentences.agreement_sentence(measured.agreement),
         people_table("Fixed points of the cycle map", columns, rows) if rows else "",
-        *([] if margins is None else told_margins(margins)),
+        *margins,
         sentences.material_line(material),
         styled(sentences.push_line(found), "dim"),
         styled(sentences.parameters_line(found), "dim"),
         styled(sentences.accuracy_line(found), "dim"),
-    )
+    ]
 
 
 def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
@@ -92,3 +98,38 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
         return overlay
     prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
     return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
+
+
+def run_staircase(asked: RunOptions) -> None:
+    """Predict the staircase, set the measured one beside it, draw both, and print them for people
+    or as JSON.
+    """
+    from cyclemap.evidence import measured_staircase
+    from cyclemap.views import staircase_page
+
+    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    loop = chosen.loop
+    measured = None if pairs is None else measured_staircase(pairs, asked.seed)
+    if chosen.strategy is not None:
+        from cyclemap.cli.run_strategy import run_strategy_staircase
+
+        run_strategy_staircase(chosen, chosen.strategy, measured, asked)
+        return
+    run = asked.run_beside(None if measured is None else measured.path)
+    with progress_bar(f"staircase of {loop.material.name}") as report:
+        forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
+    stem = result_stem(asked.results.out, "staircase", loop)
+    page = staircase_page.staircase_page(forecast, measured)
+    publish(
+        staircase_report(forecast, measured),
+        page,
+        stem,
+        asked.results,
+        staircase_page.forecast_sentence(forecast),
+        staircase_page.worn_sentence(forecast),
+        staircase_page.run_sentence(forecast),
+        sentences.uncertainty_sentence(loop.material.name, forecast.uncertainty),
+        sentences.ahead_sentence(forecast.forecast),
+        "" if measured is None else staircase_page.measured_sentence(measured),
+        "" if measured is None else staircase_page.fitted_sentence(measured),
+    )

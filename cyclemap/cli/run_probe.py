@@ -26,6 +26,7 @@ from cyclemap.evidence.push_probe import (
     probe,
     probe_pushes,
 )
+from cyclemap.evidence.pushes.measured_strokes import told
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.probe_page import probe_page, probe_sentences
@@ -76,7 +77,7 @@ def _probed(asked: ProbeOptions) -> Probe:
             "say what is probed by one of --data DATA, --command PROGRAM, --python MODULE:FUNCTION"
         )
     loop = replace(
-        chosen_loop(asked.options, asked.data)[0],
+        chosen_loop(asked.options, asked.data).loop,
         material=load_material("isotropic"),
         accuracy=1e-6,
     )
@@ -96,6 +97,11 @@ def _probed_data(asked: ProbeOptions, data: Path, loop: CollectionLoop) -> Probe
         raise InvalidInput(
             f"{data}: no push with a pose before and after it: x0, y0, theta0, x1, y1, theta1"
         )
+    for name in ("object", "surface"):
+        listed = sorted(told(table[name]))
+        if len(listed) > 1:
+            several = f"pushes of several {name}s, {', '.join(listed)[:80]}"
+            raise InvalidInput(f"{data}: {several}: give a table of one")
     return probe_pushes(table["theta0"].to_numpy(), table[list(OUTCOMES)].to_numpy(), loop)
 
 

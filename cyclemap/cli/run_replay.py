@@ -18,14 +18,14 @@ from cyclemap.cli.output import (
 )
 from cyclemap.cli.run_fit import reasons_of, selected_values
 from cyclemap.errors import CycleMapError
-from cyclemap.evidence.replay.replay_table import (
+from cyclemap.evidence.comparison.replay_table import (
     DATASET_PUSHER,
     ReplayedPushes,
     dataset_sliders,
     replay_pushes,
 )
 from cyclemap.mechanics.plate_footprint import plate_note
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.views.replay_page import replay_headline, replay_page
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
@@ -60,10 +60,10 @@ def run_replay(
     """Replay the pushes, write picture and JSON, and print for people or as JSON; the rod's
     friction may be named.
     """
-    loop, told = chosen_loop(options, data)[0], told_settings(options, data)[1]
-    material = loop.material
+    chosen = chosen_loop(options, data)
+    loop, material = chosen.loop, chosen.loop.material
     found = material.found_with.pusher_friction
-    if pusher_friction is not None or ("pusher_mu" not in told and found is None):
+    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and found is None):
         friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
         loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}

@@ -6,19 +6,16 @@ import shlex
 from dataclasses import replace
 from pathlib import Path
 
-import click
-
 from cyclemap.cli.options import TableOptions, readable_data, said_command
-from cyclemap.cli.output import progress_bar, result_stem
-from cyclemap.collection.portrait import DEFAULT_SIGMA, Portrait, Progress, portrait
+from cyclemap.cli.output import progress_bar, result_stem, write_page
+from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, Progress, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.compare import compare
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop, told_settings
+from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_loop
 from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import design_reset
-from cyclemap.text_files import write_whole
 from cyclemap.views import compare_page, sentences
 from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
 from cyclemap.views.reset_page import design_sentences
@@ -47,81 +44,78 @@ def run_report(
     options: LoopOptions, data: Path | None, table: TableOptions, reset: bool, out: Path
 ) -> None:
     """Compute all of it and write the page."""
-    loop, chosen = chosen_loop(options, data)
-    sigma = DEFAULT_SIGMA if chosen is None else chosen
+    chosen = chosen_loop(options, data)
     data = None if data is None else readable_data(data, table, out)
-    pairs = None if data is None else collection_data(data, loop).pairs
+    pairs = None if data is None else collection_data(data, chosen.loop).pairs
     path = None if pairs is None else pairs.path
-    start = 0.0 if path is None else float(path[0])
-    with progress_bar(f"report on {loop.material.name}") as progress:
-        cycles = 2000 if path is None else len(path) - 1
+    start, cycles = (0.0, DEFAULT_CYCLES) if path is None else (float(path[0]), len(path) - 1)
+    sections: list[Section] = []
+    downloads: tuple[Download, ...] = ()
+    with progress_bar(f"report on {chosen.loop.material.name}") as progress:
         found = portrait(
-            loop,
-            sigma=chosen,
+            chosen.loop,
+            sigma=chosen.sigma,
             cycles=cycles,
             start=start,
             progress=lambda share: progress(0.6 * share),
         )
-        sections: list[Section] = []
         if data is not None:
-            sections += _beside_data(
-                found, data, sigma, chosen is not None, lambda share: progress(0.6 + 0.3 * share)
-            )
-        downloads: tuple[Download, ...] = ()
+            sections += _beside_data(found, data, chosen, lambda x: progress(0.6 + 0.3 * x))
         if reset:
-            # The reset that `cyclemap reset` finds, in its three lines, and its protocol to take
-            # away.
-            design = design_reset(
-                found.loop, sigma=sigma, progress=lambda share: progress(0.9 + 0.1 * share)
-            )
-            sections.append(Section("What to do", design_sentences(design)))
-            protocol = protocol_text(found.loop, design.chosen.strategy, noise=sigma)
-            downloads = (Download("protocol.toml", protocol),)
-        material = loop.material
-        sure = [
-            tell(found)
-            for tell in (sentences.push_line, sentences.parameters_line, sentences.accuracy_line)
-        ]
-        sure += [
-            sentences.uncertainty_sentence(material.name, found.uncertainty),
-            sentences.material_line(material),
-        ]
-        sections.append(Section("How sure", tuple(filter(None, sure))))
-        sections = [
-            replace(one, paragraphs=tuple(map(typeset, one.paragraphs))) for one in sections
-        ]
-        sections += [Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))]
+            advice, downloads = _what_to_do(found, chosen, lambda x: progress(0.9 + 0.1 * x))
+            sections.append(advice)
+    sections.append(_how_sure(found))
+    sections = [
+        replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
+    ]
     inputs = [path for path in (data, options.protocol) if path is not None and path.is_file()]
+    command = shlex.join(said_command("out", files_by_name=True))
     page = page_html(
         found,
         start,
         (options.material or "isotropic",),
-        told_settings(options, data)[1],
+        chosen.settings,
         pairs=pairs,
-        sections=sections,
+        sections=[*sections, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))],
         downloads=downloads,
-        provenance=provenance_of(
-            found, shlex.join(said_command("out", files_by_name=True)), inputs
-        ),
+        provenance=provenance_of(found, command, inputs),
     )
-    stem = result_stem(out, "report", loop)
-    place = stem.with_name(f"{stem.name}.html")
-    write_whole(place, page.encode())
-    click.echo(f"report: {place} ({len(page.encode()) / 1e3:.0f} kB)")
+    write_page(page, result_stem(out, "report", chosen.loop))
+
+
+def _what_to_do(
+    found: Portrait, chosen: ChosenCollection, progress: Progress
+) -> tuple[Section, tuple[Download, ...]]:
+    """The reset that `cyclemap reset` finds, in its three lines, and its protocol to take away."""
+    design = design_reset(found.loop, sigma=chosen.noise, progress=progress)
+    protocol = protocol_text(found.loop, design.chosen.strategy, noise=chosen.noise)
+    advice = Section("What to do", design_sentences(design))
+    return advice, (Download("protocol.toml", protocol),)
+
+
+def _how_sure(found: Portrait) -> Section:
+    material = found.loop.material
+    lines = (
+        sentences.push_line(found),
+        sentences.parameters_line(found),
+        sentences.accuracy_line(found),
+        sentences.uncertainty_sentence(material.name, found.uncertainty),
+        sentences.material_line(material),
+    )
+    return Section("How sure", tuple(filter(None, lines)))
 
 
 def _beside_data(
-    found: Portrait, data: Path, sigma: float, said: bool, progress: Progress
+    found: Portrait, data: Path, chosen: ChosenCollection, progress: Progress
 ) -> list[Section]:
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what
     is left over.
     """
-    compared = compare(
-        found.loop, data, noise=WrappedNormal(sigma) if said else None, progress=progress
-    )
+    noise = None if chosen.sigma is None else WrappedNormal(chosen.sigma)
+    compared = compare(found.loop, data, noise=noise, progress=progress)
     name = found.loop.material.name
     told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
-    answers = (one.words for one in verdicts(compared))
+    answers = (verdict.words for verdict in verdicts(compared))
     trust = compare_page.trust_sentences(compared)
     page = compare_page.residual_page(compared)
     return [

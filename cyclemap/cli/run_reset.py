@@ -1,13 +1,13 @@
 """`cyclemap reset`: three lines and a few rows, as JSON, a picture, a protocol and a schedule."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.json_report import actions_report
 from cyclemap.cli.options import ResultOptions
-from cyclemap.cli.output import people_table, progress_bar, publish, result_stem, styled
-from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.mechanics import load_material
+from cyclemap.cli.output import Told, people_table, progress_bar, publish, result_stem, styled
+from cyclemap.mechanics import Material, load_material
 from cyclemap.protocol import write_protocol, write_schedule
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
 from cyclemap.resets import (
@@ -44,26 +44,15 @@ def run_reset(
     **wanted: Any,
 ) -> None:
     """Design the reset, write its files, and print it for people or as JSON."""
-    reach, contact = (
-        None if length is None else 1e-3 * length for length in (reach_mm, least_push_mm)
-    )
-    axes, offsets = (
-        None if part is None else 0.01 * part for part in (axes_percent, offsets_percent)
-    )
-    asked, demands = (
-        chosen_collection(options),
-        ResetDemands(reach=reach, contact=contact, **wanted),
-    )
-    about = material_range(asked.loop.material, axes, offsets)
-    if likely:
-        about = MaterialRange(about.nominal, tuple(map(load_material, likely)), ", ".join(likely))
-    sigma = DEFAULT_SIGMA if asked.sigma is None else asked.sigma
+    asked = chosen_collection(options)
     with progress_bar("comparing resets") as report:
         design = design_reset(
             asked.loop,
-            demands,
-            sigma=sigma,
-            materials=about,
+            ResetDemands(
+                reach=_times(1e-3, reach_mm), contact=_times(1e-3, least_push_mm), **wanted
+            ),
+            sigma=asked.noise,
+            materials=_range(asked.loop.material, axes_percent, offsets_percent, likely),
             given=asked.strategy,
             seed=seed,
             progress=report,
@@ -71,29 +60,46 @@ def run_reset(
     stem, strategy = result_stem(results.out, "reset", asked.loop), design.chosen.strategy
     protocol, schedule = (stem.with_name(f"{stem.name}.{end}") for end in ("toml", "csv"))
     write_protocol(
-        protocol, design.loop, strategy, noise=sigma, predicted=_predicted(design.chosen)
+        protocol, design.loop, strategy, noise=asked.noise, predicted=_predicted(design.chosen)
     )
     write_schedule(schedule, design.loop, strategy, cycles, seed)
-    told = _report(design, protocol, schedule)
-    table = people_table(
-        f"It, and others beside it ({histogram_words(design)})",
-        COLUMNS,
-        map(row_cells, design.rows),
-        words=(0, 1),
-    )
-    headline, *sentences = design_sentences(design)
     publish(
-        told,
+        _report(design, protocol, schedule),
         reset_page(design),
         stem,
         results,
+        *_lines(design),
+        after=(f"protocol: {protocol}", f"schedule: {schedule}"),
+    )
+
+
+def _times(factor: float, value: float | None) -> float | None:
+    return None if value is None else factor * value
+
+
+def _range(
+    nominal: Material,
+    axes_percent: float | None,
+    offsets_percent: float | None,
+    likely: Sequence[str],
+) -> MaterialRange:
+    """The materials that are named, else those of percentages."""
+    about = material_range(nominal, _times(0.01, axes_percent), _times(0.01, offsets_percent))
+    if not likely:
+        return about
+    return MaterialRange(about.nominal, tuple(map(load_material, likely)), ", ".join(likely))
+
+
+def _lines(design: ResetDesign) -> list[Told]:
+    headline, *sentences = design_sentences(design)
+    title = f"It, and others beside it ({histogram_words(design)})"
+    return [
         *(styled(sentence, "bold red") for sentence in miss_sentences(design)),
         styled(headline, "bold"),
         *sentences,
-        table,
+        people_table(title, COLUMNS, map(row_cells, design.rows), words=(0, 1)),
         material_line(design.loop.material),
-        after=(f"protocol: {protocol}", f"schedule: {schedule}"),
-    )
+    ]
 
 
 def _report(design: ResetDesign, protocol: Path, schedule: Path) -> Json:

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from cyclemap.cli.output import PeopleConsole, progress_bar, publish_json
-from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence.recorded_push import RecordingNoise
-from cyclemap.evidence.simulated_collection import simulate_collection
+from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
@@ -50,22 +49,14 @@ def run_simulate(asked: SimulateOptions) -> None:
         cycle_by_cycle["cycle_loops"] = tuple(action.on(loop) for action in actions)
         cycle_by_cycle["gripper_turns"] = tuple(action.turn for action in actions)
     own = loop.material.noise if asked.noise_deg is None and chosen.sigma is None else None
-    measured = None if own is None else LocalNoise(own.log_sigma, own.correlation)
-    sigma = DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
-    noise = RecordingNoise(
-        turn=sigma if asked.noise_deg is None else math.radians(asked.noise_deg),
-        position=1e-3 * asked.pose_noise_mm,
-        angle=math.radians(asked.pose_noise_deg),
-        force=asked.force_noise_n,
-    )
     with progress_bar(f"collection on {loop.material.name}") as report:
         made = simulate_collection(
             loop,
             asked.folder,
             asked.cycles,
             start=math.radians(asked.start_deg),
-            noise=noise,
-            cycle_noise=measured,
+            noise=_noise(asked, chosen.noise),
+            cycle_noise=None if own is None else LocalNoise(own.log_sigma, own.correlation),
             speed=1e-3 * asked.speed_mm_s,
             wear_to=None if asked.wear_to is None else load_material(asked.wear_to),
             seed=asked.seed,
@@ -74,14 +65,32 @@ def run_simulate(asked: SimulateOptions) -> None:
             progress=report,
             **cycle_by_cycle,
         )
-    last_deg = math.degrees(made.theta_last)
-    told = json_of(made, "folder", "cycles", "written", "resumed")
-    if publish_json({**told, "theta0_deg_last": last_deg, "bytes": made.bytes}, asked.json_target):
-        return
-    also = f" and {made.scans} friction scans" if made.scans else ""
-    added = [f"{made.resumed} of the pushes were there already, {made.written} were added."] * bool(
-        made.resumed
+    told = {
+        **json_of(made, "folder", "cycles", "written", "resumed"),
+        "theta0_deg_last": math.degrees(made.theta_last),
+        "bytes": made.bytes,
+    }
+    if not publish_json(told, asked.json_target):
+        PeopleConsole().tell(*_sentences(made))
+
+
+def _noise(asked: SimulateOptions, turn: float) -> RecordingNoise:
+    """The noise that is asked for; turn : rad, of a cycle where none is."""
+    return RecordingNoise(
+        turn=turn if asked.noise_deg is None else math.radians(asked.noise_deg),
+        position=1e-3 * asked.pose_noise_mm,
+        angle=math.radians(asked.pose_noise_deg),
+        force=asked.force_noise_n,
     )
-    last = f"The last push starts at θ0 = {last_deg:.2f}°, counted without wrapping."
-    words = f"{made.cycles} pushes{also} in {made.folder}, {made.bytes / 1e6:.1f} MB"
-    PeopleConsole().tell(words, *added, last, f"next: cyclemap fit {made.folder}")
+
+
+def _sentences(made: SimulatedCollection) -> tuple[str, ...]:
+    scans = f" and {made.scans} friction scans" if made.scans else ""
+    added = f"{made.resumed} of the pushes were there already, {made.written} were added."
+    last = f"{math.degrees(made.theta_last):.2f}°, counted without wrapping"
+    return (
+        f"{made.cycles} pushes{scans} in {made.folder}, {made.bytes / 1e6:.1f} MB",
+        added if made.resumed else "",
+        f"The last push starts at θ0 = {last}.",
+        f"next: cyclemap fit {made.folder}",
+    )

@@ -7,13 +7,13 @@ from cyclemap.cli.json_report import actions_report, measured_report, steps_repo
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import progress_bar, publish, result_stem
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.evidence import MeasuredStaircase, Theta0Pairs
 from cyclemap.maps import find_steps
 from cyclemap.protocol.chosen_loop import ChosenCollection
 from cyclemap.resets import ResetStrategy, map_turns, orientation_law, run_strategy, strategy_maps
-from cyclemap.resets.design.orientation_law import slowest_factor
+from cyclemap.resets.orientation_law import OrientationLaw, slowest_factor
 from cyclemap.views.reset_page import recipe, strategy_page
+from cyclemap.views.sentences import angle
 from cyclemap.written import Json, degrees, direction_deg, json_of, rows, written
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
@@ -27,14 +27,14 @@ def run_strategy_portrait(
     asked: RunOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
-    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
+    loop, sigma = chosen.loop, chosen.noise
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
     turns, measured = map_turns(maps), None if pairs is None else pairs.path
     law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, asked)
     mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
-    told: Json = {
+    as_json: Json = {
         "strategy": {"recipe": recipe(strategy), **json_of(strategy, "order", "needs")},
         "map": rows(
             action=actions_report(strategy, loop),
@@ -47,37 +47,38 @@ def run_strategy_portrait(
             "value": mean_turn / (2.0 * math.pi),
             **dict.fromkeys(("lower", "upper", "locked")),
         },
-        "stationary": {
-            "noise_deg": degrees(sigma),
-            "peaks_deg": [*map(direction_deg, law.peaks)],
-            "spectral_gap": written(1.0 - factor),
-            "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
-            "tv_from_uniform": written(law.total_variation),
-            "tv_error": written(law.error),
-            "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
-        },
+        "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
         "staircase": {
             "mean_turn_deg": degrees(mean_turn),
             "mean_residence_cycles": None,
             "step_deg": None,
             "run": ran,
         },
-        **(
-            {}
-            if pairs is None
-            else {"data": {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}}
-        ),
     }
+    if pairs is not None:
+        as_json["data"] = {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}
     words = (
         f"{loop.material.name}: {law.total_variation:.1%} away from uniform",
         f"With {math.degrees(sigma):.2g}° of noise a cycle: {recipe(strategy)}.",
         f"Total variation from uniform {law.total_variation:.4f} in the long run, {law.after:.4f} "
         f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
-        f"In a run of {len(theta) - 1} cycles θ0 moves {math.degrees(mean_turn):.2f}° a cycle on "
-        "average.",
+        f"In a run of {len(theta) - 1} cycles θ0 moves {angle(mean_turn, 2)} a cycle on average.",
     )
     figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    publish(told, figure, result_stem(asked.results.out, "portrait", loop), asked.results, *words)
+    stem = result_stem(asked.results.out, "portrait", loop)
+    publish(as_json, figure, stem, asked.results, *words)
+
+
+def _law_report(law: OrientationLaw, factor: float) -> Json:
+    """The stationary distribution, and how fast it is reached: by a factor a cycle."""
+    return {
+        "peaks_deg": [*map(direction_deg, law.peaks)],
+        "spectral_gap": written(1.0 - factor),
+        "mixing_cycles": written(-1.0 / math.log(factor)) if 0.0 < factor < 1.0 else None,
+        "tv_from_uniform": written(law.total_variation),
+        "tv_error": written(law.error),
+        "tv_after_pushes_from_worst_start": {"pushes": law.pushes, "tv": written(law.after)},
+    }
 
 
 def run_strategy_staircase(
@@ -89,7 +90,7 @@ def run_strategy_staircase(
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
     """
-    loop, sigma = chosen.loop, DEFAULT_SIGMA if chosen.sigma is None else chosen.sigma
+    loop, sigma = chosen.loop, chosen.noise
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)
@@ -104,8 +105,8 @@ def run_strategy_staircase(
     words = (
         f"Staircase of {loop.material.name}",
         f"{recipe(strategy)}.".capitalize(),
-        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it {rests}; "
-        f"θ0 moves {math.degrees((theta[-1] - theta[0]) / (len(theta) - 1)):.2f}° a cycle on "
+        f"In a run of {len(theta) - 1} cycles by the full mechanics (seed {asked.seed}) it "
+        f"{rests}; θ0 moves {angle((theta[-1] - theta[0]) / (len(theta) - 1), 2)} a cycle on "
         "average.",
     )
     page = strategy_page(words, loop, strategy, theta, data)

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -179,7 +178,7 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan = sweep.description["plan"]
-    columns: dict[str, Any] = {key: sweep.swept[key] for key in sweep.keys}
+    columns: dict[str, object] = {key: sweep.swept[key] for key in sweep.keys}
     for quantity in sweep.quantities:
         values = (sweep.lists if quantity.many else sweep.columns)[quantity.name]
         columns[quantity.written_name] = map(quantity.written, values)

@@ -1,5 +1,5 @@
 """`cyclemap watch`: a collection watched for locking in, once over a whole file or as the file
-grows.
+grows; `cyclemap audit`: what a data set that exists is worth.
 """
 
 import json
@@ -7,12 +7,24 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
-from cyclemap.cli.options import ResultOptions, TableOptions, tell_what_was_read, told_columns
-from cyclemap.cli.output import PeopleConsole, file_stem, progress_bar, publish_json, write_result
+from cyclemap.cli.options import (
+    ResultOptions,
+    TableOptions,
+    readable_data,
+    tell_what_was_read,
+    told_columns,
+)
+from cyclemap.cli.output import (
+    PeopleConsole,
+    file_stem,
+    progress_bar,
+    publish,
+    publish_json,
+    write_result,
+)
 from cyclemap.collection.lock_forecast import forecast_from_turns, sampled_turns
 from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.collection.loop import CollectionLoop
@@ -20,7 +32,7 @@ from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.maps import rest_multiplier
-from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection
+from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, loop_beside
 from cyclemap.resets import (
     BiasMonitor,
     BiasReport,
@@ -28,11 +40,13 @@ from cyclemap.resets import (
     strategy_maps,
     watch,
 )
-from cyclemap.resets.monitor.theta0_feed import theta0_feed
+from cyclemap.resets.audit import audit
+from cyclemap.resets.theta0_feed import theta0_feed
 from cyclemap.views import watch_page as page
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import ahead_sentence, multiplier_sentence
-from cyclemap.written import Json, direction_deg, json_of, written
+from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
+from cyclemap.written import Json, degrees, direction_deg, json_of, written
 
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below
 # what is recorded.
@@ -68,7 +82,7 @@ def run_watch(
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
-    monitor, reports = BiasMonitor(alarm_rate), list[Any]()
+    monitor, reports = BiasMonitor(alarm_rate), list[BiasReport]()
     if not follow:
         found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
         tell_what_was_read(found.words, found.guessed)
@@ -212,3 +226,38 @@ def _report(state: BiasReport) -> Json:
         "evidence": json_of(state, "rest_evidence", "visit_evidence", "threshold"),
         **json_of(state, "rest", "useful_pushes", "recent_worth", "coverage", "advice"),
     }
+
+
+def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
+    """Audit the data, draw it, and print the paragraph for its card, or all of it as JSON."""
+    read = readable_data(data, table, results.out)
+    with progress_bar(f"auditing {data.name}") as progress:
+        found = audit(read, loop=loop_beside(data), progress=progress)
+    alarm, reset = found.report.alarm, found.reset
+    told = {
+        "data": str(data),
+        "headline": audit_headline(found),
+        "paragraph": audit_paragraph(found),
+        "pushes": len(found.theta),
+        **json_of(found, "others", "ordered", "covered"),
+        "covered_share": found.report.coverage.covered,
+        "locked_from": found.locked_from,
+        "locked_towards_deg": [] if alarm is None else [*map(direction_deg, alarm.directions)],
+        "worth": found.worth,
+        "reset": None
+        if reset is None
+        else {
+            "push_turn_deg": degrees(reset.push_turn.mean()),
+            "reset_turn_deg": degrees(reset.reset_turn.mean()),
+            **json_of(reset, "undone", "slope"),
+        },
+        "good": found.is_good,
+    }
+    publish(
+        told,
+        audit_page(found),
+        results.out / f"audit_{file_stem(data.stem)}",
+        results,
+        audit_headline(found),
+        audit_paragraph(found),
+    )

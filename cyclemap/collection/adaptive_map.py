@@ -61,8 +61,8 @@ class HermitePolynomial:
     """The polynomial of degree 2 k - 1 with the values and slopes of k nodes, by divided
     differences (Davis 1975, 3.1).
 
-    nodes : ascending, no place twice. differences : Newton's coefficients, to places that come
-        twice each.
+    nodes : ascending, no place twice.
+    differences : Newton's coefficients, to places that come twice each.
     """
 
     nodes: tuple[Node, ...]
@@ -119,8 +119,8 @@ class HermitePolynomial:
 class _Interval:
     """Neighbouring nodes and the error (rad) that the polynomial through them is believed to have.
 
-    inner : nodes between, evenly spaced: none, the middle or three. around : the polynomial of what
-        this is half of.
+    inner : nodes between, evenly spaced: none, the middle or three.
+    around : the polynomial of what this is half of.
     """
 
     low: Node

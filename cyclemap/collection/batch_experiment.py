@@ -64,8 +64,8 @@ class BatchRun:
         """How far each batch would still turn, (batches,) rad, if its steps went on shrinking as
         the last two do.
 
-        |s2| r / (1 - r) with r = |s2 / s1|; zero at rest (last step at most `REST`), infinite where the steps do not
-        shrink or only one was made.
+        |s2| r / (1 - r) with r = |s2 / s1|; zero at rest (last step at most `REST`), infinite where
+        the steps do not shrink or only one was made.
         """
         steps = np.abs(np.diff(self.theta[:, -3:]))
         now, shrunk_by = steps[:, -1], steps[:, 0] - steps[:, -1]

@@ -80,8 +80,9 @@ class StrokeScene:
 
 @dataclass(frozen=True, eq=False)
 class CycleScene:
-    """The push and the drag of one cycle, its origin the reset target. strongest_force : N, of
-    those shown.
+    """The push and the drag of one cycle, its origin the reset target.
+
+    strongest_force : N, of those shown.
     """
 
     push: StrokeScene

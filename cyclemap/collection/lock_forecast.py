@@ -23,8 +23,8 @@ from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
-# Samples of what is believed, runs on them in all, and angles between which a map is taken as straight:
-# off by .1 degrees.
+# Samples of what is believed, runs on them in all, and angles between which a map is taken as
+# straight: off by .1 degrees.
 _SAMPLES, _RUNS, _NODES = 40, 320, 96
 _ACCURACY = 1e-5
 LEVEL = 0.9
@@ -105,9 +105,10 @@ def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None
     posterior: (samples, 96).
 
     They are nearly all of a forecast's work, and serve for forecasts from any orientation. A
-    surface that wears is
-    taken as it is now. progress : called with the fraction done. Raises InvalidInput for a material
-        without samples.
+    surface that wears is taken as it is now.
+    progress : called with the fraction done.
+
+    Raises InvalidInput for a material without samples.
     """
     posterior = loop.material.posterior
     if posterior is None:

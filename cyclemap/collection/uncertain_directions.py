@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 FIRST_ORDER, SAMPLES = "first order", "samples"
 LEVEL = 0.95
+# Samples between whose ends a further one lies in 95 % of cases.
+_FEWEST = 39
 # The axes' ratio of a material without posterior is varied by this share to tell how much depends
 # on it.
 VARIED = 0.10
@@ -56,7 +58,7 @@ class DirectionInterval:
         That of the stated numbers, rad; None where they have none here.
     lower, upper : float
         Bounds of 95 % of the samples that have the direction, rad, lower in [0, 2π) and upper
-        not before it.
+        not before it; of fewer than 39 their ends (see `DirectionUncertainty.has_interval`).
     share : float
         Share of the samples that have it, 0 to 1.
 
@@ -122,6 +124,10 @@ class DirectionUncertainty:
         """Share of the samples that lock in at all."""
         return self.locks / self.samples
 
+    def has_interval(self, direction: DirectionInterval) -> bool:
+        """Whether so many samples have a direction that 95 % can lie between two of them: 39."""
+        return round(direction.share * self.samples) >= _FEWEST
+
     def of(self, theta: float) -> DirectionInterval | None:
         """Return the interval of the stated numbers' stable direction `theta`, rad; None where
         there is none.
@@ -146,9 +152,16 @@ def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
     parts = {
         name: getattr(after, name)
         for name in ("pusher", "reset", "footprint")
-        if getattr(before, name) == getattr(loop, name)
+        if _alike(getattr(before, name), getattr(loop, name))
     }
     return replace(loop, material=sample, **parts)
+
+
+def _alike(first: object, second: object) -> bool:
+    """Whether parts of a loop are the same, shapes but for the rounding of an object's weight."""
+    if isinstance(first, PressedFootprint) and isinstance(second, PressedFootprint):
+        return first.outline == second.outline and first.is_near(second)
+    return first == second
 
 
 def direction_uncertainty(

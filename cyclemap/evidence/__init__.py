@@ -59,156 +59,130 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.evidence.comparison.compare import Comparison, compare
-    from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
+    from cyclemap.evidence.comparison.collection_null import (
+        CollectionModel as CollectionModel,
+        collection_p_values as collection_p_values,
+        simulated_ensemble as simulated_ensemble,
+    )
+    from cyclemap.evidence.comparison.compare import Comparison as Comparison, compare as compare
+    from cyclemap.evidence.comparison.replay_push import (
+        Replay as Replay,
+        replay_push as replay_push,
+    )
+    from cyclemap.evidence.comparison.replay_table import (
+        ReplayedPushes as ReplayedPushes,
+        dataset_sliders as dataset_sliders,
+        replay_pushes as replay_pushes,
+    )
+    from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks as collected_blocks
     from cyclemap.evidence.data_blocks.force_blocks import (
-        WrenchTwists,
-        friction_ellipse_from_scans,
-        friction_scan_block,
-        wrench_twist_block,
+        WrenchTwists as WrenchTwists,
+        friction_ellipse_from_scans as friction_ellipse_from_scans,
+        friction_scan_block as friction_scan_block,
+        wrench_twist_block as wrench_twist_block,
     )
     from cyclemap.evidence.data_blocks.stroke_block import (
-        cycle_pair_block,
-        drag_turn_block,
-        push_end_block,
+        cycle_pair_block as cycle_pair_block,
+        drag_turn_block as drag_turn_block,
+        push_end_block as push_end_block,
     )
-    from cyclemap.evidence.identification.data_block import DataBlock
-    from cyclemap.evidence.identification.identify import Identification, identify
+    from cyclemap.evidence.identification.data_block import DataBlock as DataBlock
+    from cyclemap.evidence.identification.identify import (
+        Identification as Identification,
+        identify as identify,
+    )
     from cyclemap.evidence.identification.surface_parameters import (
-        Parameter,
-        ParameterSpace,
-        SurfaceParameters,
+        Parameter as Parameter,
+        ParameterSpace as ParameterSpace,
+        SurfaceParameters as SurfaceParameters,
     )
-    from cyclemap.evidence.identified_material import identified_material
+    from cyclemap.evidence.identified_material import identified_material as identified_material
+    from cyclemap.evidence.laws.circular_distance import (
+        CircularLaw as CircularLaw,
+        PValue as PValue,
+        circular_wasserstein as circular_wasserstein,
+        kernel_modes as kernel_modes,
+        kuiper_statistic as kuiper_statistic,
+        total_variation as total_variation,
+        watson_statistic as watson_statistic,
+    )
     from cyclemap.evidence.laws.fit_map import (
-        FittedMap,
-        MeasuredStaircase,
-        WornLaw,
-        fit_map,
-        fit_worn_law,
-        measured_staircase,
+        FittedMap as FittedMap,
+        MeasuredStaircase as MeasuredStaircase,
+        WornLaw as WornLaw,
+        fit_map as fit_map,
+        fit_worn_law as fit_worn_law,
+        measured_staircase as measured_staircase,
     )
-    from cyclemap.evidence.laws.periodic_law import PeriodicLaw, fit_periodic_law
-    from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
-    from cyclemap.evidence.orientations.circular_distance import (
-        CircularLaw,
-        PValue,
-        circular_wasserstein,
-        kernel_modes,
-        kuiper_statistic,
-        total_variation,
-        watson_statistic,
+    from cyclemap.evidence.laws.measured_cycle_map import (
+        MeasuredCycleMap as MeasuredCycleMap,
+        measured_cycle_map as measured_cycle_map,
     )
-    from cyclemap.evidence.orientations.collection_null import (
-        CollectionModel,
-        collection_p_values,
-        simulated_ensemble,
+    from cyclemap.evidence.laws.periodic_law import (
+        PeriodicLaw as PeriodicLaw,
+        fit_periodic_law as fit_periodic_law,
     )
-    from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
-    from cyclemap.evidence.push_plan.plan_table import table_to_fill
+    from cyclemap.evidence.laws.push_sets import (
+        PushSet as PushSet,
+        PushStatistics as PushStatistics,
+        push_sets as push_sets,
+        push_statistics as push_statistics,
+    )
+    from cyclemap.evidence.laws.set_fit import (
+        SetFit as SetFit,
+        SetLaws as SetLaws,
+        TurnHistogram as TurnHistogram,
+        fit_set as fit_set,
+        set_laws as set_laws,
+        turn_histogram as turn_histogram,
+    )
+    from cyclemap.evidence.measured_plan import (
+        MeasuredPlan as MeasuredPlan,
+        measured_plan as measured_plan,
+    )
+    from cyclemap.evidence.push_plan.plan_pushes import (
+        PushPlan as PushPlan,
+        plan_pushes as plan_pushes,
+    )
+    from cyclemap.evidence.push_plan.plan_table import table_to_fill as table_to_fill
     from cyclemap.evidence.push_probe import (
-        Probe,
-        command_push,
-        probe,
-        probe_pushes,
-        simulated_push,
+        Probe as Probe,
+        command_push as command_push,
+        probe as probe,
+        probe_pushes as probe_pushes,
+        simulated_push as simulated_push,
     )
-    from cyclemap.evidence.pushes.contact_forces import contact_force_ratio
-    from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
-    from cyclemap.evidence.pushes.planned_table import filled_text
-    from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord, read_push_file
-    from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, load_pushes
+    from cyclemap.evidence.pushes.contact_forces import contact_force_ratio as contact_force_ratio
+    from cyclemap.evidence.pushes.measured_strokes import (
+        MeasuredDrag as MeasuredDrag,
+        MeasuredPush as MeasuredPush,
+    )
+    from cyclemap.evidence.pushes.planned_table import filled_text as filled_text
+    from cyclemap.evidence.pushes.push_files import (
+        PushRecord as PushRecord,
+        ScanRecord as ScanRecord,
+        read_push_file as read_push_file,
+    )
+    from cyclemap.evidence.pushes.push_table import (
+        PushTable as PushTable,
+        UnreadableFile as UnreadableFile,
+        load_pushes as load_pushes,
+    )
     from cyclemap.evidence.pushes.theta0_pairs import (
-        AngleHistogram,
-        MapAgreement,
-        MeasuredOverlay,
-        Theta0Pairs,
-        TurnBins,
-        angle_histogram,
-        measured_overlay,
-        read_theta0_pairs,
-        turn_bins,
+        AngleHistogram as AngleHistogram,
+        MapAgreement as MapAgreement,
+        MeasuredOverlay as MeasuredOverlay,
+        Theta0Pairs as Theta0Pairs,
+        TurnBins as TurnBins,
+        angle_histogram as angle_histogram,
+        measured_overlay as measured_overlay,
+        read_theta0_pairs as read_theta0_pairs,
+        turn_bins as turn_bins,
     )
-    from cyclemap.evidence.recorded_push import RecordingNoise
-    from cyclemap.evidence.replay.replay_push import Replay, replay_push
-    from cyclemap.evidence.replay.replay_table import ReplayedPushes, dataset_sliders, replay_pushes
-    from cyclemap.evidence.simulated_collection import SimulatedCollection, simulate_collection
-    from cyclemap.evidence.tables.measured_cycle_map import MeasuredCycleMap, measured_cycle_map
-    from cyclemap.evidence.tables.push_sets import (
-        PushSet,
-        PushStatistics,
-        push_sets,
-        push_statistics,
-    )
-    from cyclemap.evidence.tables.set_fit import (
-        SetFit,
-        SetLaws,
-        TurnHistogram,
-        fit_set,
-        set_laws,
-        turn_histogram,
+    from cyclemap.evidence.recorded_push import RecordingNoise as RecordingNoise
+    from cyclemap.evidence.simulated_collection import (
+        SimulatedCollection as SimulatedCollection,
+        simulate_collection as simulate_collection,
     )
 else:
     import_on_first_use(__name__)
-
-__all__ = ["Comparison", "compare"]
-__all__ += [
-    "WrenchTwists",
-    "collected_blocks",
-    "cycle_pair_block",
-    "drag_turn_block",
-    "friction_ellipse_from_scans",
-]
-__all__ += ["friction_scan_block", "push_end_block", "wrench_twist_block"]
-__all__ += ["DataBlock", "Identification", "Parameter", "ParameterSpace", "SurfaceParameters"]
-__all__ += ["identified_material", "identify"]
-__all__ += ["FittedMap", "MeasuredStaircase", "PeriodicLaw", "WornLaw", "fit_map"]
-__all__ += ["fit_periodic_law", "fit_worn_law", "measured_staircase"]
-__all__ += [
-    "CircularLaw",
-    "CollectionModel",
-    "PValue",
-    "circular_wasserstein",
-    "collection_p_values",
-    "kernel_modes",
-]
-__all__ += ["kuiper_statistic", "simulated_ensemble", "total_variation", "watson_statistic"]
-__all__ += [
-    "MeasuredPlan",
-    "PushPlan",
-    "filled_text",
-    "measured_plan",
-    "plan_pushes",
-    "table_to_fill",
-]
-__all__ += ["Probe", "command_push", "probe", "probe_pushes", "simulated_push"]
-__all__ += [
-    "AngleHistogram",
-    "MapAgreement",
-    "MeasuredDrag",
-    "MeasuredOverlay",
-    "MeasuredPush",
-    "PushRecord",
-]
-__all__ += [
-    "PushTable",
-    "ScanRecord",
-    "Theta0Pairs",
-    "TurnBins",
-    "UnreadableFile",
-    "angle_histogram",
-]
-__all__ += ["contact_force_ratio", "load_pushes", "measured_overlay"]
-__all__ += ["read_push_file", "read_theta0_pairs", "turn_bins"]
-__all__ += ["Replay", "ReplayedPushes", "dataset_sliders", "replay_push", "replay_pushes"]
-__all__ += ["RecordingNoise", "SimulatedCollection", "simulate_collection"]
-__all__ += [
-    "MeasuredCycleMap",
-    "PushSet",
-    "PushStatistics",
-    "SetFit",
-    "SetLaws",
-    "TurnHistogram",
-    "fit_set",
-]
-__all__ += ["measured_cycle_map", "push_sets", "push_statistics", "set_laws", "turn_histogram"]

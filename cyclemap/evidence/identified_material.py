@@ -64,8 +64,9 @@ WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 @dataclass(frozen=True)
 class Derived:
-    """One quantity: its value and interval. unit : `1`, `kPa` or `rad`; angles are on the lift
-    nearest to the value.
+    """One quantity: its value and interval.
+
+    unit : `1`, `kPa` or `rad`; angles are on the lift nearest to the value.
 
     known : whether the data tell it; a direction that may be any is not.
     """
@@ -501,7 +502,8 @@ def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
     """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
     are told once.
 
-    >>> belief_words({"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0), "plate_warp_x[hex]": (2.0, 0.5)})
+    >>> domes = {"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0)}
+    >>> belief_words({**domes, "plate_warp_x[hex]": (2.0, 0.5)})
     'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
     """
     told = list[str]()

@@ -12,10 +12,9 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
 from cyclemap.errors import ConvergenceError
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks, telling_parameters
-from cyclemap.evidence.identification.data_block import part_of, usual_beliefs
 from cyclemap.evidence.identification.identify import Identification, identify
 from cyclemap.evidence.identification.known_floor import (
-    ELLIPSE,
+    FLOOR_TOLD,
     held_values,
     known_beliefs,
     known_shapes,
@@ -25,6 +24,7 @@ from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
+from cyclemap.progress import part_of
 
 # Directions, and whether there are any, are known when this share of what is left to believe
 # agrees.
@@ -35,8 +35,9 @@ SURE = 0.95
 class MeasuredPlan:
     """What pushes on a floor tell of it.
 
-    loop : on the identified floor. identification : of its parameters. directions : how well the
-        stable ones are known.
+    loop : on the identified floor.
+    identification : of its parameters.
+    directions : how well the stable ones are known.
     notes : what was read and left out.
 
     Attributes
@@ -153,24 +154,24 @@ def identified_plan(
     """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's
     material believes.
 
-    loop, paths, seed, progress : see `measured_plan`, and there what is raised. starts : of the
-        search. Returns the identification, and notes on what was read. A plate that is known stays
-        as it is. Noise is Student's with four degrees of freedom, so that a misread ruler counts
-        little.
+    loop, paths, seed, progress : see `measured_plan`, and there what is raised.
+    starts : of the search. Returns the identification, and notes on what was read. A plate that is
+        known stays as it is. Noise is Student's with four degrees of freedom, so that a misread
+        ruler counts little.
     """
     floor = loop.material
     collected = collected_blocks(paths, loop, population=True)
     plate = known_plate(floor, collected.loop.slider)
     shapes = () if plate is None or plate.plate == ANY_PLATE else (plate,)
     fixed = known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    telling = telling_parameters(collected.blocks, known_beliefs(floor, ELLIPSE))
+    telling = telling_parameters(collected.blocks, known_beliefs(floor, FLOOR_TOLD))
     free = [name for name in telling if name not in fixed]
     space = starting_space(loop, floor)
     identification = identify(
         collected.blocks,
         free,
         held_values(collected.blocks, space, free, floor) | fixed,
-        priors=usual_beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
+        priors=collected.beliefs(free) | known_beliefs(floor, free, collected.loop.slider.name),
         noise={**collected.noise, **known_spread(floor, collected.blocks)},
         starts=starts,
         student=4.0,

@@ -50,6 +50,12 @@ _WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
 _LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
+# Another point of the object explains motions where it leaves this share of what any other reading
+# does, and pushes turn the object by so much (rad); lengths are in no unit where they are off by
+# this factor's logarithm.
+_CLEARLY, _LEAST_SWEPT, _SCALED = 0.8, 0.2, 0.1
+# No point of an object lies further from its origin than so many of its levers.
+_WITHIN = 2.2
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
 _BY_ROD = (
     "; sides, fractions and angles that are told are passed over: the rod's places are elsewhere"
@@ -89,7 +95,8 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     seen, in words.
 
     loop : who is pushed where; objects of the MIT dataset that the data name are known without.
-        Raises OtherConvention where another reading of an object's pushes explains them far better.
+
+    Raises OtherConvention where another reading of an object's pushes explains them far better.
     """
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
@@ -101,6 +108,12 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         said += check_orientations(now, later, None if loop is None else _plain(loop), convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
         known = _loop_of(name, loop)
+        if rows["fraction"].isna().all() and rows["side"].nunique() > 1 and not _tells_rods(rows):
+            told = (
+                "pushes on several sides, and no column tells where on them: add fraction (0 to 1 "
+            )
+            mend = "from a side's first corner), or the rod's places; the collection's is taken"
+            warnings.warn(told + mend, DoubtfulInput, stacklevel=2)
         if loop is None and not rows[["side", "fraction"]].notna().all(axis=None):
             known = None
         found = check_motion(rows, known, convention, pushes.convention_told)
@@ -111,6 +124,10 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     told = f"read with {convention.words()}: pushes of {len(checks)} objects end"
     told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
     return (*said, told + any(check.by_rod for check in checks) * _BY_ROD)
+
+
+def _tells_rods(rows: pandas.DataFrame) -> bool:
+    return bool(rows[[*RODS]].notna().all(axis=None))
 
 
 def _plain(loop: CollectionLoop) -> CollectionLoop:
@@ -134,8 +151,8 @@ def check_orientations(
     loop makes of them.
 
     Alone they cannot tell it, which is said; beside a loop that explains them in a mirror, and only
-    there, they do:
-    OtherConvention is raised then. convention : in which they were read.
+    there, they do: OtherConvention is raised then.
+    convention : in which they were read.
     """
     angles = convention.words().partition("angles ")[2]
     said = (f"angles taken as {angles}: orientations alone cannot tell; --angles says otherwise",)
@@ -183,7 +200,8 @@ class _Written:
     """Pushes as they are written: places, displacements, first and last places of the rod as
     complex numbers, angles and turns; m and rad as read.
 
-    rows : of the table, for what is no motion. tips : (n, 2), NaN where unknown.
+    rows : of the table, for what is no motion.
+    tips : (n, 2), NaN where unknown.
     """
 
     rows: pandas.DataFrame
@@ -270,10 +288,9 @@ def check_motion(
     these cannot tell.
 
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
-        own frame, which tells whether angles and axes turn the same
-        way, not which way that is. convention : in which the table was read. told : whether
-        somebody said it, who is then
-        warned, not refused.
+        own frame, which tells whether angles and axes turn the same way, not which way that is.
+    convention : in which the table was read.
+    told : whether somebody said it, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.
@@ -289,8 +306,11 @@ def check_motion(
     looked, by_rod = _Looked.at(test, _Reading(convention)), False
     if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
         looked, by_rod = _by_rod(looked, written, loop)
-    if looked.explains(moved):
-        line = _refusal(looked)
+    off_centre = looked.test.off_centre(
+        looked.taken, min(_BEATEN * looked.here, looked.best), moved
+    )
+    if looked.explains(moved) or off_centre:
+        line = off_centre or _refusal(looked)
         if not told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
@@ -330,7 +350,12 @@ def _refusal(looked: _Looked) -> str:
     test, other, taken = looked.test, looked.other.convention, looked.taken.convention
     off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
-    if looked.other.length != 1.0 or looked.other.angle != 1.0:
+    scale = looked.other.length
+    if looked.other.angle == 1.0 and _is_no_unit(scale):
+        also = f", with {other.options()}" if other != taken else ""
+        told = f"were its lengths {scale:.3g} times as long{also}, {nearer}"
+        return f"{off}; {told}: are they pixels? Multiply them by the length of one first"
+    if scale != 1.0 or looked.other.angle != 1.0:
         unit, kind = _unit(looked.other)
         also = f" {other.options()}" if other != taken else ""
         return f"{off}; were its {kind} in {unit}, {nearer}: give --units {unit}{also}"
@@ -362,6 +387,12 @@ def _unit(reading: _Reading) -> tuple[str, str]:
         return next(name for name, factor in _TURNED.items() if factor == reading.angle), "angles"
     away = {name: abs(math.log(size / reading.length)) for name, size in LENGTH_UNITS.items()}
     return min(away, key=lambda name: away[name]), "lengths"
+
+
+def _is_no_unit(scale: float) -> bool:
+    """Whether no unit is that many times another."""
+    factors = [a / b for a, b in product(LENGTH_UNITS.values(), LENGTH_UNITS.values())]
+    return min(abs(math.log(scale / factor)) for factor in factors) > _SCALED
 
 
 def _words(looked: _Looked) -> str:
@@ -423,6 +454,8 @@ class _Predicted:
         found = [_Reading(convention) for convention in (*named, *turned)]
         lengths = LENGTH_UNITS.values() if self.lengths_known else ()
         factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
+        scale = float(np.median(np.abs(self.motion)) / np.median(np.abs(self.written.moved)))
+        factors += [scale] if math.isfinite(scale) and scale > 0.0 and _is_no_unit(scale) else []
         for convention in (taken.convention, *_conventions()):
             found += [_Reading(convention, length=factor) for factor in factors]
             found += [_Reading(convention, angle=factor) for factor in _TURNED.values()]
@@ -445,6 +478,33 @@ class _Predicted:
                 found.append(replace(convention, offset=offset))
         return found
 
+    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
+        """What is wrong where the places are those of another point of the object than its origin,
+        as one that leaves less than `limit` (m) in the median tells; empty where none does.
+
+        moved : m, the size of motions.
+        """
+        _, motion, turn = self.written.read(taken)
+        swept = np.exp(1j * turn) - 1.0
+        if len(self.motion) == 0 or float(np.median(np.abs(swept))) < _LEAST_SWEPT:
+            return ""
+        off = motion - self.motion
+        point = _middle(off / np.where(swept == 0.0, math.inf, swept))
+        away = np.hypot(np.abs(off - swept * point), self.lever * (turn - self.turn))
+        left = float(np.median(away))
+        # Pushes that turn the object alike are off alike on any floor: then it takes more than that.
+        alike = float(np.median(np.abs(off - _middle(off))))
+        least = (_EXPLAINS if left > _CLEARLY * alike else _WELL) * moved
+        is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
+        if not is_other or self.distance(taken) <= least:
+            return ""
+        where = f"({1e3 * point.real:.3g}, {1e3 * point.imag:.3g}) mm"
+        told = (
+            f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
+        )
+        mend = "give the poses of its origin, or the outline in the frame of that point"
+        return f"{told} mm, were its places those of a point of the object {where} from its origin: {mend}"
+
     def alternative(self, taken: _Reading) -> str:
         """What else would do; nothing."""
         return ""
@@ -462,6 +522,10 @@ class _Alike(_Predicted):
         largest = (labels == labels.value_counts(sort=False).idxmax()).to_numpy()
         super().__init__(written.where(largest), np.zeros(0), np.zeros(0), 0.0, False)
         self.count = int(largest.sum())
+
+    def off_centre(self, taken: _Reading, limit: float, moved: float) -> str:
+        """Nothing: alike are pushes of any point."""
+        return ""
 
     def distances(self, reading: _Reading) -> Array:
         """How far each push is from the median of all (n,), m."""

@@ -26,23 +26,27 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
 
     reach : m, of the object from its origin.
     """
-    errors = [one for one in found.errors if one.rows >= _FEWEST]
-    said = [words for one in errors for words in _lost(one, reach)]
-    beside = [one for one in errors if math.isfinite(one.isotropic_median)]
-    if beside and all(one.median > _WORSE * one.isotropic_median for one in beside):
+    errors = [off for off in found.errors if off.rows >= _FEWEST]
+    said = [words for off in errors for words in _lost(off, reach)]
+    beside = [off for off in errors if math.isfinite(off.isotropic_median)]
+    if beside and all(off.median > _WORSE * off.isotropic_median for off in beside):
         said += [
-            f"{_named(one)}, more than isotropic friction's {_size(one, one.isotropic_median)}"
-            for one in beside
+            f"{_named(off)}, more than isotropic friction's {_size(off, off.isotropic_median)}"
+            for off in beside
         ]
-    for one in found.estimates:
-        value, deviation = found.priors.get(one.name, (one.value, math.inf))
-        shape = one.name.startswith(("ellipticity", "offset"))
-        if shape and one.identifiable and abs(one.value - value) > _BEYOND_BELIEF * deviation:
-            told = f"{one.name} is {one.value:.3g}, where {value:.3g} ± {deviation:.2g} is usual"
+    for estimate in found.estimates:
+        value, deviation = found.priors.get(estimate.name, (estimate.value, math.inf))
+        shape = estimate.name.startswith(("ellipticity", "offset"))
+        if (
+            shape
+            and estimate.identifiable
+            and abs(estimate.value - value) > _BEYOND_BELIEF * deviation
+        ):
+            told = f"{estimate.name} is {estimate.value:.3g}, where {value:.3g} ± {deviation:.2g} is usual"
             said.append(f"{told} (--no-priors believes anything)")
     law = found.friction()
     low, high = sorted((law.mu_a, law.mu_b))
-    if high > MOST_RATIO * low and any(one.identifiable for one in found.estimates):
+    if high > MOST_RATIO * low and any(estimate.identifiable for estimate in found.estimates):
         said.append(
             f"axes of friction {high / low:.3g} : 1 long; no floor that was measured has them "
             "beyond 1.7 : 1"
@@ -50,21 +54,21 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
     return tuple(dict.fromkeys(said))
 
 
-def _size(one: KindErrors, value: float) -> str:
-    _, unit = readable_kind(one.kind)
+def _size(off: KindErrors, value: float) -> str:
+    _, unit = readable_kind(off.kind)
     return f"{unit.of_si(value):.3g}{unit.sign}"
 
 
-def _named(one: KindErrors) -> str:
+def _named(off: KindErrors) -> str:
     return (
-        f"{one.block}: {readable_kind(one.kind)[0]} off by {_size(one, one.median)} in the median"
+        f"{off.block}: {readable_kind(off.kind)[0]} off by {_size(off, off.median)} in the median"
     )
 
 
-def _lost(one: KindErrors, reach: float) -> list[str]:
+def _lost(off: KindErrors, reach: float) -> list[str]:
     """What is wrong with the errors of one kind, whatever isotropic friction's are."""
-    if one.kind.endswith("(rad)") and one.median > _LOST_TURN:
-        return [f"{_named(one)}, as if at random"]
-    if one.kind.endswith("place (m)") and one.median > _LOST_PLACE * reach:
-        return [f"{_named(one)}, of an object that reaches {1e3 * reach:.3g} mm"]
+    if off.kind.endswith("(rad)") and off.median > _LOST_TURN:
+        return [f"{_named(off)}, as if at random"]
+    if off.kind.endswith("place (m)") and off.median > _LOST_PLACE * reach:
+        return [f"{_named(off)}, of an object that reaches {1e3 * reach:.3g} mm"]
     return []

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask, Place, Whole
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.surface_parameters import (
@@ -21,8 +21,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     field_factors,
 )
-from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush, Place
-from cyclemap.mechanics import Material, Pose, QuasiStaticModel, SidePush, Slider
+from cyclemap.evidence.pushes.measured_strokes import MeasuredDrag, MeasuredPush
+from cyclemap.mechanics import MIT_SHAPE_NAMES, Material, Pose, QuasiStaticModel, SidePush, Slider
 from cyclemap.mechanics.cycle_batch import derivative_units
 from cyclemap.mechanics.engine.schema import PARAMETERS, SHAPES
 from cyclemap.mechanics.engine.strokes import Strokes
@@ -33,7 +33,7 @@ from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
 
 # Where n strokes end: poses (n, 3), m and rad; derivatives (n, 3, k); which were taken to stay (n,).
-StrokeEnds = tuple[Array, Array, NDArray[np.bool_]]
+StrokeEnds = tuple[Array, Array, Mask]
 
 # A few strokes of many may have no answer where the rod grazes a tip: these count as if the object
 # stayed.
@@ -49,6 +49,7 @@ DRAG_NAMES = (*_RESTING, "pin_friction_radius")
 ENGINE_NAMES = dict(zip((*FLOOR_NAMES, *PLATE_NAMES), SHAPES, strict=True))
 # What a shift of the rod's path changes.
 _SHIFTED = [PARAMETERS.index(name) for name in ("fraction", "angle", "distance")]
+_THETA = PARAMETERS.index("theta")
 _WORLD = (0.0, 0.0)
 
 
@@ -56,7 +57,7 @@ def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> 
     """Return the loop with another object, which rests as the material says.
 
     session : its name. Where the material saw it, the floor is as it was then, without a posterior,
-    which is of the mean of sessions.
+        which is of the mean of sessions.
     """
     material = loop.material
     for seen in material.sessions:
@@ -64,6 +65,15 @@ def loop_of_session(loop: CollectionLoop, slider: Slider, session: str = "") -> 
             material = replace(material, floor=seen.shape, posterior=None)
     footprint = plate_footprint(material, slider)
     return replace(loop, slider=slider, material=material, footprint=footprint)
+
+
+def loop_of_plate(loop: CollectionLoop, plate: str | None) -> CollectionLoop:
+    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
+    for another name, or none.
+    """
+    if plate is None or plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
+        return loop
+    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
 
 
 def frame_shift(material: Material, plate: str) -> Place:
@@ -120,17 +130,21 @@ def predicted_push_ends(
     shift: ArrayLike = _WORLD,
     names: tuple[str, ...] = (),
     target: Place | None = None,
+    turned: ArrayLike = 0.0,
 ) -> StrokeEnds:
-    """Return where pushes end whose rod paths are shifted (m; all alike, or (n, 2)).
+    """Return where pushes end whose rod paths are shifted (m; all alike, or (n, 2)), and whose
+    objects lay turned from their start poses (rad; all alike, or (n,)).
 
-    Derivatives (n, 3, k + 2) are by `names` of the mechanics, with a target by the floor's heights,
-    and by both components of the shift. An object that the rod does not touch stays, and so does
-    one of the few (a twentieth at most) whose push has no answer.
+    Derivatives (n, 3, k + 3) are by `names` of the mechanics, with a target by the floor's heights,
+    by both components of the shift, and by that turn. An object that the rod does not touch stays,
+    and so does one of the few (a twentieth at most) whose push has no answer.
     target : m, from which a floor's shape that varies with the place is told.
     """
     origin = target or _WORLD
-    touched, strokes = _from_first_touch(model, pushes, np.asarray(shift))
-    begins = [_seen_from(pushes[index].start, origin) for index in touched.tolist()]
+    starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    starts[:, 2] += turned
+    touched, strokes = _from_first_touch(model, pushes, starts, np.asarray(shift))
+    begins = [_seen_from(Pose(*start), origin) for start in starts[touched].tolist()]
     courses = [model.course(*both) for both in zip(strokes, begins, strict=True)]
     felt = []
     for stroke, begin in zip(strokes, begins, strict=True):
@@ -140,15 +154,18 @@ def predicted_push_ends(
         across = ahead * math.cos(stroke.direction), ahead * math.sin(stroke.direction)
         felt.append(begin.to_world(x + across[0], y + across[1]))
     moved, slopes, still = predicted_ends(courses, FAILING, len(PARAMETERS))
-    turned = [begin.theta for begin in begins]
-    by_start = [_by_shift(model, *both) for both in zip(strokes, turned, strict=True)]
-    by_shift = slopes[..., _SHIFTED] @ np.reshape(by_start, (-1, 3, 2))
-    by_touched = np.concatenate([_by_names(model, names, slopes, target, felt), by_shift], axis=-1)
-    ends = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
+    angles = [begin.theta for begin in begins]
+    by_start = [_by_set_up(model, *both) for both in zip(strokes, angles, strict=True)]
+    by_set_up = slopes[..., _SHIFTED] @ np.reshape(by_start, (-1, 3, 3))
+    by_set_up[..., 2] += slopes[..., _THETA]
+    by_touched = np.concatenate([_by_names(model, names, slopes, target, felt), by_set_up], axis=-1)
+    ends = starts
     by = np.zeros((len(pushes), *by_touched.shape[1:]))
+    # What stays is as its object lay.
+    by[:, 2, -1] = 1.0
     stayed = np.full(len(pushes), True)
     ends[touched[~still]] = moved[~still] + np.array((*origin, 0.0))
-    by[touched] = by_touched
+    by[touched[~still]] = by_touched[~still]
     stayed[touched] = still
     return ends, by, stayed
 
@@ -184,20 +201,19 @@ def _seen_from(pose: Pose, origin: Place) -> Pose:
 
 
 def _from_first_touch(
-    model: QuasiStaticModel, pushes: Sequence[MeasuredPush], shift: Array
-) -> tuple[NDArray[np.int64], list[Strokes]]:
-    """Which pushes touch the object, and their strokes from there on.
+    model: QuasiStaticModel, pushes: Sequence[MeasuredPush], starts: Array, shift: Array
+) -> tuple[Whole, list[Strokes]]:
+    """Which pushes touch the object that lies at `starts` (n, 3), and their strokes from there on.
 
     They go along with the object, so that they are differentiated by where they start and how far
     they go, too.
     """
-    poses = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
-    theta = poses[:, 2]
+    theta = starts[:, 2]
     c, s = np.cos(theta), np.sin(theta)
-    x, y = (np.array([push.tip_start for push in pushes]) + shift - poses[:, :2]).T
-    starts = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
+    x, y = (np.array([push.tip_start for push in pushes]) + shift - starts[:, :2]).T
+    rods = np.column_stack([c * x + s * y, c * y - s * x]) / model.unit
     toward = np.array([push.direction for push in pushes]) - theta
-    travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, starts, toward)
+    travel, piece, coordinate = first_touches(model.curve.pieces, model.radius, rods, toward)
     for index in np.flatnonzero(travel * model.unit < -_DEEPEST)[:1].tolist():
         at, pose = pushes[index].tip_start, pushes[index].start
         raise InvalidInput(
@@ -219,9 +235,9 @@ def _from_first_touch(
     return touched, strokes
 
 
-def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
+def _by_set_up(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     """Derivatives of a side push's start, angle and length (extents, rad) by a shift of the rod's
-    path (m), (3, 2).
+    path (m) and a turn of the object about its origin (rad) while the rod goes as it goes, (3, 3).
     """
     piece, coordinate = model.curve.pieces[strokes.start_piece], strokes.start_coordinate
     contact, speed = piece.contact(coordinate, model.radius)
@@ -231,7 +247,11 @@ def _by_shift(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array:
     longer = normal / (normal @ toward)
     along = (tangent - (tangent @ toward) * longer) / speed
     # The rod keeps its direction where the normal turns.
-    return np.array((along, -contact.turning * along, longer)) / model.unit
+    by_shift = np.array((along, -contact.turning * along, longer)) / model.unit
+    # Seen from the object its turn takes the rod the other way around the origin.
+    x, y = Pose(theta=theta).to_world(*contact.rod_centre(model.radius))
+    by_turn = by_shift @ (model.unit * np.array((y, -x))) - (0.0, 1.0, 0.0)
+    return np.column_stack([by_shift, by_turn])
 
 
 def _by_names(

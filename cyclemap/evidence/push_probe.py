@@ -176,6 +176,17 @@ def probe(push: Push, loop: CollectionLoop, count: int = PUSHES) -> Probe:
         Whether pushes depend on their direction, and the ellipse that mimics them; see
         `probe_pushes`.
 
+    Notes
+    -----
+    Of harmonics of the orientation no choice of pushes tells more than those spread evenly (Dette
+    et al. 2017): it is what the criterion of `plan_pushes` comes to where nothing is believed
+    before.
+
+    References
+    ----------
+    Dette, H., Konstantinou, M., Schorning, K. & Gösmann, J. (2017), Optimal designs for regression
+    with spherical data, arXiv:1710.10526.
+
     Examples
     --------
     >>> from cyclemap import CollectionLoop

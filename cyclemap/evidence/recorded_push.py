@@ -82,7 +82,10 @@ class RecordingNoise:
 class Recording:
     """How a stroke is recorded.
 
-    speed : m/s, of the rod. start : seconds since 1970. noise : of the instruments. rod_radius : m.
+    speed : m/s, of the rod.
+    start : seconds since 1970.
+    noise : of the instruments.
+    rod_radius : m.
     """
 
     speed: float = 0.020

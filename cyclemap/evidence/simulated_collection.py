@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from importlib.metadata import version
@@ -35,6 +34,7 @@ from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material
 from cyclemap.mechanics.friction import worn_friction
 from cyclemap.plain_text import plain_number
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.collection_file import FILE_NAME, SIMULATION, collection_text
 from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_toml, write_whole
 
@@ -180,34 +180,33 @@ class CollectionPlan:
         """
         loop, noise = self.loop, self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
-        found: Arguments = {
+        asked: Arguments = {
             "version": version("cyclemap"),
             "cycles": self.cycles,
             "seed": self.seed,
-        }
-        found |= {
             "start_rad": self.start,
             "material": loop.material.name,
             "friction": repr(loop.material.friction),
+            "wear_to": "none" if wear is None else repr(wear),
+            "speed_m_s": self.speed,
         }
-        found |= {"wear_to": "none" if wear is None else repr(wear), "speed_m_s": self.speed}
-        found |= {
-            one.name: _short(repr(getattr(loop, one.name)))
-            for one in fields(loop)
-            if one.name != "material"
-        }
-        found |= {
+        for field in fields(loop):
+            if field.name != "material":
+                asked[field.name] = _short(repr(getattr(loop, field.name)))
+        asked |= {
             "noise_turn_rad": noise.turn,
             "noise_position_m": noise.position,
             "noise_angle_rad": noise.angle,
+            "noise_force_n": noise.force,
+            "scans": self.scans,
+            "suffix": self.suffix,
         }
-        found |= {"noise_force_n": noise.force, "scans": self.scans, "suffix": self.suffix}
         if self.cycle_noise is not None:
-            found["cycle_noise"] = _short(repr(self.cycle_noise))
+            asked["cycle_noise"] = _short(repr(self.cycle_noise))
         if self.cycle_loops is not None or self.gripper_turns is not None:
-            told = [(one.push, one.reset) for one in self.cycle_loops or ()], self.gripper_turns
-            found["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
-        return found
+            told = [(loop.push, loop.reset) for loop in self.cycle_loops or ()], self.gripper_turns
+            asked["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+        return asked
 
 
 def _short(text: str) -> str:
@@ -372,7 +371,7 @@ def simulate_collection(
     folder: str | Path,
     cycles: int,
     *,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     **asked: Any,
 ) -> SimulatedCollection:
     """Write a collection of pushes as files of the MIT layout, or go on with one that was begun.
@@ -435,7 +434,6 @@ def simulate_collection(
     ([0.0, 1.0, 2.0], [1.2855, 1.2879, 1.289])
     """
     plan = CollectionPlan(loop, cycles, **asked)
-    report = progress or (lambda fraction: None)
     with only_writer(Path(folder)):
         begun = CollectionFolder(folder, plan)
         # Scans are made anew if they are there: they are quick.
@@ -463,7 +461,7 @@ def simulate_collection(
             gripped = 0.0 if plan.gripper_turns is None else plan.gripper_turns[cycle]
             theta.append(back.end.theta + gripped + plan.kick(cycle, theta[-1]))
             begun.append_truth(cycle + 1, theta[-1])
-            report((cycle + 1) / plan.cycles)
+            part_of(progress, cycle, plan.cycles)(1.0)
     size = sum(path.stat().st_size for path in begun.home.rglob(f"*{plan.suffix}"))
     written = plan.cycles - resumed
     return SimulatedCollection(

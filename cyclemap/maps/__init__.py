@@ -170,107 +170,99 @@ if TYPE_CHECKING:
 else:
     import_on_first_use(__name__)
 
-__all__ = ["Estimate"]
-__all__ += [
+__all__ = [
     "ARNOLD_FAMILY",
     "MOEBIUS_FAMILY",
+    "Basin",
     "Bifurcation",
-    "LyapunovExponents",
-    "OrbitBranch",
-    "OrbitDiagram",
-]
-__all__ += [
-    "ParametricLift",
-    "RotationNumbers",
-    "RotationPlane",
-    "Tongue",
-    "TongueBoundaries",
-    "bifurcations",
-]
-__all__ += [
-    "border_collisions",
-    "follow_orbit",
-    "lyapunov_exponent",
-    "lyapunov_exponents",
-    "orbit_branches",
-]
-__all__ += [
-    "orbit_diagram",
-    "period_doublings",
-    "rotation_numbers",
-    "rotation_plane",
-    "saddle_nodes",
-    "tongue",
-]
-__all__ += [
     "BifurcationCurve",
-    "CodimensionTwo",
-    "bifurcation_curves",
-    "follow_bifurcation",
-    "tongues",
-]
-__all__ += ["Response", "RestMultiplier", "SlowFold", "response", "rest_multiplier", "slow_folds"]
-__all__ += [
     "Branch",
     "CircleMap",
-    "branches",
-    "compose",
-    "conjugate",
-    "inverse",
-    "nth_iterate",
-    "preimages",
-    "shifted",
-]
-__all__ += ["Noise", "UniformNoise", "VonMises", "WrappedCauchy", "WrappedNormal"]
-__all__ += ["MetastableSet", "Spectrum", "TransferOperator", "transfer_operator"]
-__all__ += [
-    "Basin",
-    "JumpCrossing",
-    "Orbit",
-    "PeriodicPoints",
-    "RotationInterval",
-    "RotationNumber",
-    "SlowPassage",
-]
-__all__ += [
-    "basins",
-    "birkhoff_average",
-    "crossings_by_jump",
-    "fixed_points",
-    "is_nondecreasing",
-    "lower_envelope",
-]
-__all__ += [
-    "periodic_orbits",
-    "periodic_points",
-    "rotation_interval",
-    "rotation_number",
-    "slow_passages",
-]
-__all__ += ["kneading_sequences", "topological_entropy", "upper_envelope"]
-__all__ += [
-    "QuasiStationary",
-    "hitting_probability",
-    "log10_passage_time",
-    "mean_passage_time",
-    "quasi_stationary",
-]
-__all__ += ["survival_probabilities"]
-__all__ += [
+    "CodimensionTwo",
     "DriftSummary",
     "DriftingMap",
+    "Estimate",
+    "JumpCrossing",
     "LocalNoise",
+    "LyapunovExponents",
+    "MetastableSet",
+    "Noise",
+    "Orbit",
+    "OrbitBranch",
+    "OrbitDiagram",
+    "ParametricLift",
+    "PeriodicPoints",
+    "QuasiStationary",
+    "Response",
+    "RestMultiplier",
+    "RotationInterval",
+    "RotationNumber",
+    "RotationNumbers",
+    "RotationPlane",
+    "SlowFold",
+    "SlowPassage",
     "SlowZone",
+    "Spectrum",
     "Staircase",
     "StaircaseSummary",
     "StepComparison",
-]
-__all__ += [
     "Steps",
+    "Tongue",
+    "TongueBoundaries",
+    "TransferOperator",
+    "UniformNoise",
+    "VonMises",
+    "WrappedCauchy",
+    "WrappedNormal",
+    "basins",
+    "bifurcation_curves",
+    "bifurcations",
+    "birkhoff_average",
+    "border_collisions",
+    "branches",
     "compare_steps",
+    "compose",
+    "conjugate",
+    "crossings_by_jump",
     "find_steps",
+    "fixed_points",
+    "follow_bifurcation",
+    "follow_orbit",
+    "hitting_probability",
+    "inverse",
+    "is_nondecreasing",
+    "kneading_sequences",
+    "log10_passage_time",
+    "lower_envelope",
+    "lyapunov_exponent",
+    "lyapunov_exponents",
+    "mean_passage_time",
+    "nth_iterate",
+    "orbit_branches",
+    "orbit_diagram",
+    "period_doublings",
+    "periodic_orbits",
+    "periodic_points",
     "predict_drift",
     "predict_staircase",
+    "preimages",
+    "quasi_stationary",
+    "response",
+    "rest_multiplier",
+    "rotation_interval",
+    "rotation_number",
+    "rotation_numbers",
+    "rotation_plane",
+    "saddle_nodes",
     "sample_staircase",
+    "sample_staircases",
+    "shifted",
+    "slow_folds",
+    "slow_passages",
+    "survival_probabilities",
+    "tongue",
+    "tongues",
+    "topological_entropy",
+    "transfer_operator",
+    "upper_envelope",
 ]
-__all__ += ["sample_staircases"]

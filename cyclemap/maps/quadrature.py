@@ -18,6 +18,7 @@ from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
+from cyclemap.maps.lifts.scan import ranks
 
 MAX_NODES = 400_000
 _PANELS = 8  # panels a turn at least, where the map is given by formulas
@@ -81,9 +82,11 @@ def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
         return None
     # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of
     # both fall.
-    whole, needed = int(np.ceil(bandwidth)), 0
+    whole = int(np.ceil(bandwidth))
+    needed = 0
     for share in (0.0, 0.4, 0.7, 0.9, 1.0):
-        order, other = int(np.ceil(share * whole)), int(np.ceil(np.sqrt(1.0 - share**2) * whole))
+        order = int(np.ceil(share * whole))
+        other = int(np.ceil(np.sqrt(1.0 - share**2) * whole))
         reach = _wave_reach(circle_map, order, own, steepest)
         if reach is None:
             return None
@@ -133,23 +136,28 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
     logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then
         at angles between them no further apart than a ten-thousandth of a radian.
     """
-    open_left, open_right, done = edges[:-1], edges[1:], [edges]
+    open_left = edges[:-1]
+    open_right = edges[1:]
+    done = [edges]
     probed = False
     for _ in range(_PASSES):
         if open_left.size * _POINTS > MAX_NODES:
             raise too_many_nodes(open_left.size * _POINTS)
         rough = _is_rough(circle_map, open_left, open_right - open_left, logarithm)
-        left, right = open_left[rough], open_right[rough]
+        left = open_left[rough]
+        right = open_right[rough]
         if left.size == 0 and not probed and circle_map.pieces is None:
             ends = np.unique(np.concatenate(done))
             missed = _missed_by_nodes(circle_map, ends)
-            left, right = ends[:-1][missed], ends[1:][missed]
+            left = ends[:-1][missed]
+            right = ends[1:][missed]
             probed = left.size == 0
         if left.size == 0:
             break
         middle = 0.5 * (left + right)
         done.append(middle)
-        open_left, open_right = np.append(left, middle), np.append(middle, right)
+        open_left = np.append(left, middle)
+        open_right = np.append(middle, right)
     return np.unique(np.concatenate(done))
 
 
@@ -169,20 +177,19 @@ def _is_rough(circle_map: CircleMap, left: Array, width: Array, logarithm: bool)
 
 def _missed_by_nodes(circle_map: CircleMap, edges: Array) -> Mask:
     """Which panels F departs from its polynomial on between their nodes."""
-    left, width = edges[:-1], np.diff(edges)
+    left = edges[:-1]
+    width = np.diff(edges)
     x, _ = gauss_rule(left, width, _POINTS)
     coefficients = circle_map(x).reshape(-1, _POINTS) @ _to_coefficients(_POINTS)
     count = np.ceil(width * (_PROBES / TWO_PI)).astype(np.int64)
     owner = np.repeat(np.arange(width.size), count)
-    share = (np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count) + _GOLDEN) / count[
-        owner
-    ]
+    share = (ranks(count) + _GOLDEN) / count[owner]
     image = circle_map(left[owner] + share * width[owner])
     expected = np.einsum(
         "ij,ij->i", legendre.legvander(2.0 * share - 1.0, _POINTS - 1), coefficients[owner]
     )
     off = np.abs(image - expected) > 16.0 * (_RESOLVED + 4.0 * LIFT * (TWO_PI + np.abs(image)))
-    return np.asarray((np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST))
+    return (np.bincount(owner, off, width.size) > 0) & (width > _SHORTEST)
 
 
 def too_many_nodes(count: int) -> ConvergenceError:
@@ -199,7 +206,9 @@ def _on_panels(
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
     phase.
     """
-    open_left, open_width, done = edges[:-1], np.diff(edges), []
+    open_left = edges[:-1]
+    open_width = np.diff(edges)
+    done = []
     for _ in range(_PASSES):
         left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
         rough = np.zeros(left.size, dtype=bool)
@@ -211,12 +220,14 @@ def _on_panels(
         if not np.any(rough):
             break
         half = 0.5 * width[rough]
-        open_left, open_width = np.append(left[rough], left[rough] + half), np.append(half, half)
+        open_left = np.append(left[rough], left[rough] + half)
+        open_width = np.append(half, half)
     left, width, order = (np.concatenate(column) for column in zip(*done, strict=True))
     order = finer * order
     if int(order.sum()) > MAX_NODES:
         raise too_many_nodes(int(order.sum()))
-    nodes, weights = [], []
+    nodes = []
+    weights = []
     for points in np.unique(order):
         use = order == points
         x, w = gauss_rule(left[use], width[use], int(points))
@@ -236,14 +247,13 @@ def _fitted(
     inner = left[:, None] + width[:, None] * _STEEPNESS
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width
-    if not float(np.sum(phase)) < 60.0 * MAX_NODES:
+    if not np.sum(phase) < 60.0 * MAX_NODES:
         raise too_many_nodes(int(min(np.sum(phase), 1e18)))
     parts = np.maximum(1, np.ceil(phase / 60.0)).astype(np.int64)
-    rank = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
     narrow = np.repeat(width / parts, parts)
     phase = np.repeat(phase / parts, parts)
     order = np.maximum(least, np.ceil(0.5 * (phase + 8.0 * np.cbrt(phase) + 6.0)).astype(np.int64))
-    return np.repeat(left, parts) + rank * narrow, narrow, order
+    return np.repeat(left, parts) + ranks(parts) * narrow, narrow, order
 
 
 def _has_rough_waves(
@@ -256,7 +266,8 @@ def _has_rough_waves(
     for points in np.unique(order).tolist():
         use = np.flatnonzero(order == points)
         x, _ = gauss_rule(left[use], width[use], points)
-        image, last = circle_map(x), _to_coefficients(points)[:, -2:]
+        image = circle_map(x)
+        last = _to_coefficients(points)[:, -2:]
         for share, other in _DIRECTIONS:
             wave = np.exp(0.5j * bandwidth * (share * image + other * x)).reshape(-1, points)
             rough[use] |= np.max(np.abs(wave @ last), axis=1) > _HALF_RESOLVED

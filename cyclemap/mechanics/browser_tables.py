@@ -54,8 +54,8 @@ def browser_tables(model: QuasiStaticModel, reset: DragBack) -> dict[str, Any]:
 
     Numbers that may be infinite are packed (`packed_numbers`). Of them:
 
-    layout : of a loop's record, byte and kind of each field; size. columns : places in rows of
-        results, records, tasks and pieces.
+    layout : of a loop's record, byte and kind of each field; size.
+    columns : places in rows of results, records, tasks and pieces.
     pieces : of the contact curve; sides : of each side that a rod may touch, piece, range and
         normal; lengths : of all sides, in extents; semi_axes : of an ellipse.
     parts, pressed : the pressure as shares of the load, and as shapes of plate and floor, None

@@ -53,7 +53,8 @@ class PushAndReset(Protocol):
 class CycleBatch:
     """Cycles in the shape (k, n): k loops, each from n orientations; SI units and radians.
 
-    push_turn, drag_turn, theta_next (lift), drag_length : (k, n). push_displacement : (k, n, 2).
+    push_turn, drag_turn, theta_next (lift), drag_length : (k, n).
+    push_displacement : (k, n, 2).
     left : (k, n), bool.
     jacobian : (k, n, 6, p), derivatives of CYCLE_OUTPUTS by the first p of PARAMETERS.
     """
@@ -114,7 +115,8 @@ def run_batch(loops: Sequence[PushAndReset], theta: Array, derivatives: int = 0)
 def _start_varies(c: Array, s: Array, ring: Array, unit: Array | float, derivatives: int) -> Array:
     """Derivatives (n, 3, k) of poses, extents, at which pushes start, the ring at the origin.
 
-    c, s : cosines and sines of the orientations. ring : (n, 2), its lever in the world's axes, m.
+    c, s : cosines and sines of the orientations.
+    ring : (n, 2), its lever in the world's axes, m.
     unit : extents, m.
     """
     varied = np.zeros((len(ring), 3, derivatives))

@@ -349,7 +349,8 @@ class LegEquations:
     """One leg of the rod, in the equations' units; touched: the outline that it pushes, or the
     ring's place.
 
-    physics : as PHYSICS names them. pressed : what the points' loads follow; None: their weights.
+    physics : as PHYSICS names them.
+    pressed : what the points' loads follow; None: their weights.
     """
 
     footprint: PointFootprint

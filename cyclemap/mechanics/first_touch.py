@@ -33,8 +33,10 @@ _HALVINGS = 54
 def first_contact(slider: Slider, push: SidePush, radius: float) -> tuple[Array, Array]:
     """Return the centre of the rod as it first touches, (2,) m, and the push's unit vector, (2,).
 
-    Both in the object's frame. radius : of the rod, m. Raises InvalidInput for a side that is not
-    there, and a place that the rod cannot touch.
+    Both in the object's frame.
+    radius : of the rod, m.
+
+    Raises InvalidInput for a side that is not there, and a place that the rod cannot touch.
 
     >>> place, way = first_contact(Slider.mit("rect1"), SidePush(), 0.00475)
     >>> (1e3 * place).round(6).tolist(), (way + 0.0).tolist()

@@ -1,8 +1,7 @@
 """Foundations that are pressed: plates and floors that are not flat, one resting on the other."""
 
 import math
-from dataclasses import dataclass
-from dataclasses import field as made
+from dataclasses import dataclass, field as made
 
 import numpy as np
 
@@ -252,3 +251,12 @@ class PressedFootprint:
         coefficients = np.zeros((3, 5)) if self.field is None else np.array(self.field.coefficients)
         powers = np.array((1, 1, 2, 2, 2))
         vars(self).update(field_bend=unit * coefficients * (size / SHAPE_RADIUS) ** powers)
+
+    def is_near(self, other: "PressedFootprint") -> bool:
+        """Whether shapes, field and centre of another footprint are the same, but for rounding."""
+        mine, theirs = (
+            np.concatenate([one.plate_bend, one.floor_bend, one.field_bend.ravel(), one.centre])
+            for one in (self, other)
+        )
+        reaches = {None if one.field is None else one.field.reach for one in (self, other)}
+        return len(reaches) == 1 and bool(np.allclose(mine, theirs, rtol=1e-12, atol=1e-12))

@@ -20,7 +20,7 @@ from cyclemap.errors import (
 )
 from cyclemap.mechanics.contact_curve import ContactCurve, contact_curve, side_coordinate
 from cyclemap.mechanics.engine import strokes as engine
-from cyclemap.mechanics.engine.schema import KINDS, LAW, PIECE, Status
+from cyclemap.mechanics.engine.schema import KINDS, LAW, PARAMETERS, PIECE, Status
 from cyclemap.mechanics.engine.strokes import Ran, Strokes, piece_table, pressure_tables
 from cyclemap.mechanics.first_touch import OVERLAP, first_touches
 from cyclemap.mechanics.footprint import Footprint, PatchFootprint
@@ -366,14 +366,17 @@ class QuasiStaticModel:
 
 
 def run_strokes(courses: Sequence[Course], derivatives: int = 0, most_failing: float = 0.0) -> Ran:
-    """Run what n courses tell of from where they start, which no parameter moves.
+    """Run what n courses tell of from where they start, which no parameter moves but `theta`, their
+    turn there.
 
-    derivatives : how many of PARAMETERS to differentiate by. most_failing : share of the courses
-        that may fail, whose results are nan. Raises as the first that fails where more do.
+    derivatives : how many of PARAMETERS to differentiate by.
+    most_failing : share of the courses that may fail, whose results are nan. Raises as the first
+        that fails where more do.
     """
     poses = np.array([course.pose for course in courses])
-    still = np.zeros((len(courses), 3, derivatives))
-    ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, still)
+    varied = np.zeros((len(courses), 3, derivatives))
+    varied[:, 2, : PARAMETERS.index("theta") + 1] = 1.0
+    ran = engine.run([course.strokes for course in courses], np.arange(len(courses)), poses, varied)
     failed = np.flatnonzero(ran.status <= 0)
     if failed.size > most_failing * len(courses):
         first = int(failed[0])

@@ -7,14 +7,15 @@ object, push and reset, too), the protocol file, then each --set in order.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.collection_file import data_settings, names_surface, read_settings
 from cyclemap.protocol.protocol_file import read_protocol
-from cyclemap.protocol.setting_table import SETTINGS, setting_named, without_noise
+from cyclemap.protocol.setting_table import SETTINGS, Settings, setting_named, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.protocol.strategy import ResetStrategy, one_loop, overruled_settings
 
@@ -34,28 +35,32 @@ class LoopOptions:
 class ChosenCollection:
     """What the options ask for.
 
-    loop : as the settings have it, what the strategy sets up left out. sigma : the noise of a cycle
-        (rad), None where
-    none is named. strategy : of the protocol file; None where it has none.
+    loop : as the settings have it, what the strategy sets up left out.
+    sigma : the noise of a cycle (rad), None where none is named.
+    strategy : of the protocol file; None where it has none.
+    settings : all that were said anywhere, by their keys.
     """
 
     loop: CollectionLoop
     sigma: float | None
     strategy: ResetStrategy | None
+    settings: Settings
+
+    @property
+    def noise(self) -> float:
+        """The noise of a cycle (rad) that is named, else that of measured plywood."""
+        return DEFAULT_SIGMA if self.sigma is None else self.sigma
 
     def simplified(self) -> ChosenCollection:
         """The same, a strategy that does the same in every cycle made part of the loop."""
         if self.strategy is None:
             return self
         fixed = one_loop(self.loop, self.strategy)
-        return self if fixed is None else ChosenCollection(fixed, self.sigma, None)
+        return self if fixed is None else replace(self, loop=fixed, strategy=None)
 
 
-def chosen_loop(
-    options: LoopOptions, data: Path | None = None
-) -> tuple[CollectionLoop, float | None]:
-    """The loop that `options` ask for, and the noise of a cycle (rad) where they name one; data:
-    see below.
+def chosen_loop(options: LoopOptions, data: Path | None = None) -> ChosenCollection:
+    """The one loop that `options` ask for, and its noise; data: see `chosen_collection`.
 
     A strategy that does the same in every cycle is part of the loop; InvalidInput for any other.
     """
@@ -71,7 +76,7 @@ def chosen_loop(
             "protocol to cyclemap cycle, portrait, staircase or simulate, or take [strategy] out "
             "of it"
         )
-    return chosen.loop, chosen.sigma
+    return chosen
 
 
 def loop_beside(data: Path) -> CollectionLoop | None:
@@ -89,11 +94,11 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
     data : measured; what their folder says of object, push and reset holds where `options` do not
         say otherwise.
     """
-    material, settings, strategy = told_settings(options, data)
+    material, said, strategy = told_settings(options, data)
     own = set_settings(options.settings)
-    for key in settings:
+    for key in said:
         setting_named(key)
-    settings, sigma = without_noise(settings)
+    settings, sigma = without_noise(said)
     base = CollectionLoop.mit(material=material or "isotropic")
     warn_of_defaults(settings)
     loop = loop_from_settings(settings, base)
@@ -104,7 +109,7 @@ def chosen_collection(options: LoopOptions, data: Path | None = None) -> ChosenC
                 f"--set {lost[0]}: the protocol's strategy sets that in every cycle; change it "
                 "in its table [strategy]"
             )
-    return ChosenCollection(loop, sigma, strategy)
+    return ChosenCollection(loop, sigma, strategy, said)
 
 
 def told_settings(

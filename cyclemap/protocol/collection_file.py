@@ -181,19 +181,7 @@ def _same_footprint(one: object, other: object) -> bool:
     if isinstance(one, PointFootprint) and isinstance(other, PointFootprint):
         return _same(one.positions, other.positions) and _same(one.weights, other.weights)
     if isinstance(one, PressedFootprint) and isinstance(other, PressedFootprint):
-        bends = np.concatenate([footprint.plate_bend for footprint in (one, other)])
-        floors = np.concatenate([footprint.floor_bend for footprint in (one, other)])
-        alike = (
-            _same(bends[:3], bends[3:])
-            and _same(floors[:3], floors[3:])
-            and _same(one.centre, other.centre)
-        )
-        if one.field is None or other.field is None:
-            return alike and one.field is other.field
-        same_field = _same(one.field.coefficients, other.field.coefficients) and _same(
-            one.field.reach, other.field.reach
-        )
-        return alike and same_field
+        return one.is_near(other)
     if isinstance(one, PatchFootprint) and isinstance(other, PatchFootprint):
         alike = all(_same(getattr(one, name), getattr(other, name)) for name in SHARES)
         return alike and bool(np.allclose(one.gradient, other.gradient, rtol=1e-9, atol=1e-9))
@@ -327,10 +315,12 @@ def collection_text(
 ) -> str:
     """Return a loop with its surface as the text of a file.
 
-    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad. more
-        : further tables. comments : lines
-    before all else. notes : what is said of a setting, by its key. Raises InvalidInput for a loop
-        no setting can say.
+    noise : of a cycle, a `WrappedNormal` or its standard deviation in rad.
+    more : further tables.
+    comments : lines before all else.
+    notes : what is said of a setting, by its key.
+
+    Raises InvalidInput for a loop no setting can say.
     """
     head = "".join(f"# {line}".rstrip() + "\n" for line in comments)
     tables = {**collection_tables(loop, noise), **(more or {})}

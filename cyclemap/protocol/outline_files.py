@@ -133,42 +133,48 @@ def read_outline(
     2400
     """
     path = Path(path)
-    kind = path.suffix.lower()
+    kind, known = path.suffix.lower(), "in the file's own unit"
+    own: float | None
     if kind == ".csv":
         line, named = _csv_vertices(path)
-        own = None if named is None else UNITS[named]
+        lines, own = [line], None if named is None else UNITS[named]
     else:
         read_bytes(path, 2**26)
         if kind == ".svg":
-            line, own = _svg_outline(path)
+            lines, own, is_told = _svg_lines(path)
+            known = known if is_told else "in pixels of 1/96 inch: give --unit where they are none"
         elif kind == ".dxf":
-            line, own = _dxf_outline(path)
+            lines, own = _dxf_lines(path)
         elif kind in MESHES:
-            line, own = _mesh_outline(_loaded_mesh(path), underside, path), None
+            lines, own = _mesh_outlines(_loaded_mesh(path), underside, path), None
         elif kind == ".urdf":
-            line, own = _mesh_outline(_urdf_mesh(path), underside, path), 1.0
+            lines, own = _mesh_outlines(_urdf_mesh(path), underside, path), 1.0
         else:
             listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
             raise InvalidInput(
                 f"{path}: an outline is read from {listed}, not from "
                 f"{kind or 'a file without an ending'}"
             )
+    line = _largest(path, lines)
     if unit is not None:
         metres, known = UNITS[unit], f"as told, in {unit}"
     elif own is not None:
-        metres, known = own, "in the file's own unit"
+        metres = own
     else:
         guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
         metres, known = (
             UNITS[guess],
             f"in {guess}, guessed by its size: give --unit where that is wrong",
         )
+    if len(lines) > 1:
+        known += f"; the largest of {len(lines)} closed lines, the others left out, as holes are"
     return _finished(path, metres * line, known, tolerance)
 
 
 def _finished(path: Path, points: Array, known: str, tolerance: float) -> OutlineFile:
     """The outline of a closed line, m, about its centroid; `known`: what is said of its unit."""
-    points = points[:-1] if np.allclose(points[0], points[-1], atol=1e-9) else points
+    # A point that stands twice in a row, or closes the line, is one.
+    points = points[np.abs(points - np.roll(points, -1, axis=0)).max(axis=1) > 1e-9]
     drawn = len(points)
     if path.suffix.lower() != ".csv":
         shape = _library("shapely").Polygon(points).buffer(0).simplify(tolerance)
@@ -278,7 +284,8 @@ def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], 
     return (found["x"][0], found["y"][0]), _UNIT_WORDS.get(word)
 
 
-def _svg_outline(path: Path) -> tuple[Array, float]:
+def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
+    """The closed lines, one unit of the drawing (m), and whether the drawing tells that."""
     svg = _library("svgpathtools")
     try:
         root = ElementTree.fromstring(read_bytes(path))
@@ -309,11 +316,11 @@ def _svg_outline(path: Path) -> tuple[Array, float]:
         name, across = width[len(digits) :], plain_number(digits)
         unit = _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
     except (ValueError, KeyError):
-        unit = _SVG_UNITS["px"]
-    return _largest(path, lines), unit
+        name, unit = "", _SVG_UNITS["px"]
+    return lines, unit, name not in ("", "px")
 
 
-def _dxf_outline(path: Path) -> tuple[Array, float | None]:
+def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
     ezdxf = _library("ezdxf")
     drawing_paths = import_module("ezdxf.path")
     try:
@@ -329,7 +336,9 @@ def _dxf_outline(path: Path) -> tuple[Array, float | None]:
         ends = np.array([[point.x, point.y] for point in made.control_vertices()])
         finest = 1e-4 * max(float(np.ptp(ends, axis=0).max()), 1e-9)
         pieces.append(np.array([[point.x, point.y] for point in made.flattening(finest)]))
-    unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0))
+    # Where a drawing tells no unit the library has one of its own.
+    is_told = b"$INSUNITS" in read_bytes(path)
+    unit = _DXF_UNITS.get(drawing.header.get("$INSUNITS", 0)) if is_told else None
     pieces = [piece for piece in pieces if len(piece) > 1]
     closed = [
         piece
@@ -345,7 +354,7 @@ def _dxf_outline(path: Path) -> tuple[Array, float | None]:
     ]
     if rest:
         closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
-    return _largest(path, closed), None if unit is None else UNITS[unit]
+    return closed, None if unit is None else UNITS[unit]
 
 
 def _loaded_mesh(path: Path) -> Array:
@@ -358,7 +367,7 @@ def _loaded_mesh(path: Path) -> Array:
         raise DataFileError(f"{path}: not a mesh that can be read ({error})") from error
 
 
-def _mesh_outline(triangles: Array, underside: bool, path: Path) -> Array:
+def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]:
     shapely = _library("shapely")
     if not len(triangles):
         raise DataFileError(f"{path}: the mesh has no triangles")
@@ -371,12 +380,11 @@ def _mesh_outline(triangles: Array, underside: bool, path: Path) -> Array:
     hair = 1e-6 * size
     parts = [one.buffer(hair, join_style="mitre") for one in flat if one.area > 1e-12 * size * size]
     union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
-    outlines = [
+    return [
         np.array(part.exterior.coords)
         for part in getattr(union, "geoms", [union])
         if not part.is_empty
     ]
-    return _largest(path, outlines)
 
 
 def _urdf_mesh(path: Path) -> Array:

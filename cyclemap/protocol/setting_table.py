@@ -31,11 +31,13 @@ ALWAYS, OWN, CHANGED = "always", "own", "changed"
 class Setting:
     """One fact of an experiment, by the key of `--set`, whose ending tells its unit.
 
-    group : of sliders, and of a file's tables. place : the attribute of a
-        loop, by dots, in SI units. kind : what its values are, a number, WORD or POINTS. default : words for MIT's,
-        where it is no number of the loop. told : when a file says it: ALWAYS, of an object of one's
-        OWN, or where it is CHANGED. label, low, high, step : of its slider; the range is the usual
-        one, in the key's unit, and holds nobody to it.
+    group : of sliders, and of a file's tables.
+    place : the attribute of a loop, by dots, in SI units.
+    kind : what its values are, a number, WORD or POINTS.
+    default : words for MIT's, where it is no number of the loop.
+    told : when a file says it: ALWAYS, of an object of one's OWN, or where it is CHANGED.
+    label, low, high, step : of its slider; the range is the usual one, in the key's unit, and holds
+        nobody to it.
     """
 
     key: str

@@ -69,7 +69,8 @@ def inherited_defaults(settings: Settings) -> dict[str, tuple[str, ...]]:
     """Return what the settings of an object that is not MIT's leave to MIT's experiment: words, and
     the keys.
 
-    >>> inherited_defaults({"semi_x_mm": 40, "semi_y_mm": 50, "side": 0, "fraction": 0.2, "push_mm": 80, "mass_kg": 1})
+    >>> outline, push = {"semi_x_mm": 40, "semi_y_mm": 50}, {"side": 0, "fraction": 0.2}
+    >>> inherited_defaults({**outline, **push, "push_mm": 80, "mass_kg": 1})
     {'the ring': ('hitch_x_mm', 'hitch_y_mm'), 'the rod': ('pusher_radius_mm',)}
     """
     if not {"vertices_mm", "semi_x_mm"} & set(settings):

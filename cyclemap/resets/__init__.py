@@ -34,12 +34,16 @@ if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
     from cyclemap.protocol.strategy import CycleAction, ResetStrategy, gripper_turns, legs
-    from cyclemap.resets.design.action_cycles import map_turns, sample_turns, strategy_maps
-    from cyclemap.resets.design.material_range import MaterialRange, material_range, on_material
-    from cyclemap.resets.design.orientation_law import OrientationLaw, orientation_law
-    from cyclemap.resets.design.reset_design import ResetDesign, ResetRow, design_reset
-    from cyclemap.resets.design.reset_ranking import Limit, ResetDemands
-    from cyclemap.resets.design.strategy_run import (
+    from cyclemap.resets.action_cycles import map_turns, sample_turns, strategy_maps
+    from cyclemap.resets.audit import Audit, audit
+    from cyclemap.resets.bias_evidence import Rest
+    from cyclemap.resets.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
+    from cyclemap.resets.coverage import Coverage, CoverageState, NextAction, next_action
+    from cyclemap.resets.material_range import MaterialRange, material_range, on_material
+    from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
+    from cyclemap.resets.reset_design import ResetDesign, ResetRow, design_reset
+    from cyclemap.resets.reset_ranking import Limit, ResetDemands
+    from cyclemap.resets.strategy_run import (
         StrategyRun,
         histogram_distances,
         histogram_shares,
@@ -48,10 +52,6 @@ if TYPE_CHECKING:
         sampled_orientations,
         steered_orientations,
     )
-    from cyclemap.resets.monitor.audit import Audit, audit
-    from cyclemap.resets.monitor.bias_evidence import Rest
-    from cyclemap.resets.monitor.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
-    from cyclemap.resets.monitor.coverage import Coverage, CoverageState, NextAction, next_action
 else:
     import_on_first_use(__name__)
 

@@ -23,7 +23,7 @@ from concurrent.futures import (
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from cyclemap.checks import whole_number
 from cyclemap.errors import CycleMapError, DoubtfulInput
@@ -69,12 +69,15 @@ def find_chunk(numbers: PortraitNumbers, points: tuple[SweptPoint, ...]) -> Foun
     return found, numbers.version, time.perf_counter() - begun
 
 
+Found = TypeVar("Found")
+
+
 class InThisProcess(Executor):
     """An executor that runs what it is given at once, in the calling thread."""
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+    def submit(self, fn: Callable[..., Found], /, *args: object, **kwargs: object) -> Future[Found]:
         """Run the call and return its finished future; KeyboardInterrupt goes through."""
-        future: Future[Any] = Future()
+        future: Future[Found] = Future()
         try:
             future.set_result(fn(*args, **kwargs))
         except Exception as error:

@@ -318,7 +318,7 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
     """
     import pandas
 
-    table: dict[str, Any] = {
+    table: dict[str, object] = {
         "number": sweep.number,
         **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys},
     }
@@ -388,7 +388,7 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     dimensions = tuple(axis.key for axis in sweep.axes) or ("point",)
     shape = sweep.shape if sweep.axes else (len(sweep),)
     at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
-    variables: dict[str, Any] = {}
+    variables: dict[str, object] = {}
     for one in sweep.quantities:
         attributes = {"units": one.written_unit, "long_name": one.meaning}
         if not one.many:
@@ -412,9 +412,9 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     )
 
 
-def _coordinates(sweep: Sweep) -> dict[str, Any]:
+def _coordinates(sweep: Sweep) -> dict[str, object]:
     listed = {axis.key: axis.values for axis in sweep.axes} or sweep.swept
-    found: dict[str, Any] = {} if sweep.axes else {"point": (("point",), sweep.number)}
+    found: dict[str, object] = {} if sweep.axes else {"point": (("point",), sweep.number)}
     for key, values in listed.items():
         numeric = all(isinstance(value, float) for value in values)
         array = (

@@ -1,5 +1,5 @@
-"""Numerical experiments: batches of cycles on a material and on its isotropic twin, and dynamic beside
-quasi-static cycles; in sentences, and a page each.
+"""Numerical experiments: batches of cycles on a material and on its isotropic twin, and dynamic
+beside quasi-static cycles; in sentences, and a page each.
 """
 
 import math
@@ -70,7 +70,7 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
         every = (index * max(cycles // 30, 1), max(cycles // 8, 1))
         look: style.Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
         shade = str(0.65 * index / max(len(run.theta) - 1, 1))
-        look |= {"color": shade, "label": f"from {np.degrees(theta[0]):.0f}°", "clip_on": False}
+        look |= {"color": shade, "label": f"from {angle(theta[0], 0)}", "clip_on": False}
         axes.plot(np.degrees(theta), linewidth=1.3, markersize=3.5, **look)
     style.count_axis(axes, "cycle", cycles)
     span = float(np.ptp(np.degrees(run.theta)))
@@ -89,7 +89,8 @@ def experiment_headline(experiment: BatchExperiment) -> str:
     if not directions:
         # Of small steps also why they are no rest.
         step = float(run.last_step.max())
-        turned = f"{angle(step, 2)}{', and such steps do not soon die out' if step <= 0.1 * WITHIN else ''}."
+        why = ", and such steps do not soon die out" if step <= 0.1 * WITHIN else ""
+        turned = f"{angle(step, 2)}{why}."
         if count == 1:
             return (
                 f"The batch does not come to rest in {cycles}: the last cycle still turns it "

@@ -3,7 +3,6 @@ staircase and turns.
 """
 
 import math
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -11,15 +10,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
-from cyclemap.evidence.tables.measured_cycle_map import (
+from cyclemap.evidence.laws.measured_cycle_map import (
     FEWEST_FOR_WEAR,
     MapState,
     MeasuredCycleMap,
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.tables.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
+from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
 from cyclemap.views import style
 from cyclemap.views.map_panels import (
     CIRCLE,
@@ -35,7 +34,6 @@ from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
 from cyclemap.views.staircase_panels import draw_pace, draw_staircase
 from cyclemap.views.style import LINE, SECOND
 
-Panel = tuple[str, Callable[[Axes], None]]
 LATE_BAND: style.Look = {**style.BAND, "color": "#cfcfcf", "alpha": 0.75}
 
 
@@ -47,7 +45,7 @@ def fit_page(fit: SetFit) -> Figure:
     Raises InvalidInput where nothing was fitted.
     """
     laws = [law for law in fit.laws.laws if law.law is not None]
-    pushes: list[Panel] = [
+    pushes: list[style.Panel] = [
         (OUTCOMES[law.quantity][0], partial(draw_motion_law, law=law)) for law in laws
     ]
     if fit.histogram is not None:
@@ -67,19 +65,15 @@ def fit_page(fit: SetFit) -> Figure:
         rows = [rows[0][:half], rows[0][half:]]
     layout, words = style.rows_of(*map(len, rows)), set_sentences(fit)
     figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
-    axes = iter(placed)
-    for row in rows:
-        for name, draw in row:
-            draw(panel := next(axes))
-            style.entitle(panel, name)
+    style.draw_panels(placed, [panel for row in rows for panel in row])
     return figure
 
 
-def _cycle_panels(found: MeasuredCycleMap | None) -> list[Panel]:
+def _cycle_panels(found: MeasuredCycleMap | None) -> list[style.Panel]:
     """What is drawn of a measured cycle map."""
     if found is None:
         return []
-    panels: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    panels: list[style.Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
     if (forecast := found.forecast) is not None:
         histograms = forecast.measured_histogram, forecast.histogram
         panels.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))

@@ -3,7 +3,7 @@ beside predictions.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -38,7 +38,6 @@ WORSE = 1.01
 # Friction whose axes, and whose centre over the mean, differ by less from one and nought is
 # isotropic.
 ROUND = 1.001
-Panel = tuple[str, Callable[[Axes], None]]
 
 
 @style.picture_style()
@@ -48,7 +47,7 @@ def identify_page(
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
     page takes.
     """
-    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
+    panels: list[style.Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
         panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
     if len(found.floors) > 1:
@@ -74,9 +73,7 @@ def identify_page(
     figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
     _draw_intervals(intervals, found)
-    for axes, (name, draw) in zip(placed, panels, strict=False):
-        draw(axes)
-        style.entitle(axes, name)
+    style.draw_panels(placed, panels)
     return figure
 
 
@@ -138,8 +135,8 @@ def draw_stroke_turns(axes: Axes, fit: StrokeFit) -> None:
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
-    """Where pushes ended, predicted less measured,
-    with the circle that half of them keep within."""
+    """Where pushes ended, predicted less measured, with the circle that half of them keep
+    within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
     axes.plot(x, y, label="pushes", **style.DOTS)
@@ -189,55 +186,47 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
 
     held : the friction where the data were not asked about its shape.
     """
-    known = {one.name: one for one in derived}
-
-    def interval(low: str, high: str) -> str:
-        return low if low == high else f"{low} to {high}"
-
-    def size(one: str, factor: float, decimals: int) -> str:
-        return interval(
-            *(f"{factor * end:.{decimals}f}" for end in (known[one].lower, known[one].upper))
-        )
-
-    def way(one: str, words: str) -> str:
-        if one not in known:
-            return ""
-        if not known[one].known:
-            return ", in any direction"
-        ends, whole = (
-            (known[one].lower, known[one].upper),
-            math.floor((known[one].lower + math.pi) / TWO_PI),
-        )
-        return words.format(interval(*(angle(end - TWO_PI * whole, 0) for end in ends)))
-
+    known = {quantity.name: quantity for quantity in derived}
     told = []
     if "axis_ratio" in known:
-        told.append(
-            f"axes {size('axis_ratio', 1.0, 2)} : 1{way('axis_direction', ' (longer along {})')}"
-        )
+        way = _way(known.get("axis_direction"), " (longer along {})")
+        told.append(f"axes {_size(known['axis_ratio'], 1.0, 2)} : 1{way}")
     if "offset_size" in known:
-        told.append(
-            f"centre {size('offset_size', 100.0, 1)} % off{way('offset_direction', ' towards {}')}"
-        )
+        way = _way(known.get("offset_direction"), " towards {}")
+        told.append(f"centre {_size(known['offset_size'], 100.0, 1)} % off{way}")
     if "mean_friction" in known:
-        told.append(f"mean friction {size('mean_friction', 1.0, 3)}")
+        told.append(f"mean friction {_size(known['mean_friction'], 1.0, 3)}")
     words = [f"friction ellipse with {', '.join(told)}"] if told else []
     if "axis_ratio" not in known and "offset_size" not in known:
-        ratio, off = (
-            held.mu_a / held.mu_b,
-            100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b),
-        )
-        is_round = ratio < ROUND and off < 100.0 * (ROUND - 1.0)
-        words.append(
-            "friction taken as isotropic"
-            if is_round
-            else f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
-        )
+        words.append(_held_words(held))
     if "floor_bow" in known:
-        words.append(
-            f"floor bowed by {size('floor_bow', 1.0, 1)} kPa{way('floor_axis', ' (up along {})')}"
-        )
+        way = _way(known.get("floor_axis"), " (up along {})")
+        words.append(f"floor bowed by {_size(known['floor_bow'], 1.0, 1)} kPa{way}")
     return f"{name}: {'; '.join(words)}"
+
+
+def _size(quantity: Derived, factor: float, decimals: int) -> str:
+    ends = (f"{factor * end:.{decimals}f}" for end in (quantity.lower, quantity.upper))
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _way(quantity: Derived | None, words: str) -> str:
+    """A direction put into words; empty where it was not asked for."""
+    if quantity is None:
+        return ""
+    if not quantity.known:
+        return ", in any direction"
+    turns = math.floor((quantity.lower + math.pi) / TWO_PI)
+    ends = (angle(end - TWO_PI * turns, 0) for end in (quantity.lower, quantity.upper))
+    return words.format(" to ".join(dict.fromkeys(ends)))
+
+
+def _held_words(held: EllipseFriction) -> str:
+    ratio = held.mu_a / held.mu_b
+    off = 100.0 * math.hypot(held.m0, held.n0) / math.sqrt(held.mu_a * held.mu_b)
+    if ratio < ROUND and off < 100.0 * (ROUND - 1.0):
+        return "friction taken as isotropic"
+    return f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
 
 
 def note_sentences(found: Identification) -> list[str]:

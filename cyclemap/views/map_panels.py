@@ -1,11 +1,11 @@
-"""Panels over the orientation before the push: turns and laws, measured and predicted, and how often
-each orientation is recorded.
+"""Panels over the orientation before the push: turns and laws, measured and predicted, and how
+often each orientation is recorded.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -48,11 +48,11 @@ def draw_curves(
         axes.plot(np.degrees(theta), np.degrees(turn), label=name, **look)
 
 
-def turn_axes(axes: Axes, label: str = TURN) -> None:
+def turn_axes(axes: Axes) -> None:
     """Axes of a turn over the orientation, with the line of none."""
     axes.axhline(0.0, **style.ZERO)
     style.degree_axis(axes)
-    axes.set_ylabel(label)
+    axes.set_ylabel(TURN)
 
 
 def draw_turn(axes: Axes, curve: TurnCurve, name: str = "predicted", **look: object) -> None:
@@ -106,8 +106,12 @@ def draw_outcome(
 def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
     """Measured turns, a light dot each, and their medians in bins of the orientation."""
     draw_measured(axes, pairs.theta, np.degrees(pairs.turn))
-    medians = np.degrees([bins.centre, bins.median])
-    axes.plot(*medians, "s", label="5° medians", **style.MARKS)
+    draw_medians(axes, bins, "5° medians")
+
+
+def draw_medians(axes: Axes, bins: TurnBins, name: str) -> None:
+    """Medians of measured turns in bins of the orientation."""
+    axes.plot(*np.degrees([bins.centre, bins.median]), "s", label=name, **style.MARKS)
 
 
 def draw_law(
@@ -175,11 +179,14 @@ def draw_recorded(
     """How often each orientation was recorded, and is predicted to be, in bins."""
     density_axes(axes)
     if measured is not None:
-        heights, edges = PER_DEGREE * measured.density, np.degrees(measured.edges)
-        axes.stairs(heights, edges, fill=True, label="measured", **style.BARS)
+        draw_histogram(axes, measured, "measured", fill=True, **style.BARS)
     if predicted is not None:
-        heights, edges = PER_DEGREE * predicted.density, np.degrees(predicted.edges)
-        axes.stairs(heights, edges, label="predicted", **LINE)
+        draw_histogram(axes, predicted, "predicted", **LINE)
+
+
+def draw_histogram(axes: Axes, histogram: AngleHistogram, name: str, **look: Any) -> None:
+    """The density of a histogram of orientations, per degree."""
+    axes.stairs(PER_DEGREE * histogram.density, np.degrees(histogram.edges), label=name, **look)
 
 
 def draw_density(axes: Axes, theta: Array, density: Array, name: str = "predicted") -> None:

@@ -51,20 +51,21 @@ def object_page(checked: CheckedCollection) -> Figure:
     return figure
 
 
-def draw_object(axes: Axes, outline: Array, **look: Any) -> None:
+def draw_object(axes: Axes, outline: Array, **look: object) -> None:
     """An object by its outline (n, 2), m, in millimetres."""
-    axes.add_patch(Polygon(MM * outline, **{**LYING, **look}))
+    shown: Look = {**LYING, **look}
+    axes.add_patch(Polygon(MM * outline, **shown))
 
 
-def draw_ring(axes: Axes, place: Array, **look: Any) -> None:
+def draw_ring(axes: Axes, place: Array, **look: object) -> None:
     """The ring at a place (2,), m; its size is free."""
-    shown = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
+    shown: Look = {"fill": False, "edgecolor": INK, "linewidth": 1.2, "zorder": 4, **look}
     axes.add_patch(Circle(tuple(MM * place), RING_RADIUS_MM, **shown))
 
 
-def draw_rod(axes: Axes, place: Array, radius: float, **look: Any) -> None:
+def draw_rod(axes: Axes, place: Array, radius: float, **look: object) -> None:
     """The rod at a place (2,), m."""
-    shown = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
+    shown: Look = {"facecolor": INK, "edgecolor": INK, "zorder": 6, **look}
     axes.add_patch(Circle(tuple(MM * place), max(MM * radius, 1.0), **shown))
 
 
@@ -95,7 +96,9 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
     ring = np.array(loop.slider.hitch)
     place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
-    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8, label=place)
+    draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8)
+    circle: Look = {"markerfacecolor": "none", "markeredgecolor": MEASURED_EDGE}
+    axes.plot([], [], "o", markeredgewidth=1.8, label=place, **circle)
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
     style.square_window(axes, MM * np.vstack(corners))
@@ -184,8 +187,8 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     size = np.array([panel.width, panel.height])
     margin = 0.5 * (float(((high - low) / size).max()) * size - (high - low))
     low, high = low - margin, high + margin
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    style.show_window(axes, low, high)
+    axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
     axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 

@@ -19,7 +19,7 @@ from cyclemap.maps import (
     OrbitDiagram,
     TransferOperator,
 )
-from cyclemap.views import style
+from cyclemap.views import map_panels, style
 from cyclemap.views.rotation_panels import cell_edges, draw_shades, runs
 from cyclemap.views.style import (
     INK,
@@ -36,20 +36,8 @@ HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
 TOLD_SHARE = 1e-6
 Curve = tuple[Array, Array]
-STABLE: Look = {
-    "color": PREDICTED,
-    "linewidth": 2.0,
-    "linestyle": "-",
-    "zorder": 3,
-    "label": "stable",
-}
-LOST: Look = {
-    "color": QUIET,
-    "linewidth": 1.3,
-    "linestyle": "--",
-    "zorder": 2,
-    "label": "unstable",
-}
+STABLE: Look = {**style.LINE, "label": "stable"}
+LOST: Look = {**style.SECOND, "color": QUIET, "label": "unstable"}
 BASIN: Look = {
     "facecolor": PREDICTED_FILL,
     "linewidth": 0,
@@ -155,26 +143,14 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     >>> axes.has_data()
     True
     """
-    theta_deg = np.linspace(0.0, 360.0, 1441)
-    density = np.radians(operator.density(np.radians(theta_deg)))
+    theta = np.linspace(0.0, TWO_PI, 1441)
     bound = (
         f"± {style.small(np.radians(operator.error_bound))}"
         if operator.is_certain
         else "shares of its parts unknown"
     )
-    axes.fill_between(theta_deg, density, color=PREDICTED_FILL, linewidth=0, zorder=1)
-    axes.plot(
-        theta_deg,
-        density,
-        color=PREDICTED,
-        linewidth=1.8,
-        label=f"stationary density, {bound}",
-        zorder=3,
-    )
-    axes.axhline(1.0 / 360.0, color=QUIET, linewidth=1.0, linestyle=":", label="uniform", zorder=2)
-    style.degree_axis(axes, THETA)
-    axes.set_ylabel("probability per degree")
-    axes.set_ylim(bottom=0.0)
+    map_panels.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
+    axes.set_xlabel(THETA)
     style.legend_above(axes)
 
 

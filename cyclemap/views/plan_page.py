@@ -15,29 +15,38 @@ from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
 from cyclemap.views import style
 from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_way
-from cyclemap.views.sentences import angle, uncertainty_sentence
+from cyclemap.views.sentences import angle, chance, uncertainty_sentence
 from cyclemap.views.style import FORCE, MEASURED_EDGE
 
 _COLUMNS = 4
 # Inches of a panel, of the labels beside it, and of the words.
 _WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
 _FOOT = (
-    "Filled: the object as it is set, its ring a circle, corners a and b to measure. Dashed: where "
-    "it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from the near "
-    "left corner of the room."
+    "Filled: the object as it is set, its ring a circle, corners a and b to set and to measure. "
+    "Dashed: where it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from "
+    "the near left corner of the room."
 )
 
 
-def known_words(known: Mapping[str, float]) -> str:
-    """What is known after some pushes: of directions and whether there are any, of the map, or of
-    pushes.
+def known_parts(known: Mapping[str, float]) -> dict[str, str]:
+    """What is known after some pushes, by what it is of: whether the loop locks in, and where; the
+    map; where pushes end.
     """
+    parts = {}
     if "wrong" in known:
-        where = f", where to ±{angle(2.0 * known['direction'], 0)}" if "direction" in known else ""
-        return f"whether it locks in with {1.0 - known['wrong']:.0%} certainty{where}"
-    if "map" in known:
-        return f"the map within ±{angle(2.0 * known['map'])}"
-    return f"a push within ±{2.0 * MM * known['place']:.1f} mm and ±{angle(2.0 * known['turn'])}"
+        parts["whether it locks in"] = f"{chance(1.0 - known['wrong'])} sure"
+    for name, called in (("direction", "where"), ("map", "map")):
+        if name in known:
+            parts[called] = f"±{angle(2.0 * known[name], 0 if name == 'direction' else 1)}"
+    if "place" in known:
+        parts["place"] = f"±{2.0 * MM * known['place']:.1f} mm"
+        parts["turn"] = f"±{angle(2.0 * known['turn'])}"
+    return parts
+
+
+def known_words(known: Mapping[str, float]) -> str:
+    """The same in a row of words."""
+    return ", ".join(f"{name} {size}" for name, size in known_parts(known).items())
 
 
 def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
@@ -53,11 +62,11 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
         "pushes": "where pushes end",
     }
     read = f"{MM * plan.read[0]:.2g} mm and {math.degrees(plan.read[1]):.2g}°"
-    locks = (
-        ""
-        if plan.chance is None
-        else f"Of floors as {floor} has them {plan.chance:.0%} lock it in. "
-    )
+    locks = ""
+    if plan.chance is not None:
+        count = round(plan.chance * plan.samples)
+        lock = "locks" if count < 2 else "lock"
+        locks = f"Of {plan.samples} floors as {floor} has them {count or 'none'} {lock} it in. "
     return (
         f"{number} pushes of {name} that tell most of {asked[plan.target]}.",
         f"{locks}Known now: {known_words(after[0].planned)}. After these {number}: "
@@ -73,13 +82,13 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
     """Whether what was measured is enough, how well directions are known, and what was read and
     left out.
     """
-    chance = measured.directions.chance
+    locks = measured.directions.chance
     if not measured.is_enough(within):
         told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
-    elif chance >= SURE:
+    elif locks >= SURE:
         told = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
     else:
-        told = f"Enough: it locks in nowhere, with a chance of {1.0 - chance:.0%}"
+        told = f"Enough: it locks in nowhere, with a chance of {chance(1.0 - locks)}"
     known = uncertainty_sentence(measured.loop.material.name, measured.directions)
     return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 
@@ -126,6 +135,8 @@ def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
     where = f"side {push.side} at {push.fraction:.2f}{slant}, {MM * push.distance:.0f} mm"
     axes.set_title(f"{index + 1}: {where}", fontsize=8.5)
     axes.set_ylabel("y (mm)", fontsize=7)
-    set_to = f"set to x {MM * start.x:.0f}, y {MM * start.y:.0f} mm"
-    turned = f"θ {math.degrees(start.theta):.0f}°"
-    axes.set_xlabel(f"x (mm); {set_to}, {turned}", fontsize=8)
+    places = (MM * placed(pose, marks)).tolist()
+    set_to = "; ".join(
+        f"{name} to {x:.0f}, {y:.0f}" for name, (x, y) in zip("ab", places, strict=True)
+    )
+    axes.set_xlabel(f"x (mm); {set_to}; θ {math.degrees(start.theta):.0f}°", fontsize=8)

@@ -66,8 +66,8 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
 
 @style.picture_style()
 def probe_page(found: Probe) -> Figure:
-    """Draw each outcome over the orientation,
-    with what the harmonics and the ellipse make of it."""
+    """Draw each outcome over the orientation, with what the harmonics and the ellipse make of
+    it."""
     answer, *words = probe_sentences(found)
     foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
     figure, panels = style.page("abc", answer, words, foot, size=(12.0, 4.8))

@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.collection.cycle_scene import placed
-from cyclemap.evidence.replay.replay_push import Replay
-from cyclemap.evidence.replay.replay_table import ReplayedPushes
+from cyclemap.evidence.comparison.replay_push import Replay
+from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.views import style
 from cyclemap.views.object_page import MM, draw_way
+from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, PREDICTED
 
 # Courses are drawn of the pushes at these shares of the order of their errors: a good, a usual, a
@@ -33,10 +34,7 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     also = f"; {left_out} file{'s' * (left_out != 1)} could not be" if left_out else ""
     ends = "ends" if count == 1 else "they end"
     who = "1 push replayed: it" if count == 1 else f"{count} pushes replayed:"
-    return (
-        f"{who} {ends} {1e3 * error:.1f} mm and {math.degrees(turn_error):.1f}° off on "
-        f"average{also}."
-    )
+    return f"{who} {ends} {1e3 * error:.1f} mm and {angle(turn_error)} off on average{also}."
 
 
 @style.picture_style()
@@ -57,7 +55,7 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
         _draw_course(axes, replayed.replays[row])
         facts = replayed.table.iloc[row]
         speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
-        off = f"{1e3 * facts['error']:.1f} mm, {math.degrees(abs(facts['turn_error'])):.1f}°"
+        off = f"{1e3 * facts['error']:.1f} mm, {angle(abs(facts['turn_error']))}"
         style.entitle(axes, f"{facts['object']}{speed}: off {off}")
     return figure
 

@@ -28,7 +28,7 @@ from cyclemap.resets import (
     ResetStrategy,
 )
 from cyclemap.views import style
-from cyclemap.views.map_panels import PER_DEGREE, draw_recorded, draw_turns
+from cyclemap.views.map_panels import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
 from cyclemap.views.object_page import MM, draw_object, draw_ring, number_sides
 from cyclemap.views.sentences import angle
 from cyclemap.views.staircase_panels import draw_staircase
@@ -178,12 +178,11 @@ def strategy_page(
 def _draw_recorded(
     axes: Axes, theta: Array, measured: Array | None, law: OrientationLaw | None
 ) -> None:
-    """How often each orientation was recorded in the run and in the data, and is in the long run."""
+    """How often each orientation was recorded in run and data, and is in the long run."""
     shown = None if measured is None else angle_histogram(measured, _BINS)
     draw_recorded(axes, shown)
-    run = angle_histogram(theta, _BINS)
-    heights, edges = PER_DEGREE * run.density, np.degrees(run.edges)
-    axes.stairs(heights, edges, fill=True, label="this run", **{**style.BAND, "linewidth": 1.0})
+    look = {**style.BAND, "linewidth": 1.0}
+    draw_histogram(axes, angle_histogram(theta, _BINS), "this run", fill=True, **look)
     if law is not None:
         axes.plot(PER_DEGREE * law.density, label="long run", **LINE)
 
@@ -350,8 +349,8 @@ def worst_words(about: MaterialRange) -> str:
 
     >>> from cyclemap.mechanics import load_material
     >>> from cyclemap.resets import material_range
-    >>> worst_words(material_range(load_material("pu")))
-    'at most in 95 % of its posterior, with 95 % confidence (71 of the 200 samples of its posterior)'
+    >>> worst_words(material_range(load_material("pu"))).partition(" (")[0]
+    'at most in 95 % of its posterior, with 95 % confidence'
     """
     told = f" ({about.told})" if about.told else ""
     if about.sampled:

@@ -27,6 +27,7 @@ from cyclemap.views.style import (
     legend_above,
     name_beside_path,
     name_tag,
+    show_window,
     small,
 )
 
@@ -345,6 +346,6 @@ def draw_bifurcation_curves(
         ends.append(np.array([axes.get_xlim(), axes.get_ylim()]))
     low, high = np.min(np.hstack(ends), axis=1), np.max(np.hstack(ends), axis=1)
     low, high = low - 0.02 * (high - low), high + 0.02 * (high - low)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    show_window(axes, low, high)
     axes.set(xlabel=first_label, ylabel=second_label)
     legend_above(axes)

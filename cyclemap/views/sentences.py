@@ -40,6 +40,10 @@ _COUNTS = {2: "two", 3: "three", 4: "four"}
 _TOLD_SHARE = 0.005
 
 
+# Of orbits that come back after more cycles noise leaves nothing.
+_MOST_IN_TURN = 12
+
+
 def headline(portrait: Portrait) -> str:
     """The answer in a line: where this material locks in, or rests until noise or wear carries it
     on.
@@ -50,11 +54,14 @@ def headline(portrait: Portrait) -> str:
     for orbit in portrait.stable_points:
         # Never sharper than its interval: with 95 % of the posterior where the material has one.
         theta, stay = orbit.points[0], portrait.stay(orbit)
-        interval = known.of(theta) if known is not None and known.is_posterior else None
-        place = orientation_and_push(
-            theta, portrait.loop, 1 if interval is None else _decimals(interval)
-        )
-        place += "" if interval is None else f" (95 %: {_ends(interval)})"
+        interval, decimals, spread = None, 1, ""
+        if known is not None and known.is_posterior:
+            interval = known.of(theta)
+        if known is not None and interval is not None:
+            is_told = known.has_interval(interval)
+            decimals = _decimals(interval) if is_told else 0
+            spread = f" (95 %: {_ends(interval)})" if is_told else ""
+        place = orientation_and_push(theta, portrait.loop, decimals) + spread
         if stay is not None and stay >= run and not wears:
             locked.append(place)
         else:
@@ -67,7 +74,11 @@ def headline(portrait: Portrait) -> str:
         for how, places in (("locks into", locked), ("rests at", rests))
         if places
     ]
-    words = words or [f"gathers about {listed(jumps)}" if jumps else "locks into no direction"]
+    lock = portrait.rotation.locked
+    nowhere = "locks into no direction"
+    if lock is not None and 1 < lock.denominator <= _MOST_IN_TURN:
+        nowhere = f"locks into {lock.denominator} directions in turn"
+    words = words or [f"gathers about {listed(jumps)}" if jumps else nowhere]
     told = f"{portrait.loop.material.name} {' and '.join(words)}"
     if known is not None and known.is_posterior and 0 < known.locks < known.samples:
         told += f" (locked in {known.chance:.0%} of what its data allow)"
@@ -109,10 +120,19 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
             f"more {many}{where}."
         )
     how = "to first order" if known.method == FIRST_ORDER else "each run in full"
-    told = [f"{_ends(one)} (in {one.share:.0%} of samples)" for one in known.directions]
-    where = f", 95 % of them at {listed(told)}" if told else ""
-    of = f"{known.locks} of {known.samples} samples"
-    return f"Of what the data on {name} allow, {of} have a stable direction ({how}){where}."
+    told, few = list[str](), list[str]()
+    for one in known.directions:
+        count = round(one.share * known.samples)
+        if known.has_interval(one):
+            told.append(f"{_ends(one)} (in {one.share:.0%} of samples)")
+        elif count:
+            both = dict.fromkeys((angle(one.lower, 0), angle(one.upper % (2.0 * math.pi), 0)))
+            few.append(f"{count} at {' to '.join(both)}")
+    places = [f"95 % of them at {listed(told)}"] if told else []
+    places += [f"only {listed(few)}"] if few else []
+    of = f"{known.locks} of {known.samples} samples {'has' if known.locks == 1 else 'have'}"
+    words = f"Of what the data on {name} allow, {of} a stable direction ({how})"
+    return f"{', '.join([words, *places])}."
 
 
 def ahead_sentence(forecast: LockForecast | None, start: float | None = None) -> str:
@@ -133,7 +153,7 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
             likely.append(f"{place} ({direction.share:.0%})")
     where = f", at {listed(likely)}" if likely else ""
     seen = forecast.orientations
-    locks = f"the loop locks in with a chance of {forecast.chance:.0%}{where}"
+    locks = f"the loop locks in with a chance of {chance(forecast.chance)}{where}"
     told = (
         f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen "
         f"({seen.lower:.0f} to {seen.upper:.0f})"
@@ -375,8 +395,8 @@ def material_line(material: Material) -> str:
     Empty where nothing is to be said.
 
     >>> from cyclemap.mechanics import load_material
-    >>> material_line(load_material("unknown"))
-    'unknown was inferred, not measured; its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
+    >>> material_line(load_material("unknown")).split("; ")[1]
+    'its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
     """
     misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
     how_far = f": {misfit}" if misfit else ""
@@ -429,6 +449,17 @@ def angle(radians: float, decimals: int = 1) -> str:
     """
     # Adding zero turns a rounded -0.0 into 0.0.
     return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
+
+
+def chance(share: float) -> str:
+    """A chance for people: what some hundred samples tell is never quite sure.
+
+    >>> chance(0.0), chance(0.421), chance(1.0)
+    ('less than 1%', '42%', 'more than 99%')
+    """
+    if share < 0.01:
+        return "less than 1%"
+    return "more than 99%" if share > 0.99 else f"{share:.0%}"
 
 
 def number(value: float) -> str:

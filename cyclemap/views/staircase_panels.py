@@ -16,7 +16,7 @@ from cyclemap.views.sentences import angle, number
 from cyclemap.views.style import INK, LINE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, UNSTABLE
 
 if TYPE_CHECKING:
-    from cyclemap.evidence.tables.measured_cycle_map import TurnPace
+    from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 
 LEAST_SPAN_DEG = 120.0
 # With more dwells than this their levels are not written beside them.

@@ -5,7 +5,7 @@ markers, name tags.
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from string import ascii_letters
@@ -37,6 +37,8 @@ from cyclemap.plain_text import printable, typeset
 
 # Options of Matplotlib.
 Look = dict[str, Any]
+# A panel's title, and what draws it.
+Panel = tuple[str, Callable[[Axes], None]]
 # Where on a page there is room: from here up to there, as shares of its height.
 Room = tuple[float, float]
 INK = "#222222"
@@ -210,7 +212,8 @@ def page(
 ) -> tuple[Figure, list[Axes]]:
     """A figure of a size in inches with its words, and its panels in what these leave.
 
-    title, words, foot, key : of `write_page`. layout, options : of `panels`.
+    title, words, foot, key : of `write_page`.
+    layout, options : of `panels`.
     """
     figure = new_figure(*size)
     room = write_page(figure, title, words, foot, key)
@@ -227,8 +230,9 @@ def panels(
 ) -> list[Axes]:
     """The panels of a layout, "ab;cc" for two above a wide one, in the order of their letters.
 
-    room : of the page's height, as `write_page` leaves it. keys : rows of the longest legend. polar : the
-    panels that are round.
+    room : of the page's height, as `write_page` leaves it.
+    keys : rows of the longest legend.
+    polar : the panels that are round.
     options : of Matplotlib's `subplot_mosaic`.
     """
     width, height = figure.get_size_inches().tolist()
@@ -249,6 +253,13 @@ def panels(
         **options,
     )
     return [made[name] for name in sorted(made)]
+
+
+def draw_panels(places: Iterable[Axes], drawn: Iterable[Panel]) -> None:
+    """Draw panels in the places of a page, as many as there are of both, each with its title."""
+    for axes, (title, draw) in zip(places, drawn, strict=False):
+        draw(axes)
+        entitle(axes, title)
 
 
 def rows_of(*counts: int) -> str:
@@ -319,13 +330,17 @@ def plain_ticks(axis: Axis, places: Sequence[float]) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def square_window(axes: Axes, points: Array, margin: float = 0.06) -> None:
-    """Show the least square about points (n, 2) and a margin, a share of its side, on one scale."""
+def square_window(axes: Axes, points: Array) -> None:
+    """Show the least square about points (n, 2) and a margin on one scale."""
     low, high = points.min(axis=0), points.max(axis=0)
-    middle, half = 0.5 * (low + high), (0.5 + margin) * float((high - low).max())
-    low, high = middle - half, middle + half
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    middle, half = 0.5 * (low + high), 0.56 * float((high - low).max())
+    show_window(axes, middle - half, middle + half)
     axes.set_aspect("equal", adjustable="box")
+
+
+def show_window(axes: Axes, low: Array, high: Array) -> None:
+    """Show what lies between two corners (2,) of the data."""
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
 
 def legend_above(axes: Axes) -> int:
@@ -383,7 +398,7 @@ def _width(axes: Axes) -> float:
     return float(axes.get_position().width * figure.get_size_inches()[0])
 
 
-def name_tag(axes: Axes, x: float, y: float, name: str, **options: Any) -> None:
+def name_tag(axes: Axes, x: float, y: float, name: str, **options: object) -> None:
     """A short name at a place of the data, on a white ground that lets lines through a little."""
     ground = {"boxstyle": "round,pad=0.12", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
     given: Look = {
@@ -429,12 +444,12 @@ def name_beside_path(
 
 def arrow(
     axes: Axes,
-    tail: Any,
-    tip: Any,
+    tail: Array,
+    tip: Array,
     colour: str,
     width: float = 1.8,
     zorder: float = 5.0,
-    **look: Any,
+    **look: object,
 ) -> None:
     """An arrow from one place of the data to another, (2,) each."""
     props = {
@@ -448,7 +463,9 @@ def arrow(
     axes.annotate("", xy=tuple(tip), xytext=tuple(tail), arrowprops=props, zorder=zorder)
 
 
-def cross(axes: Axes, place: Any = (0.0, 0.0), colour: str = QUIET, **look: Any) -> None:
+def cross(
+    axes: Axes, place: Array | tuple[float, float] = (0.0, 0.0), colour: str = QUIET, **look: Any
+) -> None:
     """A cross at a place of the data, (2,): a centre, or the origin."""
     axes.plot(*place, "+", **{"color": colour, "markersize": 8.0, "zorder": 5, **look})
 

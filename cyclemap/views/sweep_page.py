@@ -3,7 +3,6 @@ or as a scatter of a sample."""
 
 import math
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -32,6 +31,7 @@ from cyclemap.sweeps.sweep_curves import (
 )
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views import style
+from cyclemap.views.object_page import MM
 from cyclemap.views.rotation_panels import (
     cell_edges,
     draw_rotation_numbers,
@@ -44,8 +44,6 @@ from cyclemap.views.style import INK, PREDICTED, QUIET, Look
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
-MM = 1000.0
-Panel = tuple[str, Callable[[Axes], None]]
 REFUSED: Look = {
     "facecolor": "#f4f4f4",
     "edgecolor": QUIET,
@@ -85,7 +83,7 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
     # Titles, which are meanings short of their remarks, and drawers; where fixed points are known
     # they come first.
-    panels: list[Panel] = []
+    panels: list[style.Panel] = []
     draw: Any
     if isinstance(curves, SweptLines):
         draw, told = draw_swept_line, curves.lines
@@ -101,11 +99,10 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
     panels = panels[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
     figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
-    for axes, (title, draw) in zip(placed, panels, strict=True):
-        draw(axes)
-        if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+    style.draw_panels(placed, panels)
+    if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+        for axes in placed:
             _draw_object(axes, sweep)
-        style.entitle(axes, title)
     return figure
 
 
@@ -119,9 +116,9 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
         axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
         style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
-    low = np.minimum(low, outline.min(axis=0) - 3.0)
-    high = np.maximum(high, outline.max(axis=0) + 3.0)
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    ends = outline.min(axis=0) - 3.0, outline.max(axis=0) + 3.0
+    style.show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
+    axes.set_aspect("equal")
 
 
 def key_words(key: str) -> str:
@@ -153,10 +150,6 @@ def quantity_label(quantity: Quantity) -> str:
     """A quantity's meaning and unit, as the label of an axis."""
     unit = _SHORT_UNITS.get(quantity.written_unit, quantity.written_unit)
     return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
-
-
-# -- over two keys
-# -----------------------------------------------------------------------------------------
 
 
 def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
@@ -228,10 +221,6 @@ def _name_ticks(side: Axis, axis: SweepAxis) -> None:
         side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
 
 
-# -- over one key
-# ------------------------------------------------------------------------------------------
-
-
 def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
     axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
@@ -271,10 +260,6 @@ def _finish_line_axis(axes: Axes, swept: SweptLines) -> None:
     if swept.refused.size:
         bottom, level = axes.get_xaxis_transform(), np.full(swept.refused.size, 0.02)
         axes.plot(swept.refused, level, "x", color=INK, transform=bottom, label="refused")
-
-
-# -- a sample
-# ----------------------------------------------------------------------------------------------
 
 
 def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:

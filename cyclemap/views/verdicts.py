@@ -20,7 +20,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     mean_distances,
     pooled_quantities,
 )
-from cyclemap.evidence.orientations.circular_distance import PValue
+from cyclemap.evidence.laws.circular_distance import PValue
 from cyclemap.views.sentences import angle
 
 # A prediction is rejected below this p-value.
@@ -32,8 +32,9 @@ _KINDS = {"stable": "stable direction", "jump": "attracting jump", "ghost": "slo
 
 @dataclass(frozen=True)
 class Verdict:
-    """question : what was asked. agrees : the answer, None where it is open. words : a sentence
-    with its numbers.
+    """question : what was asked.
+    agrees : the answer, None where it is open.
+    words : a sentence with its numbers.
     """
 
     question: str

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
-from cyclemap.resets.monitor.audit import Audit, ResetEffect
+from cyclemap.resets.audit import Audit, ResetEffect
 from cyclemap.views import style
 from cyclemap.views.map_panels import CIRCLE
 from cyclemap.views.reset_page import action_words
@@ -218,51 +218,57 @@ def audit_paragraph(found: Audit) -> str:
     """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to
     change.
     """
-    pushes = len(found.theta)
-    state, others = found.report.coverage, found.others
+    pushes, others = len(found.theta), found.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
-    if len(found.covered) == 1 and found.covered[0][1] - found.covered[0][0] > 6.28:
-        where = (
-            f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
-            f"{angle(state.gap_centre, 0)}"
-        )
-    else:
-        arcs = ", ".join(
-            f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}"
-            for low, high in found.covered[:4]
-        )
-        more = f" and {len(found.covered) - 4} arcs more" if len(found.covered) > 4 else ""
-        where = f"cover {arcs}{more}: {state.covered:.0%} of the circle is within 5° of one"
-    cover = f"The orientations of the object before {pushes} pushes{of} {where}."
+    cover = f"The orientations of the object before {pushes} pushes{of} {_covering(found)}."
     worth = (
         f"The {pushes} pushes tell as much of how motion depends on orientation as "
         f"{found.worth:.0f} spread evenly."
     )
-    alarm, start, aim = found.report.alarm, found.locked_from, angle(state.least_covered, 0)
-    locks = start is not None and found.gathered > _LOCKED
-    if not found.ordered:
-        gathered = "Their order is not known, so that nothing can be said of when they gathered."
-    elif alarm is None or start is None:
-        gathered = f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
-    else:
-        how = "lock in" if locks else "linger again and again"
-        gathered = (
-            f"From push {start} on they {how} about {directions(alarm.directions)}: "
-            f"{found.gathered:.0%} of the {pushes - start} pushes from there on lie within 10° of "
-            "it."
+    return " ".join([cover, _gathering(found), worth, _undone(found), _change(found)])
+
+
+def _covering(found: Audit) -> str:
+    state, arcs = found.report.coverage, found.covered
+    if len(arcs) == 1 and arcs[0][1] - arcs[0][0] > 6.28:
+        return (
+            f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
+            f"{angle(state.gap_centre, 0)}"
         )
-    change = (
-        f"For more data begin at {aim}, the orientation least covered, or with a reset that "
-        "cyclemap reset finds."
+    told = ", ".join(
+        f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in arcs[:4]
     )
+    more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
+    return f"cover {told}{more}: {state.covered:.0%} of the circle is within 5° of one"
+
+
+def _gathering(found: Audit) -> str:
+    alarm, start = found.report.alarm, found.locked_from
+    if not found.ordered:
+        return "Their order is not known, so that nothing can be said of when they gathered."
+    if alarm is None or start is None:
+        return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
+    how = "lock in" if found.gathered > _LOCKED else "linger again and again"
+    return (
+        f"From push {start} on they {how} about {directions(alarm.directions)}: "
+        f"{found.gathered:.0%} of the {len(found.theta) - start} pushes from there on lie within "
+        "10° of it."
+    )
+
+
+def _change(found: Audit) -> str:
+    start, aim = found.locked_from, angle(found.report.coverage.least_covered, 0)
     if found.is_good:
-        change = f"Nothing needs to change; the orientation least covered is {aim}."
-    elif locks:
-        change = (
+        return f"Nothing needs to change; the orientation least covered is {aim}."
+    if start is not None and found.gathered > _LOCKED:
+        return (
             f"Weigh what follows push {start} less, or leave it out; for more data change the "
             f"reset (cyclemap reset finds one) and begin at {aim}, the orientation least covered."
         )
-    return " ".join([cover, gathered, worth, _undone(found), change])
+    return (
+        f"For more data begin at {aim}, the orientation least covered, or with a reset that "
+        "cyclemap reset finds."
+    )
 
 
 def _undone(found: Audit) -> str:

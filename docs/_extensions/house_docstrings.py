@@ -1,7 +1,7 @@
 """The docstrings of the package, written as plain text, as valid reStructuredText.
 
-What they hold: paragraphs; `name : what it is` entries, several in one paragraph; headings
-underlined with dashes; indented formulas; `>>>` examples; `- ` items; names in one or two
+What they hold: paragraphs; `name : what it is` entries, one a line; headings underlined with
+dashes; indented formulas; `>>>` examples; `- ` items; names in one or two
 backticks.
 """
 
@@ -15,7 +15,6 @@ import cyclemap
 NAME = r"[A-Za-zλ_][\w*.]*"
 HEAD = rf"{NAME}(?: \([^()]*\))?(?:,? (?:and |or )?{NAME}(?: \([^()]*\))?){{0,5}}"
 ENTRY = re.compile(rf"({HEAD}) : (.*)")
-INNER_ENTRY = re.compile(rf"(?<=[.;]) (?={HEAD} : )")
 CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
 # Sections of NumPy's whose entries stand above what they are.
 LISTS = ("Parameters", "Returns", "Attributes", "Raises", "Warns")
@@ -25,7 +24,8 @@ SPECIAL = re.compile(r"([\\*|_`])")
 def house_to_rest(lines: list[str]) -> list[str]:
     """Return reStructuredText that renders a docstring as it was meant.
 
-    >>> for line in house_to_rest(["A sum.", "", "first, second : θ_n * 2, rad. count : how", "    many: `x`."]):
+    >>> entries = ["first, second : θ_n * 2, rad.", "count : how", "    many: `x`."]
+    >>> for line in house_to_rest(["A sum.", "", *entries]):
     ...     print(line or "-")
     A sum.
     -
@@ -100,7 +100,7 @@ def pieces(block: list[str]) -> list[str]:
             joined.append(line.strip())
         else:
             joined[-1] += f" {line.strip()}"
-    return [part for text in joined for part in INNER_ENTRY.split(text)]
+    return joined
 
 
 def starts_anew(line: str, before: str) -> bool:

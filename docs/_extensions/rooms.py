@@ -16,13 +16,13 @@ import cyclemap
 
 ROOMS = ("collection", "protocol", "maps", "mechanics", "evidence", "resets", "sweeps")
 # What is said of rooms whose docstring is no table of contents: their page shows module by module.
-VIEWS = """Pictures and sentences. A drawing function takes Matplotlib axes and a result, and draws; it computes
-nothing. Degrees and millimetres are on the axes only."""
-THEORY = """SymPy derivations: pure functions that return expressions, in the folder ``theory`` of the repository,
-beside the package. Nothing of the package needs them at run time. The :doc:`notes <../../theory/index>` tell what they
-prove."""
-ERRORS = """Every error that cyclemap raises on purpose is a ``CycleMapError``. Its message names the value and says
-what to do."""
+VIEWS = """Pictures and sentences. A drawing function takes Matplotlib axes and a result, and draws;
+it computes nothing. Degrees and millimetres are on the axes only."""
+THEORY = """SymPy derivations: pure functions that return expressions, in the folder ``theory`` of
+the repository, beside the package. Nothing of the package needs them at run time. The
+:doc:`notes <../../theory/index>` tell what they prove."""
+ERRORS = """Every error that cyclemap raises on purpose is a ``CycleMapError``. Its message names
+the value and says what to do."""
 NAMES = "names"
 
 
@@ -59,7 +59,8 @@ def room_parts(room: ModuleType) -> tuple[str, dict[str, list[str]]]:
 def contents(doc: str) -> tuple[str, dict[str, list[str]]]:
     r"""The introduction of a table of contents, and the names of each of its parts.
 
-    >>> contents("A room.\n\nOrbits\n------\nfixed_points, Orbit : where a map rests\nbasins : what tends there\n")
+    >>> orbits = "Orbits\n------\nfixed_points, Orbit : where a map rests\nbasins : where to\n"
+    >>> contents(f"A room.\n\n{orbits}")
     ('A room.', {'Orbits': ['fixed_points', 'Orbit', 'basins']})
     """
     introduction: list[str] = []

@@ -22,8 +22,9 @@ class RandomFamily:
     """F(θ; p, q) = θ + p + waves + q times other waves + bend |d| + jump sign(d)/2, d the angle
     from a break at ``place`` + ``drift``·p; where d = π lies a second break.
 
-    slopes : whether F' is given. sampled : whether the members are piecewise cubics through samples
-        with ``max_error``. period, winding : of the orbits asked for.
+    slopes : whether F' is given.
+    sampled : whether the members are piecewise cubics through samples with ``max_error``.
+    period, winding : of the orbits asked for.
     """
 
     sizes: np.ndarray
@@ -123,7 +124,7 @@ class RandomFamily:
     def equations(
         self, kind: str, near: Unknowns, side: int = 0
     ) -> Callable[[Unknowns], np.ndarray]:
-        """What is 0 at a bifurcation of this kind, with a ``side`` on the break next to ``near``."""
+        """What is 0 at a bifurcation of this kind, with a ``side`` on the break near ``near``."""
         which = np.argmin(np.abs(_shorter(near[0] - self.breaks(near[1])))) if side else 0
 
         def residual(unknowns: Unknowns) -> np.ndarray:

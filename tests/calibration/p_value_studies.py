@@ -6,6 +6,12 @@ from functools import partial
 
 import numpy as np
 
+from cyclemap.evidence.comparison.collection_null import (
+    CollectionModel,
+    collection_p_values,
+    collection_statistics,
+    simulated_ensemble,
+)
 from cyclemap.evidence.comparison.cycle_agreement import (
     direction_agreement,
     map_misfit,
@@ -13,12 +19,6 @@ from cyclemap.evidence.comparison.cycle_agreement import (
 )
 from cyclemap.evidence.comparison.push_agreement import mean_error, within_error
 from cyclemap.evidence.laws.fit_map import fit_map, fit_worn_law, map_of_turn
-from cyclemap.evidence.orientations.collection_null import (
-    CollectionModel,
-    collection_p_values,
-    collection_statistics,
-    simulated_ensemble,
-)
 from cyclemap.maps import (
     CircleMap,
     DriftingMap,

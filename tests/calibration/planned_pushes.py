@@ -15,7 +15,7 @@ of the plan predict those at other contacts, beside so many draws of ten. The fl
 plate is not: its shape is left out of the floor's file, though the floor's own shape was found with
 all seven plates.
 
-`summary FILE ...`: the table of what worlds printed.
+`summary FILE ...`: the table of what worlds printed, of some counts in one file or in several.
 """
 
 import json
@@ -26,6 +26,7 @@ import tempfile
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 # As the command line does, and before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -62,8 +63,7 @@ from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, pus
 from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
-from tests.inference.measured_floors import FLOORS, PLATES
-from tests.inference.measured_floors import measured as measured_pushes
+from tests.inference.measured_floors import FLOORS, PLATES, measured as measured_pushes
 
 READ = (1e-3, math.radians(1.0))
 COUNTS = (4, 8, 16)
@@ -213,7 +213,7 @@ def world_of(kind: str, surface: SurfaceParameters, loop: cm.CollectionLoop) -> 
 
 def worlds(kind: str, count: int, first: int = 0, *counts: int) -> None:
     """Print a line of JSON for each world of a kind: of so many of them, from number `first` on,
-    after these counts of pushes.
+    after these counts of pushes; what is drawn depends on world and count alone.
     """
     loop = own_loop()
     plans = {
@@ -221,8 +221,7 @@ def worlds(kind: str, count: int, first: int = 0, *counts: int) -> None:
     }
     offered = list(candidate_pushes(loop, 400, math.radians(15.0), 0.36, 1))
     for number in range(first, first + count):
-        rng = np.random.default_rng([31, number])
-        surface = drawn_world(loop, rng)
+        surface = drawn_world(loop, np.random.default_rng([31, number]))
         world = world_of(kind, surface, loop)
         if isinstance(world, OwnWorld):
             orbits = cm.fixed_points(world.loop.circle_map(1e-4))
@@ -230,22 +229,30 @@ def worlds(kind: str, count: int, first: int = 0, *counts: int) -> None:
         else:
             stable = stable_directions(world, loop)
         told: dict[str, object] = {"world": number, "stable": stable}
-        for pushes in plans:
-            random = [offered[index] for index in rng.permutation(len(offered))[:pushes]]
-            for name, chosen in (("planned", plans[pushes]), ("random", random)):
+        for pushes, planned in plans.items():
+            for name, seed in (("planned", 77), ("random", 78)):
+                rng = np.random.default_rng([seed, number, pushes])
+                chosen = planned
+                if name == "random":
+                    chosen = [offered[index] for index in rng.permutation(len(offered))[:pushes]]
                 with suppress(CycleMapError):
-                    told[f"{name} {pushes}"] = vars(
-                        answered(loop, filled(loop, world, chosen, rng))
-                    )
+                    text = filled(loop, world, chosen, rng)
+                    told[f"{name} {pushes}"] = vars(answered(loop, text))
         print(json.dumps(told), flush=True)
 
 
 def summary(lines: list[str]) -> None:
     """Print the table of what worlds came to."""
-    rows = [json.loads(line) for line in lines]
+    worlds_by_number: dict[int, dict[str, Any]] = {}
+    for line in lines:
+        row = json.loads(line)
+        worlds_by_number.setdefault(row["world"], {}).update(row)
+    rows = list(worlds_by_number.values())
     locking = [row for row in rows if row["stable"]]
     print(f"{len(rows)} worlds, {len(locking)} lock in")
     for key in [f"{name} {count}" for count in COUNTS for name in ("planned", "random")]:
+        if not any(key in row for row in rows):
+            continue
         off, held = [], []
         for row in locking:
             answer = row.get(key)
@@ -314,7 +321,7 @@ def chosen_of(
             zip(beliefs, (centre + 0.7 * width * draw).tolist(), strict=True)
         )
         jacobian = block.residuals(values)[1].reshape(len(pushes), 3, -1)
-        rows.append(over_noise(jacobian[..., columns], jacobian[..., rod], noise))
+        rows.append(over_noise(jacobian[..., columns], SET_OFF * jacobian[..., rod], noise))
     by = np.array(rows)
     asked = Target(
         by.reshape(len(by), -1, len(beliefs)),

@@ -213,6 +213,11 @@ def test_probe_of_a_function_a_program_and_data(here, capsys, refused, monkeypat
     found = report(capsys, "probe", "box.toml", "--data", "data")
     assert found["found"] and found["axis_ratio"]["value"] == pytest.approx(0.35 / 0.3, abs=2e-3)
     assert math.isclose(found["offset"]["value"], 0.0, abs_tol=2e-3)
+    (here / "two.csv").write_text(
+        "x0,y0,theta0,x1,y1,theta1,object\n"
+        + "".join(f"0,0,{n},0.04,0.03,{n + 1},{'ab'[n % 2]}\n" for n in range(8))
+    )
+    refused(["probe", "box.toml", "--data", "two.csv"], "pushes of several objects, a, b: give")
     refused(["probe", "box.toml"], "say what is probed")
     refused(["probe", "--python", "gone:push"], "gone")
 

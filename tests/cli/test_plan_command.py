@@ -32,8 +32,8 @@ def here(tmp_path, monkeypatch) -> Path:
 
 
 def fill_in(path: Path, material: str) -> None:
-    """Make the planned pushes on a surface,
-    and write down the corners to a tenth of a millimetre."""
+    """Make the planned pushes on a surface, and write down the corners to a tenth of a
+    millimetre."""
     loop = loop_from_settings(cm.read_protocol("box.toml")[0], cm.CollectionLoop.mit(material))
     table = pd.read_csv(path)
     corners = [name for state in "012" for name in mark_columns(state)]
@@ -97,6 +97,8 @@ def test_a_plan_writes_tables_and_picture_and_says_what_will_be_known(here, caps
         (["box.toml", "--floor", "plywood"], "plywood: a plan needs samples"),
         (["box.toml", "--pushes", "40"], "40"),
         (["box.toml", "--after", "none.csv"], "none.csv"),
+        (["box.toml", "--after", "box.toml"], "another kind (.toml); --after takes the table that"),
+        (["box.toml", "--after", "."], "holds no .h5, .json or .csv file; --after takes the table"),
     ],
 )
 def test_bad_use_is_one_line_that_names_the_value(here, capsys, arguments, words) -> None:

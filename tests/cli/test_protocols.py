@@ -79,13 +79,11 @@ def test_bad_protocol_is_refused_by_file_and_line(protocol_file, text, said) -> 
 def test_set_wins_over_protocol_over_material_over_mit(protocol_file) -> None:
     """The tables of a protocol file are headings only; noise is read in degrees."""
     path = protocol_file("[push]\nmu_a = 0.3\nmu_b = 0.28\npusher_mu = 0.2\n")
-    loop, sigma = chosen_loop(
-        LoopOptions("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5"))
-    )
-    friction = loop.material.friction
+    chosen = chosen_loop(LoopOptions("plywood", path, ("mu_a=0.1", "mu_a = 0.31", "noise_deg=2.5")))
+    loop, friction = chosen.loop, chosen.loop.material.friction
     assert (friction.mu_a, friction.mu_b, friction.m0) == (0.31, 0.28, 0.0325)
     assert (loop.pusher.friction, loop.pusher.radius) == (0.2, 0.00475)
-    assert sigma == pytest.approx(math.radians(2.5))
+    assert chosen.sigma == pytest.approx(math.radians(2.5))
 
 
 @pytest.fixture
@@ -200,10 +198,10 @@ def test_a_strategy_that_does_the_same_in_every_cycle_is_part_of_the_loop(
 def test_every_command_about_one_loop_gets_the_loop_with_the_strategy_in_it(
     protocol, strategy
 ) -> None:
-    loop, sigma = chosen_loop(LoopOptions("plywood", Path(protocol(strategy)), ("noise_deg=3",)))
+    chosen = chosen_loop(LoopOptions("plywood", Path(protocol(strategy)), ("noise_deg=3",)))
     (action,) = strategy.actions
-    assert loop == action.on(strategy.prepared(LOOP)) != LOOP
-    assert sigma == pytest.approx(math.radians(3.0))
+    assert chosen.loop == action.on(strategy.prepared(LOOP)) != LOOP
+    assert chosen.sigma == pytest.approx(math.radians(3.0))
 
 
 @pytest.mark.parametrize("strategy", [RANDOM, LEG, IN_TURN, GRIPPER])

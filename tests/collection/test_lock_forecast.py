@@ -101,8 +101,8 @@ def test_what_cannot_be_foretold_is_refused() -> None:
 def test_the_sentence_tells_chance_directions_and_orientations() -> None:
     told = ahead_sentence(lock_forecast(on_samples(TURNS, TURNS), 1e-6, 60))
     assert told == (
-        "Of all that is believed, within 60 pushes the loop locks in with a chance of 0%; 36 of 36 "
-        "orientations will have been seen (36 to 36)."
+        "Of all that is believed, within 60 pushes the loop locks in with a chance of less than 1%; "
+        "36 of 36 orientations will have been seen (36 to 36)."
     )
     directions = LikelyDirection(1.0, 0.7, 0.1), LikelyDirection(3.0, 0.05, 2.0)
     locked = ahead_sentence(

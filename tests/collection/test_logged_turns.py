@@ -1,4 +1,4 @@
-"""What a log tells of a map, against the process that is assumed, a second route, and known maps."""
+"""What a log tells of a map, against the assumed process, a second route, and known maps."""
 
 import math
 

@@ -11,7 +11,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, DirectionUncertainty, direction_uncertainty
 from cyclemap.collection.uncertain_directions import sampled_loop
-from cyclemap.maps import fixed_points
+from cyclemap.maps import WrappedNormal, fixed_points, response
 from cyclemap.mechanics import (
     EllipseFriction,
     FoundWith,
@@ -54,8 +54,8 @@ def inside(found: DirectionUncertainty, theta: np.ndarray) -> float:
 
 @pytest.mark.slow
 def test_the_first_order_interval_holds_the_directions_of_further_draws() -> None:
-    """Truth by Newton's method on the cycle itself,
-    for 800 draws that the interval has not seen."""
+    """Truth by Newton's method on the cycle itself, for 800 draws that the interval has not
+    seen."""
     plywood = load_material("plywood")
     found = direction_uncertainty(on(drawn(plywood, 0.5, 400, 1)))
     assert (found.method, found.chance, found.is_posterior, found.samples) == (
@@ -123,6 +123,16 @@ def test_what_was_set_otherwise_than_by_the_material_stays_as_set() -> None:
     assert sample.material.friction == material.sample(1).friction != loop.material.friction
 
 
+@pytest.mark.parametrize("kg", [0.7, 1.1])
+def test_shapes_that_are_the_materials_but_for_an_objects_weight_vary_with_its_samples(kg) -> None:
+    loop = loop_from_settings({"mass_kg": kg}, CollectionLoop.mit("plywood-floor"))
+    for number in (0, 1):
+        sample = loop.material.sample(number)
+        expected = replace(loop, footprint=None).with_material(sample).footprint
+        assert sampled_loop(loop, number).footprint.is_near(expected)
+        assert not expected.is_near(loop.footprint)
+
+
 def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance() -> None:
     found = direction_uncertainty(CollectionLoop.mit("plywood"))
     assert (found.source, found.samples, found.locks) == ("axis ratio", 2, 2)
@@ -133,3 +143,17 @@ def test_a_material_without_posterior_tells_what_its_axes_would_do_and_no_chance
         ends += [float(orbit.points[0]) for orbit in points if orbit.stable]
     (one,) = found.directions
     assert (one.lower, one.upper) == pytest.approx((min(ends), max(ends)), abs=3e-4)
+
+
+@pytest.mark.slow
+def test_a_direction_moves_by_the_engines_derivatives_as_the_response_of_sampled_maps_tells():
+    """By the rod's friction: dθ*/dp = -f_p/(f' - 1), exact, and by differences of five maps."""
+    loop = CollectionLoop.mit("plywood")
+
+    def family(friction):
+        return loop_from_settings({"pusher_mu": friction}, loop).circle_map(1e-7)
+
+    ((theta, rate),) = response(family, 0.15, WrappedNormal(0.3), (0.0, 0.8)).stable_points
+    exact = loop.sensitivity(theta)
+    assert rate.holds(-exact.by("pusher_friction") / (exact.by("theta") - 1.0))
+    assert rate.error_bound < 0.01 < abs(rate)

@@ -1,4 +1,4 @@
-"""A loop on a surface that wears: its drifting map is the loop's own at every age of the surface."""
+"""A loop on a surface that wears: its drifting map is the loop's own at every age of it."""
 
 from dataclasses import replace
 

@@ -42,8 +42,10 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 @dataclass(frozen=True)
 class Block:
-    """kind : the fence's first word. text : what stands in it. line : where it begins. why : it is
-    not run, or None.
+    """kind : the fence's first word.
+    text : what stands in it.
+    line : where it begins.
+    why : it is not run, or None.
     """
 
     kind: str

@@ -52,7 +52,7 @@ def entries_of(text: str) -> set[str]:
 
 
 def parameters_of(thing: object) -> set[str]:
-    """The public names that a call takes; an error takes what all do, a protocol is never called."""
+    """The public names that a call takes; errors take what all do, protocols are never called."""
     is_protocol = getattr(thing, "_is_protocol", False)
     if is_protocol or (inspect.isclass(thing) and issubclass(thing, Exception)):
         return set()

@@ -42,7 +42,7 @@ def test_what_is_no_known_formula_is_refused(latex: str) -> None:
 def test_docstrings_become_lists_rubrics_formulas_and_examples() -> None:
     words = (
         "What it is, with a*b and x_n.\n\nParameters\n----------\nfirst, second : m, of "
-        "`CircleMap`. third : how\n"
+        "`CircleMap`.\nthird : how\n"
         "    many.\n\n    h(v) = s * v\n\n- one\n- two\n\n>>> 1 + 1\n2"
     )
     text = "\n".join(house_to_rest(words.split("\n")))

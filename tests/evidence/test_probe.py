@@ -11,6 +11,9 @@ from scipy import stats
 
 from cyclemap.collection import Anisotropy, CollectionLoop
 from cyclemap.evidence import command_push, probe, probe_pushes, simulated_push
+from cyclemap.evidence.laws.linear_fit import fourier_columns
+from cyclemap.evidence.push_plan.plan_pushes import Design
+from cyclemap.evidence.push_plan.sensitivity import Target
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.views.probe_page import probe_page, probe_sentences
@@ -53,6 +56,22 @@ def test_three_per_cent_are_found_and_held_and_nothing_else_is(seed) -> None:
 
 
 AROUND = THETA[::6]
+
+
+def test_evenly_spread_pushes_are_those_that_the_criterion_of_a_plan_chooses() -> None:
+    """No exchange of a push for another of 72 orientations tells more of two harmonics, of which
+    nothing is believed before; and whatever it begins with, it comes to nearly as much.
+    """
+    columns = fourier_columns(THETA, 2)[np.newaxis, :, np.newaxis]
+    wanted = Target(
+        np.eye(5)[np.newaxis], lambda variance: variance.sum(axis=(-2, -1)), lambda _: {}
+    )
+    design = Design(1e4 * np.eye(5), columns, wanted)
+    even = list(range(0, 72, 6))
+    assert design.exchanged(even) == even
+    random = np.random.default_rng(0).permutation(72)[:12].tolist()
+    found = design.exchanged(random)
+    assert design.loss(even) < design.loss(found) < 1.1 * design.loss(even) < design.loss(random)
 
 
 def pushed(values: np.ndarray) -> np.ndarray:
@@ -130,7 +149,7 @@ def test_the_ellipse_and_its_lock_in_are_those_of_the_surface_that_was_pushed_on
     assert render(probe_page(found)).startswith(b"\x89PNG")
 
 
-def test_a_simulator_is_told_where_the_rod_goes_and_its_poses_are_brought_into_the_objects_frame() -> (
+def test_a_simulator_is_told_the_rods_way_and_its_poses_are_brought_into_the_objects_frame() -> (
     None
 ):
     """The mechanics as a simulator: the rod where a robot's schedule has it, the poses as a

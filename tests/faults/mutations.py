@@ -28,7 +28,7 @@ def readers() -> dict[str, tuple[Reader, ...]]:
     from cyclemap.mechanics import load_footprint, load_material
     from cyclemap.protocol import loop_from_file, read_protocol, read_schedule
     from cyclemap.protocol.outline_files import read_outline
-    from cyclemap.resets.monitor.theta0_feed import theta0_feed
+    from cyclemap.resets.theta0_feed import theta0_feed
     from cyclemap.sweeps import load_sweep
 
     def read_all_theta0(path: Path) -> object:

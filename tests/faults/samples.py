@@ -85,8 +85,7 @@ def _write_tables(folder: Path) -> None:
 def _write_bags(folder: Path) -> None:
     """Its poses ten times a second, in bags of ROS 1 and 2."""
     from rosbags.rosbag1 import Writer as Writer1
-    from rosbags.rosbag2 import StoragePlugin
-    from rosbags.rosbag2 import Writer as Writer2
+    from rosbags.rosbag2 import StoragePlugin, Writer as Writer2
     from rosbags.typesys import Stores, get_typestore
 
     kind = "geometry_msgs/msg/PoseStamped"

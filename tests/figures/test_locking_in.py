@@ -65,9 +65,7 @@ def _frame(shade: int, seconds: float = 0.05, height: int = 8) -> Frame:
     return Frame(pixels, seconds)
 
 
-def test_frames_come_back_in_order_with_their_pixels_and_their_durations_in_hundredths_two_at_least() -> (
-    None
-):
+def test_frames_come_back_in_order_with_pixels_and_durations_of_two_hundredths_at_least() -> None:
     given = [_frame(place, seconds) for place, seconds in enumerate((0.0, 0.034, 0.05, 0.07))]
     picture = Image.open(io.BytesIO(animated_gif(given)))
     assert (picture.n_frames, picture.size, picture.info["loop"]) == (4, (12, 8), 0)

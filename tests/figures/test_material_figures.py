@@ -100,9 +100,7 @@ def test_measured_plywood_lingers_where_the_paper_saw_it(measured_data) -> None:
     assert told.endswith(f"Recorded θ0 on abs, delrin and pu: {NO_DATA}.")
 
 
-def test_histograms_count_every_push_as_the_law_does_which_is_nearer_with_its_scatter_than_alone() -> (
-    None
-):
+def test_histograms_count_every_push_as_the_law_does_nearer_with_its_scatter_than_alone() -> None:
     result = small("turn-histograms")
     assert [panel.surface for panel in result.panels] == NAMES == list(result.absent)
     for panel in result.panels:
@@ -192,9 +190,7 @@ def test_the_shortest_arc_does_not_mind_where_the_circle_is_cut() -> None:
     assert turn_over_theta0.shortest_arc(angles, 1.0) == pytest.approx(3.0)
 
 
-def test_plywood_climbs_in_steps_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> (
-    None
-):
+def test_plywood_climbs_faster_as_it_wears_pu_never_rests_and_the_others_keep_a_direction() -> None:
     plywood, one_abs, delrin, pu = (one.climb for one in climbs())
     assert plywood.steps.count > 5
     assert np.degrees(np.median(plywood.steps.heights)) == pytest.approx(360.0, abs=5.0)

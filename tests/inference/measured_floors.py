@@ -32,7 +32,7 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
 from cyclemap.evidence.data_blocks.stroke_block import surface_model
-from cyclemap.evidence.identification.data_block import SESSION_KINDS, session_block, usual_beliefs
+from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import (
     held_values,
     known_beliefs,
@@ -46,11 +46,12 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
+from cyclemap.evidence.pushes.columns import ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
-    read_measured_pushes,
-    selected_rows,
+    measured_pushes,
+    selected,
     session_name,
 )
 from cyclemap.mechanics import Material, PlatePressure, Slider, load_material, material_toml
@@ -67,13 +68,6 @@ DRAGS, CYCLES = "mit_dragback_v10.csv", "plywood_rect1_theta0_2000.csv"
 # Strokes of a session that take part, evenly spread.
 MOST, MOST_MADE, MOST_JUDGED = 40, 60, 90
 STUDENT = 4.0
-# The ring turns about the rod, steel on steel: the lever of its friction (m) is the rod's friction
-# times its radius. Left free it comes out as 3 mm, which holds every fourth drag from turning and
-# takes the map 9 degrees off.
-PIN = 0.8e-3
-# How far domes of the floor lie apart from session to session, kPa. Data tell the sum of a plate's
-# dome and the floor's alone, so that an estimate of it climbs from fit to fit without end.
-DOME_SPREAD = 2.0
 PLATES_PROVENANCE = (
     "shapes of the plates of the MIT push dataset (Yu et al. 2016): what plywood says, its fit "
     "believing what abs says of them (plywood-floor); made by python -m "
@@ -110,9 +104,10 @@ def fitted(
     """Fit a floor as `cyclemap identify` does, with isotropic friction: on these boards the ellipse
     gains nothing.
 
-    known : as of `--floor`. shapes : as of `--plate`. begin :
-        at whose shapes the search begins. other : another floor, whose plates are believed to have
-        the shapes that they have there, to
+    known : as of `--floor`.
+    shapes : as of `--plate`.
+    begin : at whose shapes the search begins.
+    other : another floor, whose plates are believed to have the shapes that they have there, to
         within what is known of them.
     """
     data = [folder() / name for speed in speeds for name in PUSHES[speed]] + (
@@ -128,13 +123,11 @@ def fitted(
     blocks = of_plates(collected.blocks, plates)
     free = telling_parameters(blocks, believed=())
     fixed = held_values(blocks, SURFACE, free, known) | known_shapes(shapes, blocks, plates[0])
-    fixed |= {"pin_friction_radius": PIN} if drags else {}
     free = tuple(name for name in free if name not in fixed)
     beliefs = usual_beliefs(free) | known_beliefs(known, free, plates[0])
     beliefs |= known_beliefs(other, [name for name in free if name.startswith("plate_")], plates[0])
     blocks, space = begun(blocks, begin, plates[0])
-    held = {SESSION_KINDS[0]: DOME_SPREAD} if len(blocks) > 2 else {}
-    noise = held | known_spread(known, blocks)
+    noise = known_spread(known, blocks)
     found = identify(
         blocks, free, fixed, priors=beliefs, starts=1, student=STUDENT, noise=noise, space=space
     )
@@ -190,9 +183,8 @@ def measured(floor: str, plate: str, speed: int, most: int = 150) -> list[Measur
     """Pushes of a session, evenly spread."""
     pushes: list[MeasuredPush] = []
     for name in PUSHES[speed]:
-        table = read_csv_table(folder() / name)
-        rows = selected_rows(table, RowSelection((plate,), {"surface": floor}))[0]
-        pushes += read_measured_pushes(table, rows) if rows else ()
+        rows = known_columns(read_csv_table(folder() / name), (*ENDS, *RODS))
+        pushes += measured_pushes(selected(rows, RowSelection((plate,), {"surface": floor}))[0])
     return [
         pushes[k]
         for k in np.unique(np.linspace(0, len(pushes) - 1, min(most, len(pushes))).astype(int))
@@ -332,8 +324,8 @@ def make(target: Path, floor: str) -> None:
     material = fitted(
         floor, (10, 20), drags=True, most=MOST_MADE, begin=begin, other=other
     ).material
-    words = f"{material.provenance}; domes of sessions held to differ by {DOME_SPREAD:g} kPa"
-    words += f"; made by python -m tests.inference.measured_floors make FOLDER {floor}"
+    made = f"made by python -m tests.inference.measured_floors make FOLDER {floor}"
+    words = f"{material.provenance}; {made}"
     (target / f"{material.name}.toml").write_text(
         material_toml(replace(material, provenance=words))
     )

@@ -46,9 +46,11 @@ _UNITS = np.array([180.0 / np.pi, 1e3, 1e3])
 def run_law(turn: Array, sigma: float, cycles: int, start: float | None = None) -> Array:
     """Return the mean share (n,) of a run's cycles that begin at each angle 2 pi k / n.
 
-    turn (n,) : rad, of a noiseless cycle from each of the angles. sigma : rad, standard deviation
-        of a cycle's noise (normal), at least 1.2 spacings of the angles. cycles : in the run. start
-        : rad; None where it is not known, and taken as equally likely anywhere.
+    turn (n,) : rad, of a noiseless cycle from each of the angles.
+    sigma : rad, standard deviation of a cycle's noise (normal), at least 1.2 spacings of the
+        angles.
+    cycles : in the run.
+    start : rad; None where it is not known, and taken as equally likely anywhere.
 
     The law of the k-th cycle is L^k applied to that of the first, L the transfer operator of the
     noisy map; the mean over k < cycles is returned. Where the map mixes within far fewer cycles it
@@ -114,12 +116,13 @@ def node_values(loop: CollectionLoop, count: int = NODES) -> Array:
 class PredictedStatistics:
     """What a map implies for a published collection.
 
-    theta (n,) : rad. law (n,) : share of the run's cycles that begin at each. turn (n,) : rad, of
-        the noiseless cycle.
-    mean, std (3,) : of dtheta (rad), dx, dy (m), the spread
-        about the published fitted law included. first_share : of the cycles nearer to the first
-        published direction than to any
-        other; nan with fewer than two.
+    theta (n,) : rad.
+    law (n,) : share of the run's cycles that begin at each.
+    turn (n,) : rad, of the noiseless cycle.
+    mean, std (3,) : of dtheta (rad), dx, dy (m), the spread about the published fitted law
+        included.
+    first_share : of the cycles nearer to the first published direction than to any other; nan with
+        fewer than two.
     """
 
     theta: Array

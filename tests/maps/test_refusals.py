@@ -274,6 +274,27 @@ STAIRCASES = [
         "of the same winding",
     ),
 ]
+MANY = 10**11
+SIZES = [
+    lambda: maps.sample_staircase(STICKY, None, MANY),
+    lambda: maps.sample_staircases(STICKY, None, 10**7, np.zeros(10)),
+    lambda: maps.orbit_diagram(arnold, [0.1], cycles=MANY),
+    lambda: maps.birkhoff_average(STICKY, iterates=MANY),
+    lambda: maps.lyapunov_exponent(STICKY, transient=MANY),
+    lambda: maps.rotation_number(STICKY, iterates=MANY),
+    lambda: maps.survival_probabilities(STICKY, NOISE, 0.5, ARC, MANY),
+    lambda: maps.nth_iterate(STICKY, MANY),
+    lambda: maps.kneading_sequences(CircleMap.arnold(0.3, 3.0), MANY),
+    lambda: maps.rest_multiplier(np.zeros(10**6), last=10**6),
+    lambda: maps.bifurcation_curves(CircleMap.arnold, (0.0, 0.3), (0.5, 0.9), lines=MANY),
+    lambda: maps.saddle_nodes(arnold, (0.0, 0.3), resolution=MANY),
+    lambda: maps.predict_drift(DRIFT, NOISE, 100, points=MANY),
+]
+
+
+@pytest.mark.parametrize("ask", SIZES)
+def test_what_would_fill_the_memory_is_refused_before(ask):
+    refused(ask, told="of at most")
 
 
 @pytest.mark.parametrize(

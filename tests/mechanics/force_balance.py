@@ -24,9 +24,9 @@ CONTACTS = {"stick": 0, "slide_left": 1, "slide_right": -1, "slide_free": 0}
 class Check:
     """Worst over the samples, relative to the friction and to unit speed (extents).
 
-    surface : distance of the contact's wrench from what the ground can do. motion : how far the
-        contact does not move as the rod asks, or slips against its force. cone : how far the force
-        is outside the friction cone, or pulls.
+    surface : distance of the contact's wrench from what the ground can do.
+    motion : how far the contact does not move as the rod asks, or slips against its force.
+    cone : how far the force is outside the friction cone, or pulls.
     twists : (n, 3), of the object's frame, at unit speed of the rod (m); nan where the rod is just
         leaving.
     """

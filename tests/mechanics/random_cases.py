@@ -83,8 +83,8 @@ def harsh_case(kind: str, seed: int) -> Case:
 
 
 def distances(outline, places) -> np.ndarray:
-    """Of places (n, 2) from an outline,
-    which is cut in forty thousand sides if it is an ellipse."""
+    """Of places (n, 2) from an outline, which is cut in forty thousand sides if it is an
+    ellipse."""
     corners = outline.points(40_000)
     a, edge = corners[:-1], np.diff(corners, axis=0)
     offset = places[:, None] - a

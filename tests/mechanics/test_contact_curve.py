@@ -10,7 +10,7 @@ import pytest
 from random_cases import distances
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.replay.replay_table import dataset_sliders
+from cyclemap.evidence.comparison.replay_table import dataset_sliders
 from cyclemap.mechanics import Polygon
 from cyclemap.mechanics.contact_curve import CornerPiece, SidePiece, contact_curve, side_coordinate
 from cyclemap.mechanics.first_touch import first_touches

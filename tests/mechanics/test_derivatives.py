@@ -265,8 +265,8 @@ POINTS = (
 
 @pytest.mark.parametrize("case", POINTS)
 def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_corners(case):
-    """By one-sided differences of whole cycles,
-    at any accuracy of the one that is differentiated."""
+    """By one-sided differences of whole cycles, at any accuracy of the one that is
+    differentiated."""
     outline, friction, push, theta, last, leaves = case
     loop = loop_of(SQUARE, rod=(0.0, friction), push=push)
     loop = replace(loop, slider=Slider(outline, hitch=(-0.02, -0.02)), footprint=None)
@@ -280,7 +280,7 @@ def test_a_points_derivative_by_its_radius_is_that_of_thin_rods_around_and_into_
         assert np.abs(found - wanted).max() < 1e-4 * max(1.0, np.abs(wanted).max())
 
 
-def test_a_point_that_rests_at_a_corner_has_no_derivative_by_its_radius_since_thin_rods_go_as_a_root():
+def test_a_point_at_a_corner_has_no_derivative_by_its_radius_since_thin_rods_go_as_a_root():
     loop, theta, _ = LOOPS["a point that rests at a corner"]
     assert np.isnan(loop.sensitivity(theta, ("pusher_radius",)).jacobian).all()
     still = outputs(loop, theta)

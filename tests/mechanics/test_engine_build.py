@@ -150,8 +150,8 @@ def test_changed_source_is_refused_until_it_is_built(checkout, name) -> None:
 
 
 def test_engine_for_browsers_is_made_from_the_sources() -> None:
-    """Its version is their digest: after a change,
-    `python3 run.py wheels browser` makes it anew."""
+    """Its version is their digest: after a change, `python3 run.py wheels browser` makes it
+    anew."""
     kept = gzip.decompress((ROOT / ENGINE / "engine.wasm.gz").read_bytes())
     assert kept.startswith(b"\0asm")
     assert digest_of(ROOT / ENGINE).encode() in kept, "run `python3 run.py wheels browser`"

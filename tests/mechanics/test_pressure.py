@@ -262,7 +262,7 @@ def test_pressures_and_twists_that_cannot_be_are_refused_by_name():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OUTLINES)
-def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_and_as_far_as_the_load_stays_on(
+def test_a_lean_puts_the_centre_of_pressure_under_the_centre_of_mass_while_the_load_stays_on(
     name,
 ):
     outline = OUTLINES[name]

@@ -54,7 +54,7 @@ def stretches(course):
     ]
 
 
-def test_forces_balance_the_ground_at_a_twist_that_moves_the_contact_as_the_rod_asks_and_stay_in_the_cone(
+def test_forces_balance_the_ground_at_a_twist_that_the_rod_asks_and_stay_in_the_cone(
     runs,
 ):
     checked = 0

@@ -143,7 +143,7 @@ def test_footprints_are_those_of_the_outline_that_is_set():
     assert loop_from_settings({"semi_x_mm": 40, "semi_y_mm": 40}, square).footprint is None
 
 
-def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_share_until_it_is_set_anew():
+def test_the_exact_footprint_leans_as_the_centre_of_mass_asks_and_keeps_its_rim_share():
     even = loop_from_settings({"footprint": "exact"}, loop_from_settings({"footprint": "grid:8"}))
     assert even.model.pressure == PatchFootprint(Slider.mit("rect1").outline)
     both = loop_from_settings({"rim_share": 0.3, "centre_x_mm": 4})

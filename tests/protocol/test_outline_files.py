@@ -234,3 +234,48 @@ def test_a_drawing_of_very_many_curves_is_refused_before_it_is_cut_up(tmp_path) 
         tmp_path / "many.svg",
         told="curves: 3.1e.04, of at most 3e.04; simplify the drawing",
     )
+
+
+SQUARE = "M0 0H40V40H0Z"
+
+
+@pytest.mark.parametrize(
+    ("attributes", "path", "told"),
+    [
+        ('width="80mm" height="80mm"', SQUARE, "40 x 40 mm, in the file's own unit;"),
+        ('width="302.362" height="302.362"', SQUARE, "40 x 40 mm, in pixels of 1/96 inch: give"),
+        ("", SQUARE, "10.58 x 10.58 mm, in pixels of 1/96 inch: give --unit"),
+        (
+            'width="80mm" height="80mm"',
+            f"{SQUARE}M10 10H20V20H10Z",
+            "the largest of 2 closed lines",
+        ),
+    ],
+    ids=["millimetres", "pixels", "no width", "hole"],
+)
+def test_what_a_drawing_does_not_tell_and_what_is_left_out_is_said(
+    tmp_path, attributes, path, told
+) -> None:
+    file = tmp_path / "square.svg"
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {attributes} viewBox="0 0 80 80">'
+    file.write_text(f'{head}<path d="{path}"/></svg>')
+    assert told in read_outline(file).words[0]
+    assert read_outline(file, "cm").outline.area == pytest.approx(0.16)
+
+
+def test_a_dxf_drawing_without_a_unit_is_guessed_by_its_size(tmp_path) -> None:
+    corners = [(0, 0), (60, 0), (60, 40), (0, 40)]
+    lines = [
+        f"0\nLINE\n8\n0\n10\n{a}\n20\n{b}\n11\n{c}\n21\n{d}\n"
+        for (a, b), (c, d) in zip(corners, [*corners[1:], corners[0]], strict=True)
+    ]
+    file = tmp_path / "plate.dxf"
+    file.write_text(f"0\nSECTION\n2\nENTITIES\n{''.join(lines)}0\nENDSEC\n0\nEOF\n")
+    assert "60 x 40 mm, in mm, guessed by its size" in read_outline(file).words[0]
+
+
+@pytest.mark.parametrize("rows", ["0,0\n60,0\n60,40\n0,0\n0,0", "0,0\n60,0\n60,0\n60,40"])
+def test_a_vertex_that_stands_twice_in_a_row_is_one(tmp_path, rows) -> None:
+    file = tmp_path / "plate.csv"
+    file.write_text(f"x_mm,y_mm\n{rows}\n")
+    assert read_outline(file).outline.sides == 3

@@ -10,8 +10,7 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from refusals import refused
 
 from cyclemap.collection.loop import CollectionLoop

@@ -7,7 +7,7 @@ import pytest
 
 import cyclemap as cm
 from cyclemap.resets import CycleAction, ResetStrategy, legs, map_turns, sample_turns, strategy_maps
-from cyclemap.resets.design.action_cycles import contact_lengths, room_needed, seconds
+from cyclemap.resets.action_cycles import contact_lengths, room_needed, seconds
 
 LOOP = cm.CollectionLoop.mit()
 ACTIONS = (CycleAction(push=cm.SidePush(2, 0.85)), *legs(0.1, 3)[1:2], CycleAction(turn=0.7))

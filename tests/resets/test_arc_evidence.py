@@ -6,14 +6,19 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.maps import WrappedNormal, sample_staircases
 from cyclemap.resets import BiasMonitor, watch
-from cyclemap.resets.monitor.arc_evidence import CHECKS, ArcEvidence, arc_likelihoods
-from cyclemap.resets.monitor.bias_evidence import RestEvidence, RestRule, VisitEvidence
+from cyclemap.resets.bias_evidence import (
+    CHECKS,
+    ArcEvidence,
+    RestEvidence,
+    RestRule,
+    VisitEvidence,
+    arc_likelihoods,
+)
 
 RATE = 0.01
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from refusals import refused
 
-from cyclemap.resets.monitor.audit import audit
+from cyclemap.resets.audit import audit
 from cyclemap.views.style import render
 from cyclemap.views.watch_page import audit_headline, audit_page, audit_paragraph
 

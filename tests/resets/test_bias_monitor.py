@@ -10,9 +10,8 @@ from refusals import refused
 
 from cyclemap.evidence import read_theta0_pairs
 from cyclemap.maps import CircleMap, WrappedNormal, fixed_points, sample_staircases
-from cyclemap.resets.monitor.arc_evidence import ArcEvidence
-from cyclemap.resets.monitor.bias_evidence import RestEvidence, RestRule, VisitEvidence
-from cyclemap.resets.monitor.bias_monitor import BiasMonitor, watch
+from cyclemap.resets.bias_evidence import ArcEvidence, RestEvidence, RestRule, VisitEvidence
+from cyclemap.resets.bias_monitor import BiasMonitor, watch
 
 NOISE = math.radians(1.1)
 

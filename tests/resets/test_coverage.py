@@ -8,7 +8,7 @@ from refusals import refused
 
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.maps import CircleMap
-from cyclemap.resets.monitor.coverage import CELLS, Coverage, Crowding, next_action
+from cyclemap.resets.coverage import CELLS, Coverage, Crowding, next_action
 
 
 def covering(theta) -> Coverage:

@@ -10,7 +10,7 @@ from refusals import refused
 
 import cyclemap as cm
 from cyclemap.resets import CycleAction, ResetStrategy, orientation_law, sampled_orientations
-from cyclemap.resets.design.orientation_law import slowest_factor
+from cyclemap.resets.orientation_law import slowest_factor
 
 N = 720
 THETA = 2.0 * math.pi * np.arange(N) / N

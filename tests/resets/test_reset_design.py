@@ -23,8 +23,8 @@ from cyclemap.resets import (
     run_strategy,
     sample_turns,
 )
-from cyclemap.resets.design.action_cycles import contact_lengths
-from cyclemap.resets.design.reset_search import push_set, scored, searched
+from cyclemap.resets.action_cycles import contact_lengths
+from cyclemap.resets.reset_search import push_set, scored, searched
 
 pytestmark = pytest.mark.slow
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from cyclemap.resets.monitor.bias_evidence import DirectionTrack, RestEvidence, RestRule
+from cyclemap.resets.bias_evidence import DirectionTrack, RestEvidence, RestRule
 
 SINGLE = RestRule(math.radians(12.0), window=6, longest_period=1)
 WIDE = RestRule(math.radians(12.0), window=6)
@@ -39,9 +39,7 @@ def wealth(hits) -> float:
     return math.exp(rest_evidence_of(path_of(hits), SINGLE)[-1])
 
 
-def test_at_a_chance_of_one_half_the_mean_wealth_is_one_over_all_outcomes_and_at_a_smaller_one_less() -> (
-    None
-):
+def test_the_mean_wealth_is_one_at_a_chance_of_one_half_and_less_at_a_smaller_one() -> None:
     outcomes = list(itertools.product([True, False], repeat=8))
     wealths = [wealth(hits) for hits in outcomes]
     assert len(wealths) == 256 and max(wealths) > 5.0

@@ -12,8 +12,8 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import read_theta0_pairs
-from cyclemap.resets.monitor import theta0_feed as module
-from cyclemap.resets.monitor.theta0_feed import NewOrientations, theta0_feed
+from cyclemap.resets import theta0_feed as module
+from cyclemap.resets.theta0_feed import NewOrientations, theta0_feed
 
 
 def degrees(found) -> list[float]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cyclemap.maps import WrappedNormal
-from cyclemap.resets.monitor.bias_evidence import VisitEvidence, VisitLaw
+from cyclemap.resets.bias_evidence import VisitEvidence, VisitLaw
 
 KERNEL = math.radians(12.0)
 

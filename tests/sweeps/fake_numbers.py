@@ -16,10 +16,10 @@ from cyclemap.sweeps.portrait_numbers import GROUPS
 class FakeNumbers:
     """Rotation and fixed points by formulas of mu_a (default 0.25) and hitch_x_mm (default 0).
 
-    log : a file that gets a line for each point begun. seconds
-        : how long a point takes. refused_above : mu_a from which on points are refused. fails_at,
-        dies_at : numbers of points
-        at which there is a bug, or a process ends.
+    log : a file that gets a line for each point begun.
+    seconds : how long a point takes.
+    refused_above : mu_a from which on points are refused.
+    fails_at, dies_at : numbers of points at which there is a bug, or a process ends.
     """
 
     log: str = ""
@@ -56,8 +56,8 @@ class FakeNumbers:
 
 
 def fake_values(mu, x):
-    """Two fixed points where x is below -5,
-    else none and a rotation number that is not a fraction."""
+    """Two fixed points where x is below -5, else none and a rotation number that is not a
+    fraction."""
     locked = x < -5.0
     rotation = 0.0 if locked else np.sqrt(2.0) * 0.01 * (1.0 + x + mu)
     theta = (0.1 - x / 7.0, 3.0 + mu / 3.0) if locked else ()

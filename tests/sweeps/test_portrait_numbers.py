@@ -9,8 +9,7 @@ import pytest
 
 from cyclemap.collection import CollectionLoop, portrait
 from cyclemap.protocol import loop_from_settings
-from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptPoint
-from cyclemap.sweeps import portrait_numbers as module
+from cyclemap.sweeps import PortraitNumbers, SweepPlan, SweptPoint, portrait_numbers as module
 
 TOLERANCE = 1e-4
 

@@ -30,7 +30,7 @@ def flat_directions(footprint, twist):
     return int((np.abs(sizes) < 1e-10 * sizes.max()).sum())
 
 
-def test_dissipation_is_flat_along_the_twist_alone_unless_all_support_lies_on_a_line_with_the_centre_of_rotation():
+def test_dissipation_is_flat_along_the_twist_alone_unless_all_support_is_in_line_with_its_centre():
     """Two twists move the points of a line alike exactly if both centres of rotation lie on it."""
     square = PatchFootprint(Slider.mit("rect1").outline)
     triangle = PointFootprint(((-1.0, 0.0), (1.0, 0.0), (0.3, 0.7)), (1.0, 1.0, 1.0))

@@ -42,8 +42,8 @@ def test_the_interpolating_flow_gives_back_the_map_to_fourth_order():
 
 
 def test_the_counting_time_is_the_integral_of_one_over_the_interpolating_flow():
-    """1/v = 1/g + g'/2g - g'²/12g - g''/12 + ...,
-    and that is the derivative of the counting time."""
+    """1/v = 1/g + g'/2g - g'²/12g - g''/12 + ..., and that is the derivative of the counting
+    time."""
     g, slope, bend = theory.move(), sp.diff(theory.move(), X), sp.diff(theory.move(), X, 2)
     inverse = 1 / g + slope / (2 * g) - slope**2 / (12 * g) - bend / 12
     assert sp.simplify(sp.diff(theory.counting_time(), X) - inverse) == 0

@@ -109,7 +109,7 @@ def test_with_the_centre_of_rotation_inside_the_rest_falls_with_the_third_power(
     assert compared == 6
 
 
-def test_a_square_that_spins_about_its_centre_on_the_papers_grid_lacks_the_derived_share_to_leading_order():
+def test_a_square_spinning_on_the_papers_grid_lacks_the_derived_share_to_leading_order():
     friction, spin = EllipseFriction.isotropic(0.25), (0.0, 0.0, 1.0)
     exact = LimitSurface(PatchFootprint(SQUARE), friction).dissipation(spin)
     counts = np.array((8, 16, 32))

@@ -54,8 +54,8 @@ def test_iterates_of_the_turned_map_are_turned_iterates():
 
 
 def test_the_infinitesimal_identity_holds_in_the_codes_sensitivities():
-    """∂f/∂θ + ∂f/∂φ = 1 at every orientation, to rounding,
-    and so dθ*/dφ = (∂f/∂φ)/(1 - ∂f/∂θ) = 1."""
+    """∂f/∂θ + ∂f/∂φ = 1 at every orientation, to rounding, and so dθ*/dφ = (∂f/∂φ)/(1 - ∂f/∂θ) =
+    1."""
     f = sp.Function("f")(theory.THETA, theory.PHI)
     derived = theory.infinitesimal_identity().doit()
     assert derived - (sp.diff(f, theory.THETA) + sp.diff(f, theory.PHI) - 1) == 0

@@ -217,5 +217,22 @@ def test_a_long_list_of_errors_is_told_in_its_first_clauses() -> None:
 def test_the_ends_of_an_interval_are_told_apart(width, told) -> None:
     ends = math.radians(84.0), math.radians(84.0 + width)
     one = DirectionInterval(math.radians(84.01), *ends, share=1.0)
-    known = DirectionUncertainty("posterior", "first order", 20, 20, (one,))
+    known = DirectionUncertainty("posterior", "first order", 40, 40, (one,))
     assert told in sentences.uncertainty_sentence("felt", known)
+
+
+@pytest.mark.parametrize(("count", "told"), [(1, "1 at 245°"), (38, "38 at 245° to 252°")])
+def test_of_few_samples_no_interval_is_told_nor_a_decimal(count: int, told: str) -> None:
+    ends = math.radians(244.785), math.radians(244.785 + 0.2 * (count - 1))
+    few = DirectionInterval(None, *ends, share=count / 200)
+    known = DirectionUncertainty("posterior", "first order", 200, count, (few,))
+    have = "1 of 200 samples has" if count == 1 else "38 of 200 samples have"
+    said = f"{have} a stable direction (to first order), only {told}."
+    assert sentences.uncertainty_sentence("felt", known).endswith(said)
+
+
+@pytest.mark.slow
+def test_a_loop_that_comes_back_after_five_cycles_is_said_to() -> None:
+    loop = CollectionLoop.mit("plywood")
+    loop = replace(loop, slider=replace(loop.slider, hitch=(0.0, 0.0)), accuracy=1e-6)
+    assert sentences.headline(portrait(loop)) == "plywood locks into 5 directions in turn"

@@ -8,7 +8,7 @@ import pytest
 from drawn_words import assert_words_apart
 
 from cyclemap.evidence import Replay, ReplayedPushes
-from cyclemap.evidence.replay.replay_table import REPLAY_COLUMNS
+from cyclemap.evidence.comparison.replay_table import REPLAY_COLUMNS
 from cyclemap.mechanics import Slider
 from cyclemap.views.replay_page import replay_headline, replay_page
 

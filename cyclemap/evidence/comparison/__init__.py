@@ -1,3 +1,3 @@
 """A prediction set beside a collection: pushes, cycle map, orientations, stable directions,
-staircase.
+staircase; and recorded pushes run again.
 """

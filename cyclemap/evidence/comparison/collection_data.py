@@ -7,28 +7,29 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, stretches
 from cyclemap.checks import positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.predicted_strokes import loop_of_session
-from cyclemap.evidence.pushes.columns import PLACES, Row
+from cyclemap.evidence.predicted_strokes import loop_of_plate
+from cyclemap.evidence.pushes.columns import PLACES, Row, Selection
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
-from cyclemap.evidence.tables.push_sets import selected_pushes
-from cyclemap.mechanics import SidePush, Slider, material_names
+from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
+from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
@@ -55,9 +56,11 @@ class PushSet:
     """Pushes of one set that a loop predicts.
 
     facts : what the files say of the set: surface and object (None where unknown), acceleration
-        (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown. loop
-        : the mechanics of its object. push : (n,) of that object: the data's place, direction and length.
-    theta, dtheta : (n,) rad. displacement : (n, 2) m, in the initial object frame.
+        (m/s²), speed (m/s), side, fraction, angle (rad), NaN where unknown.
+    loop : the mechanics of its object.
+    push : (n,) of that object: the data's place, direction and length.
+    theta, dtheta : (n,) rad.
+    displacement : (n, 2) m, in the initial object frame.
     """
 
     facts: Row
@@ -103,15 +106,16 @@ def collection_data(
     loop: CollectionLoop | None,
     *,
     first: int = 0,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     push_length: float | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> CollectionData:
     """Bring a ``PushTable``, ``Theta0Pairs`` or a path to one form.
 
-    loop : the mechanics that predict, or None. first : pushes numbered below it are left out; the
-        number is the repetition, or where that is unknown
-        the place in the data. select, push_length : see ``compare``.
+    loop : the mechanics that predict, or None.
+    first : pushes numbered below it are left out; the number is the repetition, or where that is
+        unknown the place in the data.
+    select, push_length : see ``compare``.
 
     Raises InvalidInput where the data are something else or leave nothing to compare, DataFileError
     for a bad file.
@@ -136,7 +140,7 @@ def collection_data(
     )
 
 
-def _read(path: Path, progress: Callable[[float], None] | None = None) -> PushTable | Theta0Pairs:
+def _read(path: Path, progress: Progress | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
     is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
     if is_table and not set(read_csv_table(path).header) >= PLACES:
@@ -226,14 +230,13 @@ def _lengths(rows: pandas.DataFrame, length: float, loop: CollectionLoop) -> Arr
     set.
     """
     far = rows["length"].to_numpy()
-    if rows["tip_x0"].notna().any():
+    tip_x, tip_y, x, y, theta = rows[["tip_x0", "tip_y0", "x0", "y0", "theta0"]].to_numpy().T
+    begun = (tip_x - x + 1j * (tip_y - y)) * np.exp(-1j * theta)
+    known = begun[np.isfinite(begun)]
+    if known.size:
         push = told_push(loop.push, _facts(rows), loop.push.distance)
-        place, way = first_contact(loop.slider, push, loop.pusher.radius)
-        names = ["tip_x0", "tip_y0", "x0", "y0", "theta0"]
-        tip_x, tip_y, x0, y0, theta = rows[names].to_numpy().T
-        x, y, c, s = tip_x - x0, tip_y - y0, np.cos(theta), np.sin(theta)
-        gaps = (place - np.stack([c * x + s * y, c * y - s * x], axis=-1)) @ way
-        gap = float(np.median(gaps[np.isfinite(gaps)])) if np.isfinite(gaps).any() else 0.0
+        touch, way = first_contact(loop.slider, push, loop.pusher.radius)
+        gap = float(np.median(((complex(*touch) - known) * complex(*way).conjugate()).real))
         far = np.where(abs(gap) < _LONGEST_GAP * far, far - gap, far)
     return np.where(np.isnan(far), length, far)
 
@@ -265,13 +268,6 @@ def _fitting(
     return fitting
 
 
-def _of_object(loop: CollectionLoop, name: str | None) -> CollectionLoop:
-    """The loop with the object that data name, its own where they name none."""
-    if name in (None, file_stem(loop.slider.name)):
-        return loop
-    return loop_of_session(loop, Slider.mit(name, loop.slider.hitch))
-
-
 def _push_sets(
     sets: Sequence[pandas.DataFrame], loop: CollectionLoop, length: float, left_out: Counter[str]
 ) -> list[PushSet]:
@@ -282,7 +278,7 @@ def _push_sets(
     for rows in sets:
         facts = _facts(rows)
         if facts["object"] not in loops:
-            loops[facts["object"]] = _of_object(loop, facts["object"])
+            loops[facts["object"]] = loop_of_plate(loop, facts["object"])
         own = loops[facts["object"]]
         posed = rows[["dtheta", "dx"]].notna().all(axis=1).to_numpy()
         far = _lengths(rows, length, own)
@@ -311,7 +307,7 @@ def _cycles(
     left_out[_OTHER_SET] += sum(counts) - most
     rows = sets[counts.index(most)]
     if loop is not None:
-        loop = _of_object(loop, _facts(rows)["object"])
+        loop = loop_of_plate(loop, _facts(rows)["object"])
         far = float(np.median(_lengths(rows, length, loop)))
         if math.isnan(far) and rows["dtheta"].notna().any():
             left_out[f"cycles: {NO_LENGTH}"] += most
@@ -342,10 +338,10 @@ def _longest_run(
     any.
     """
     linked = np.isfinite(theta_next[:-1]) & (np.diff(number) == 1.0)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], linked.astype(np.int8), [0]])))
-    if not edges.size:
+    runs = stretches(linked)
+    if not runs:
         return None, None
-    longest = int(np.argmax(edges[1::2] - edges[::2]))
-    low, high = edges[::2][longest], edges[1::2][longest]
+    low, high = max(runs, key=lambda run: run[1] - run[0])
     steps = np.cumsum(theta_next[low:high] - theta[low:high])
-    return theta[low] + np.concatenate([[0.0], steps]), number[low : high + 1]
+    path = theta[low] + np.concatenate([[0.0], steps])
+    return path, number[low : high + 1]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +10,11 @@ import numpy as np
 from cyclemap.checks import whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.comparison.collection_data import CollectionData, collection_data
+from cyclemap.evidence.comparison.collection_null import (
+    collection_p_values,
+    collection_statistics,
+    simulated_ensemble,
+)
 from cyclemap.evidence.comparison.cycle_agreement import (
     CycleAgreement,
     DirectionAgreement,
@@ -27,14 +31,11 @@ from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     push_agreements,
 )
-from cyclemap.evidence.orientations.collection_null import (
-    collection_p_values,
-    collection_statistics,
-    simulated_ensemble,
-)
+from cyclemap.evidence.pushes.columns import Selection
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import CircleMap, DriftingMap, Noise, StaircaseSummary, predict_staircase
+from cyclemap.progress import Progress, part_of
 
 # A collection shorter than this has no steps or modes worth a test.
 FEWEST_CYCLES = 10
@@ -42,8 +43,6 @@ FEWEST_CYCLES = 10
 ENSEMBLE = 200
 # Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
 MOST_DETAILED = 99
-
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +103,7 @@ def compare(
     *,
     noise: Noise | None = None,
     first: int = 0,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     push_length: float | None = None,
     runs: int = 199,
     seed: int = 0,
@@ -181,7 +180,7 @@ def compare(
     >>> len(found.directions.matches)
     1
     """
-    report, count = progress or (lambda fraction: None), whole_number("runs", runs, least=1)
+    count = whole_number("runs", runs, least=1)
     loop = None
     if not isinstance(prediction, CircleMap | DriftingMap) and hasattr(prediction, "circle_map"):
         loop = prediction
@@ -191,21 +190,21 @@ def compare(
         first=first,
         select=select,
         push_length=push_length,
-        progress=lambda done: report(0.1 * done),
+        progress=part_of(progress, 0, 4),
     )
     pairs = collection.pairs
     known = () if pairs is None else (pairs.cycle, pairs.path_cycle)
     wanted = 1 + int(max((np.max(cycles) for cycles in known if cycles is not None), default=0.0))
     given = collection.loop or prediction
     chosen = as_prediction(
-        given, noise, wanted, tolerance=tolerance, progress=lambda done: report(0.1 + 0.3 * done)
+        given, noise, wanted, tolerance=tolerance, progress=part_of(progress, 1, 4)
     )
-    pushes, unanswered = push_agreements(collection.pushes, lambda done: report(0.4 + 0.3 * done))
+    pushes, unanswered = push_agreements(collection.pushes, part_of(progress, 2, 4))
     if unanswered:
         left_out = {**collection.left_out, "the mechanics have no answer": unanswered}
         collection = replace(collection, left_out=left_out)
-    rest = _cycles_asked(chosen, collection, count, seed, lambda done: report(0.7 + 0.3 * done))
-    report(1.0)
+    rest = _cycles_asked(chosen, collection, count, seed, part_of(progress, 3, 4))
+    part_of(progress, 0, 1)(1.0)
     return replace(rest, pushes=pushes)
 
 
@@ -233,7 +232,7 @@ def _cycles_asked(
         runs=runs,
         seed=seed,
         ensemble=ensemble,
-        progress=lambda done: report(0.5 * done),
+        progress=part_of(report, 0, 2),
     )
     null = uncertain.paths(start, path.size, min(runs, MOST_DETAILED), seed)
     summary: StaircaseSummary | None = None
@@ -251,6 +250,6 @@ def _cycles_asked(
         directions=direction_agreement(
             path, () if summary is None else summary.zones, ensemble, null
         ),
-        staircase=staircase_agreement(path, null, fixed, lambda done: report(0.5 + 0.4 * done)),
+        staircase=staircase_agreement(path, null, fixed, part_of(report, 1, 2)),
         uncertified=uncertified,
     )

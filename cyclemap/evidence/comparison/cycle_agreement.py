@@ -4,7 +4,6 @@ of a collection.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
@@ -14,17 +13,17 @@ from cyclemap.arrays import TWO_PI, Array, shorter_way
 from cyclemap.checks import read_only
 from cyclemap.collection import CollectionLoop, isotropic_twin
 from cyclemap.errors import InvalidInput, UnsupportedContact
+from cyclemap.evidence.comparison.collection_null import Ensemble
 from cyclemap.evidence.comparison.prediction import Prediction
 from cyclemap.evidence.comparison.push_agreement import QuantityAgreement, quantity_agreement
-from cyclemap.evidence.laws.fit_map import HARMONICS
-from cyclemap.evidence.laws.linear_fit import fourier_columns
-from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.orientations.circular_distance import (
+from cyclemap.evidence.laws.circular_distance import (
     PValue,
     kernel_modes,
     monte_carlo_p_value,
 )
-from cyclemap.evidence.orientations.collection_null import Ensemble
+from cyclemap.evidence.laws.fit_map import HARMONICS
+from cyclemap.evidence.laws.linear_fit import fourier_columns
+from cyclemap.evidence.laws.periodic_law import fit_periodic_law
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
     MapAgreement,
@@ -34,6 +33,7 @@ from cyclemap.evidence.pushes.theta0_pairs import (
     turn_bins,
 )
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE, DIRECTION
 
 ORIENTATION_TESTS = ("wasserstein", "total_variation", "kuiper", "watson")
@@ -136,13 +136,13 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
         return ratios
     off = paths[:, 1:] - ensemble.model.images(paths)
     for index, (theta, values) in enumerate(zip(paths[:, :-1], off, strict=True)):
-        # By singular vectors: a path that sees few directions fixes fewer coefficients.
-        basis, sizes, _ = np.linalg.svd(fourier_columns(theta, order), full_matrices=False)
-        basis = basis[:, sizes > 1e-9 * sizes[0]]
-        explained = float(np.sum((basis.T @ values) ** 2))
-        left = float(values @ values) - explained
-        free = values.size - basis.shape[1]
-        ratios[index] = explained / basis.shape[1] * free / left if left > 0.0 else 0.0
+        # A path that sees few directions fixes fewer coefficients.
+        columns = fourier_columns(theta, order)
+        coefficients, _, rank, _ = np.linalg.lstsq(columns, values, rcond=1e-9)
+        fitted = columns @ coefficients
+        left = float(np.sum((values - fitted) ** 2))
+        explained, free = float(fitted @ fitted), values.size - rank
+        ratios[index] = explained / rank * free / left if left > 0.0 else 0.0
     return ratios
 
 
@@ -231,8 +231,8 @@ def direction_agreement(
 ) -> DirectionAgreement:
     """Match the predicted ``zones`` with the modes of ``path`` (n,) rad.
 
-    ensemble : of the predicted collections. null : (runs, n) others, of which the p-values are
-        made.
+    ensemble : of the predicted collections.
+    null : (runs, n) others, of which the p-values are made.
     """
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
@@ -310,18 +310,18 @@ def staircase_agreement(
     path: Array,
     null: Array,
     summary: StaircaseSummary | None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> StaircaseAgreement:
     """Set the path (n,) rad, unwrapped, beside simulated ones ``null`` (runs, n), from the same
     start.
 
-    summary : of the map where it does not wear. progress : called with the fraction done, in (0,
-        1].
+    summary : of the map where it does not wear.
+    progress : called with the fraction done, in (0, 1].
     """
-    report, simulated = progress or (lambda fraction: None), []
-    for done, run in enumerate(null, 1):
+    simulated = []
+    for index, run in enumerate(null):
         simulated.append(_numbers(run))
-        report(done / len(null))
+        part_of(progress, index, len(null))(1.0)
     quantities = {
         name: simulated_quantity(value, np.array([numbers[name] for numbers in simulated]))
         for name, value in _numbers(path).items()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -14,15 +13,15 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
-from cyclemap.evidence.orientations.collection_null import CollectionModel
+from cyclemap.evidence.comparison.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
+from cyclemap.progress import Progress, part_of
 
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a
 # spread.
 SAMPLES = 32
 _SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
 
-Progress = Callable[[float], None]
 Predictor = CollectionLoop | CircleMap | DriftingMap
 
 
@@ -31,7 +30,9 @@ class Prediction:
     """A prediction in one form.
 
     map : of the cycle; cycle n of a drifting one is push n of the data, those dropped counted.
-    noise : of one cycle. kind : "loop", "map" or "drifting map". given : what was handed in.
+    noise : of one cycle.
+    kind : "loop", "map" or "drifting map".
+    given : what was handed in.
     samples : the maps of samples of the posterior of a loop's material, those that can be run; ()
         without a posterior.
     """
@@ -81,8 +82,8 @@ def as_prediction(
     """Bring a prediction of pushes up to ``last`` to one form.
 
     noise : of one cycle; None takes 1.1 degrees for a loop (the scatter of measured plywood cycles
-        about a smooth function of θ0), and is refused for a map. tolerance : of a loop's cycle map,
-        rad.
+        about a smooth function of θ0), and is refused for a map.
+    tolerance : of a loop's cycle map, rad.
 
     Raises InvalidInput for anything else, ConvergenceError where the loop's map cannot be computed.
     """
@@ -104,16 +105,18 @@ def as_prediction(
             f"the prediction is {given!r}: give a CollectionLoop, or a CircleMap or DriftingMap "
             "with noise"
         )
-    report = progress or (lambda fraction: None)
-    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, lambda done: report(0.3 * done))
     samples = list[CircleMap | DriftingMap]()
     loops = posterior_samples(given)
+    parts = 1 + len(loops)
+    chosen = _map_of(given, last, tolerance, BLEND_TOLERANCE, part_of(progress, 0, parts))
     for done, loop in enumerate(loops, 1):
         # A surface at the edge of the posterior may not be able to make every cycle: the others
         # tell the spread.
         with suppress(UnsupportedContact, ConvergenceError):
-            samples.append(_map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, lambda done: None))
-        report(0.3 + 0.7 * done / len(loops))
+            samples.append(
+                _map_of(loop, last, _SAMPLE_TOLERANCE, _SAMPLE_BLEND, part_of(None, 0, 1))
+            )
+        part_of(progress, done, parts)(1.0)
     kept = tuple(samples) if len(samples) > 1 else ()
     return Prediction(chosen, noise or WrappedNormal(DEFAULT_SIGMA), "loop", given, kept)
 

@@ -5,10 +5,9 @@ published tables.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -19,8 +18,10 @@ from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
+from cyclemap.evidence.pushes.columns import Row
 from cyclemap.mechanics import QuasiStaticModel
 from cyclemap.mechanics.trajectory import Course
+from cyclemap.progress import Progress, part_of
 from cyclemap.written import NUMBER, UNWRITTEN
 
 QUANTITIES = ("dtheta", "dx", "dy")
@@ -112,7 +113,7 @@ class PushAgreement:
         predicted; None without a posterior.
     """
 
-    facts: Mapping[str, Any]
+    facts: Row
     length: float
     theta: Array
     measured: Array
@@ -136,7 +137,7 @@ class PushAgreement:
 
 
 def push_agreements(
-    sets: Sequence[PushSet], report: Callable[[float], None]
+    sets: Sequence[PushSet], progress: Progress
 ) -> tuple[tuple[PushAgreement, ...], int]:
     """Set the pushes of each set beside those of their loop, each at its own θ0, as long as it was;
     the largest first. Also how many were left out, for which the mechanics have no answer.
@@ -154,7 +155,7 @@ def push_agreements(
         for model, pushes in zip(of_sets, sets, strict=True):
             courses += _courses(model, pushes)
         both.append(predicted_motions(courses, most_failing))
-        report(0.4 * len(both))
+        part_of(progress, len(both) - 1, 3)(1.0)
     answered = np.isfinite(both[0][:, 0]) & np.isfinite(both[1][:, 0])
     edges = np.cumsum([len(pushes.push) for pushes in sets])[:-1]
     columns = (np.split(column, edges) for column in (*both, answered))
@@ -164,7 +165,7 @@ def push_agreements(
             is_sampled = index % (1 + len(sets) // _SAMPLED_PUSHES) == 0
             sampled = _sampled_shifts(pushes, predicted) if is_sampled else None
             agreements.append(_agreement(pushes, predicted, isotropic, kept, sampled))
-        report(0.8 + 0.2 * (index + 1) / len(sets))
+        part_of(part_of(progress, 2, 3), index, len(sets))(1.0)
     ordered = sorted(agreements, key=lambda agreement: -agreement.count)
     return tuple(ordered), int(np.sum(~answered))
 

@@ -12,14 +12,12 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cyclemap.arrays import Array, evenly_spread
+from cyclemap.arrays import Array, Place, evenly_spread
 from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.data_blocks.force_blocks import (
     SCAN_FIELDS,
-    TWIST_COLUMNS,
-    WRENCH_COLUMNS,
     force_ratio_block,
     friction_scan_block,
     read_wrench_twists,
@@ -31,7 +29,6 @@ from cyclemap.evidence.data_blocks.session_blocks import (
     PLATE_OWNED,
     SESSION_OWNED,
     SessionBlock,
-    loop_of_plate,
     named_blocks,
     odd_sessions,
 )
@@ -39,34 +36,43 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     cycle_pair_block,
     drag_turn_block,
     push_end_block,
+    set_ups,
 )
-from cyclemap.evidence.identification.data_block import DataBlock, Labels, Progress, part_of
+from cyclemap.evidence.identification.data_block import DataBlock, Labels, usual_beliefs
 from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SURFACE
+from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
-from cyclemap.evidence.predicted_strokes import push_from_contact
-from cyclemap.evidence.pushes.columns import ENDS, named_column
+from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
+from cyclemap.evidence.pushes.columns import (
+    DRAG_ENDS,
+    ENDS,
+    RODS,
+    TWIST_COLUMNS,
+    WRENCH_COLUMNS,
+    Selection,
+    has_columns,
+    known_columns,
+)
 from cyclemap.evidence.pushes.conventions import convention_of
 from cyclemap.evidence.pushes.measured_strokes import (
-    DRAG_COLUMNS,
     LARGEST_TIP_ERROR,
     NO_LENGTH,
-    PUSH_END_COLUMNS,
+    READ,
     ROD_OFF,
     MeasuredPush,
-    Place,
     RowSelection,
+    measured_drags,
+    measured_pushes,
     push_noise,
     pushes_of,
-    read_measured_drags,
-    read_measured_pushes,
     select_pushes,
-    selected_rows,
+    selected,
     session_name,
-    tip_error,
+    set_up_errors,
     told,
     told_push,
 )
-from cyclemap.evidence.pushes.planned_table import ERRORS, FRAMES_AGREE
+from cyclemap.evidence.pushes.planned_table import FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.evidence.pushes.push_table import (
     CSV_SUFFIX,
@@ -74,10 +80,10 @@ from cyclemap.evidence.pushes.push_table import (
     UnreadableFile,
     load_pushes,
 )
-from cyclemap.evidence.tables.push_sets import PushSet, push_sets
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
+from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import CsvRow, CsvTable, file_stem, read_csv_table
+from cyclemap.text_files import file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -94,10 +100,12 @@ PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
 )
 
 _COLUMNS = {
-    PUSH_ENDS: {*PUSH_END_COLUMNS},
-    DRAG_BACKS: {*DRAG_COLUMNS},
-    WRENCHES: {*WRENCH_COLUMNS, *TWIST_COLUMNS},
+    PUSH_ENDS: (*ENDS, *RODS),
+    DRAG_BACKS: DRAG_ENDS,
+    WRENCHES: (*WRENCH_COLUMNS, *TWIST_COLUMNS),
 }
+# How far off readings are.
+ERRORS = ("read_error", "read_turn_error")
 _ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses "
@@ -161,10 +169,9 @@ def _sorts_of_table(file: Path) -> tuple[list[str], str]:
         table = read_csv_table(file)
     except DataFileError as error:
         return [], str(error).removeprefix(f"{file}").lstrip(":, ")
-    columns = {*table.header}
-    sorts = [sort for sort, wanted in _COLUMNS.items() if columns >= wanted]
-    posed = not sorts and all(named_column(table, name) for name in ENDS)
-    if posed or any(columns >= names for names in _ORIENTATIONS):
+    sorts = [sort for sort, wanted in _COLUMNS.items() if has_columns(table, wanted)]
+    posed = not sorts and has_columns(table, ENDS)
+    if posed or any({*table.header} >= names for names in _ORIENTATIONS):
         sorts.append(CYCLES)
     unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
     return sorts, "" if sorts else unknown
@@ -195,7 +202,8 @@ class _Collected:
 
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
-        each was read. noise : of each kind; infinite where some data do not tell it.
+        each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some
+        data do not tell it.
     """
 
     given: CollectionLoop
@@ -210,8 +218,8 @@ class _Collected:
     loop: CollectionLoop = field(init=False)
     known_sessions: dict[tuple[str, str], Path] = field(default_factory=dict)
     blocks: list[SessionBlock] = field(default_factory=list)
-    filled: dict[tuple[str, ...], str] = field(default_factory=dict)
-    rods_set: int = 0
+    filled: dict[tuple[float, ...], str] = field(default_factory=dict)
+    set_up: dict[str, tuple[float, float]] = field(default_factory=dict)
     notes: list[tuple[str, str]] = field(default_factory=list)
     scans: list[Array] = field(default_factory=list)
     last_cycle: float = 0.0
@@ -227,7 +235,8 @@ class _Collected:
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
             table = convention_of(path).table(read_csv_table(path))
-            _, facts, left_out = selected_rows(table, selection)
+            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
+            facts = told_rows.to_dict("records")
         else:
             reading = part_of(progress, 0, 2)
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
@@ -241,8 +250,11 @@ class _Collected:
         for reason, count in left_out.items():
             self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
+            by_marks = is_table and FRAMES_AGREE in table.header
             for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
-                self._note(words)
+                # A table that was planned tells its axes and angles.
+                if not by_marks:
+                    self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
@@ -250,7 +262,7 @@ class _Collected:
             chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
             own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
             if is_table:
-                self._add_table(sort, table, selected_rows(table, own)[0])
+                self._add_table(sort, selected(told_rows, own)[0])
             else:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
                 self._add_pushes(pushes_of(pushes, own), sort, done)
@@ -284,7 +296,9 @@ class _Collected:
         strayed: float | None = None,
     ) -> None:
         """Add a block of the session, and a note of what it holds; noise : of its kinds, where the
-        data tell it. pushes, strayed : see `SessionBlock`.
+        data tell it.
+
+        pushes, strayed : see `SessionBlock`.
         """
         for kind in set(block.kinds.tolist()):
             size = math.inf if noise is None else noise[kind]
@@ -395,63 +409,72 @@ class _Collected:
     def _add_push_ends(
         self,
         pushes: Sequence[MeasuredPush],
-        noise: Mapping[str, float] | None = None,
+        read: tuple[float, float] | None = None,
         set_by_marks: bool = False,
         strayed: float | None = None,
     ) -> None:
         kept = _thinned(pushes, min(self.most, _MOST_SET) if set_by_marks else self.most)
         if not kept:
             return
-        first_set = self.rods_set + 1 if set_by_marks else None
+        first_set = None
+        if set_by_marks:
+            errors = set_up_errors(read or READ).tolist()
+            first_set = len(self.set_up) // len(errors) + 1
+            unknown = set_ups(first_set, len(kept))
+            for parameter, error in zip(unknown, errors * len(kept), strict=True):
+                self.set_up[parameter.name] = 0.0, error
         block = push_end_block(kept, self.loop.slider, self.target, first_set)
-        self.rods_set += len(kept) if set_by_marks else 0
         words = f"{_counted(kept, pushes)} push ends"
-        self._add(block, words, noise, _thinned(pushes, _MOST_TURNS), strayed)
+        self._add(
+            block, words, _told_noise(read, set_by_marks), _thinned(pushes, _MOST_TURNS), strayed
+        )
 
-    def _refuse_repeated(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _refuse_repeated(self, rows: pandas.DataFrame) -> None:
         """Refuse a filled-in push that was read before, which would count twice: ten readings never
         come again.
         """
-        if not {FRAMES_AGREE, *ERRORS} & {*table.header}:
+        if rows[[FRAMES_AGREE, *ERRORS]].isna().all(axis=None):
             return
-        for row in rows:
-            readings = tuple(table.text(row, name) for name in PUSH_END_COLUMNS)
+        for row in rows.to_dict("records"):
+            readings = tuple(row[name] for name in (*ENDS, *RODS))
+            here = f"{row['path']}, line {row['line']}"
             if readings in self.filled:
                 again = (
-                    f"the push of {self.filled[readings]} again, all readings the same, "
+                    f"the push of {self.filled[readings]}, again, all readings the same, "
                     "would count twice"
                 )
-                raise table.error(row.line, f"{again}: leave one of them out")
-            self.filled[readings] = f"{table.path}, line {row.line},"
+                raise DataFileError(f"{here}: {again}: leave one of them out")
+            self.filled[readings] = here
 
-    def _add_table(self, sort: str, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _add_table(self, sort: str, rows: pandas.DataFrame) -> None:
         """Add what rows of a CSV table of push ends, drag-backs, or wrenches and twists tell."""
         if sort == PUSH_ENDS:
-            self._refuse_repeated(table, rows)
-            pushes = read_measured_pushes(table, rows)
-            errors = [tip_error(table, row) for row in rows]
-            small = [error for error in errors if error <= LARGEST_TIP_ERROR]
-            strayed = float(np.mean(small)) if small else 0.0
+            self._refuse_repeated(rows)
+            pushes = measured_pushes(rows)
+            errors = rows["tip_error"].fillna(0.0)
+            small = errors[errors <= LARGEST_TIP_ERROR]
+            strayed = float(small.mean()) if len(small) else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
             if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
-            by_marks = FRAMES_AGREE in table.header
-            self._add_push_ends(pushes, _told_noise(table, rows), by_marks, strayed)
+            by_marks = bool(rows[FRAMES_AGREE].notna().any())
+            self._add_push_ends(pushes, _told_errors(rows), by_marks, strayed)
         elif sort == DRAG_BACKS:
-            drags = read_measured_drags(table, rows)
+            drags = measured_drags(rows)
             kept = _thinned(drags, self.most)
             block = drag_turn_block(kept, self.loop.slider, self.target)
-            self._add(block, f"{_counted(kept, drags)} drag-backs", _told_noise(table, rows))
+            noise = _told_noise(_told_errors(rows))
+            self._add(block, f"{_counted(kept, drags)} drag-backs", noise)
         else:
-            self._add_wrenches(table, rows)
+            self._add_wrenches(rows)
 
-    def _add_wrenches(self, table: CsvTable, rows: Sequence[CsvRow]) -> None:
+    def _add_wrenches(self, rows: pandas.DataFrame) -> None:
         extent = self.loop.slider.outline.extent
-        data = read_wrench_twists(table, rows, extent)
+        data = read_wrench_twists(rows, extent)
         scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
         words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
         self._add(wrench_twist_block(data, self.loop.slider), words)
-        sources = {table.text(row, "source") for row in rows if "source" in table.header}
+        sources = told(rows["source"])
         if len(sources) > 1:
             listed = ", ".join(sorted(sources))
             self._note(f"pairs are of several sources ({listed}): what stands in two counts twice")
@@ -488,14 +511,23 @@ def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
     return np.array([known.index(place) for place in places])
 
 
-def _told_noise(table: CsvTable, rows: Sequence[CsvRow]) -> dict[str, float] | None:
-    """How far measured pushes and drags are off, by kind of noise, where a table tells how far its
-    readings are.
+def _told_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:
+    """How far readings are off, m and rad, where a table tells it."""
+    length, angle = rows[[*ERRORS]].max().tolist()
+    return None if math.isnan(length) or math.isnan(angle) else (length, angle)
+
+
+def _told_noise(
+    read: tuple[float, float] | None, set_by_marks: bool = False
+) -> dict[str, float] | None:
+    """How far measured pushes and drags are off, by kind of noise, where it is told how far
+    readings are; of pushes that a robot made the angle before them is noise, too.
     """
-    if not {*ERRORS} <= set(table.header):
+    if read is None:
         return None
-    millimetres, degrees = (max(table.number(row, name) for row in rows) for name in ERRORS)
-    along, _, turned, dragged = push_noise((1e-3 * millimetres, math.radians(degrees))).tolist()
+    along, _, turned, dragged = push_noise(read).tolist()
+    if not set_by_marks:
+        turned = math.hypot(turned, read[1])
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
@@ -550,6 +582,8 @@ class CollectedBlocks:
         How many the last is behind the first; 0 where unknown.
     noise : mapping of str to float
         Of the kinds of noise that all of their data tell.
+    set_up : mapping of str to tuple[float, float]
+        What is believed of how each push was set up by hand, by name: 0 and a deviation, SI units.
     """
 
     blocks: tuple[DataBlock, ...]
@@ -559,12 +593,19 @@ class CollectedBlocks:
     scans: Array | None
     last_cycle: float
     noise: Mapping[str, float]
+    set_up: Mapping[str, tuple[float, float]]
+
+    def beliefs(self, names: Sequence[str]) -> dict[str, tuple[float, float]]:
+        """Return what is usual of parameters (see `usual_beliefs`), and of how pushes were set
+        up."""
+        of_pushes = {name: self.set_up[name] for name in names if name in self.set_up}
+        return usual_beliefs(names) | of_pushes
 
 
 def collected_blocks(
     paths: Sequence[str | Path],
     loop: CollectionLoop,
-    select: Mapping[str, str | float] | None = None,
+    select: Selection | None = None,
     *,
     first: int = 0,
     wear: bool = False,
@@ -679,6 +720,7 @@ def collected_blocks(
         np.concatenate(collected.scans) if collected.scans else None,
         collected.last_cycle,
         {kind: size for kind, size in collected.noise.items() if math.isfinite(size)},
+        collected.set_up,
     )
 
 
@@ -687,7 +729,7 @@ def _told(files: Sequence[UnreadableFile]) -> list[tuple[str, str]]:
 
 
 def _nothing(
-    notes: Sequence[str], loop: CollectionLoop, chosen: Mapping[str, str | float], is_told: bool
+    notes: Sequence[str], loop: CollectionLoop, chosen: Selection, is_told: bool
 ) -> InvalidInput:
     """What is said where nothing is left of the data; is_told : whether the notes tell of files of
     no use.
@@ -699,7 +741,7 @@ def _nothing(
     return InvalidInput(f"no data of {loop.slider.name} recognised: {listed}. Give {LAYOUTS}")
 
 
-def _known_objects(loop: CollectionLoop, chosen: Mapping[str, str | float]) -> tuple[str, ...]:
+def _known_objects(loop: CollectionLoop, chosen: Selection) -> tuple[str, ...]:
     """The objects whose rows are kept; () where it is not told which is the loop's."""
     if isinstance(chosen.get("object"), str):
         return (str(chosen["object"]),)
@@ -716,26 +758,26 @@ def telling_parameters(
     off.
 
     The friction ellipse, its size only where scans or forces tell it; shapes of floor and plates,
-    the rod, how each data set's frame is shifted, friction in the ring with drags or cycles, how
-    the surface wears; of four sessions and more, how the
-    floor's shape varies with the place. believed : of a known floor, what its samples tell of the
-    ellipse; single pushes and drags take
-    the rest of it as it stands.
+    the rod, how each data set's frame is shifted, friction in the ring with cycles, how the surface
+    wears; of four sessions and more, how the floor's shape varies with the place. believed : of a
+    known floor, what its samples tell of ellipse and ring (`FLOOR_TOLD`); single pushes and drags
+    take the rest of it as it stands, and drags the ring: they scatter by more than any ring
+    explains, and would take that for friction in it.
 
-    >>> telling_parameters([DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")])
+    >>> ratios = DataBlock("ratios", ("pusher_friction",), lambda v: None, [0, 1], "ratio")
+    >>> telling_parameters([ratios])
     ('pusher_friction',)
     """
     asked = {name for block in blocks for name in block.parameters}
-    of_ellipse = {
-        name
-        for block in blocks
-        if block.curve or block.motions is None
-        for name in block.parameters
+    by_cycles = {name for block in blocks if block.curve for name in block.parameters}
+    of_ellipse = by_cycles | {
+        name for block in blocks if block.motions is None for name in block.parameters
     }
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
     owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in asked]
+    told = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in told]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:

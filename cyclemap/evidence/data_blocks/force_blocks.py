@@ -5,14 +5,14 @@ rod slides.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, stretches
 from cyclemap.checks import finite_array, positive_number, read_only
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.identification.data_block import DataBlock, Labels, Values, linear_block
@@ -22,11 +22,11 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
+from cyclemap.evidence.pushes.columns import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
 from cyclemap.evidence.pushes.push_files import PushRecord
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Slider
 from cyclemap.mechanics.outline import Outline
-from cyclemap.text_files import CsvRow, CsvTable, require_columns
 
 if TYPE_CHECKING:
     import pandas
@@ -41,8 +41,6 @@ FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
 _SAME_DIRECTION = 1e-6
 FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
-WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
-TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 # Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
 CONTACT_PIECES = 40
 _POINTS = 720
@@ -81,7 +79,8 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
     """Return the traction coefficient along x and y of the world (n, 2) of friction scans of an
     object, weight N.
 
-    >>> scan_traction({"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}, 8.0).tolist()
+    >>> scans = {"direction": [0.0], "force_along": [2.0], "force_across": [0.5]}
+    >>> scan_traction(scans, 8.0).tolist()
     [[0.25, 0.0625]]
     """
     direction, along, across = scan_columns(scans)
@@ -306,24 +305,23 @@ class WrenchTwists:
         return found
 
 
-def read_wrench_twists(table: CsvTable, rows: Sequence[CsvRow], rho: float) -> WrenchTwists:
-    """Read pairs from rows of a CSV table with the columns fx, fy (N), m_over_rho (N), vx, vy,
+def read_wrench_twists(rows: pandas.DataFrame, rho: float) -> WrenchTwists:
+    """Read pairs from rows, as `known_columns` tells them, of fx, fy (N), m_over_rho (N), vx, vy,
     w_times_rho (m/s).
 
     rho : m, the length by which torque and turning rate were scaled (rect1 of the MIT data:
-        0.06364, its half diagonal). Raises DataFileError.
+        0.06364, its half diagonal).
+
+    Raises DataFileError.
     """
-    require_columns(table, (*WRENCH_COLUMNS, *TWIST_COLUMNS))
-    length = positive_number("rho", rho)
-    scale = np.array([1.0, 1.0, length])
+    scale = np.array([1.0, 1.0, positive_number("rho", rho)])
     wrench, twist = (
-        np.array([[table.number(row, name) for name in names] for row in rows])
-        for names in (WRENCH_COLUMNS, TWIST_COLUMNS)
+        rows[[*names]].to_numpy(dtype=float) for names in (WRENCH_COLUMNS, TWIST_COLUMNS)
     )
     try:
         return WrenchTwists(wrench * scale, twist / scale)
     except InvalidInput as cause:
-        raise DataFileError(f"{table.path}: {cause}") from cause
+        raise DataFileError(f"{rows['path'].iloc[0]}: {cause}") from cause
 
 
 def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
@@ -455,9 +453,8 @@ def sliding_forces(
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], slides.astype(int), [0]])))
-            for first, last in edges.reshape(-1, 2).tolist():
-                for start in range(first, last - samples.window + 1, samples.window):
+            for first, end in stretches(slides):
+                for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
                     rows.append((sign * ratio, number, samples.window))

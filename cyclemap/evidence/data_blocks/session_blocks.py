@@ -18,9 +18,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
-from cyclemap.evidence.predicted_strokes import loop_of_session, predicted_push_ends
+from cyclemap.evidence.predicted_strokes import loop_of_plate, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider
+from cyclemap.mechanics import Slider
 
 # What belongs to a plate, or to the frame that its data are in, and what to a session.
 PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
@@ -37,8 +37,9 @@ _TURNS_APART, _TURN_ERRORS, _FEWEST_TURNS = 0.15, 4.0, 20
 class SessionBlock:
     """A block of data, of which plate it is, and in which session; empty where nothing tells.
 
-    pushes : of the block, some of them. strayed : how far the robot was from where it was sent,
-        m, on average; None where that is not known.
+    pushes : of the block, some of them.
+    strayed : how far the robot was from where it was sent, m, on average; None where that is not
+        known.
     """
 
     block: DataBlock
@@ -48,23 +49,14 @@ class SessionBlock:
     strayed: float | None = None
 
 
-def loop_of_plate(loop: CollectionLoop, plate: str) -> CollectionLoop:
-    """Return the loop with a plate of the MIT dataset, its ring where it was; with its own object
-    for another name.
-    """
-    if plate == loop.slider.name or plate not in MIT_SHAPE_NAMES:
-        return loop
-    return loop_of_session(loop, Slider.mit(plate, loop.slider.hitch))
-
-
 def named_blocks(
     known: Sequence[SessionBlock], odd: Sequence[str], population: bool
 ) -> tuple[DataBlock, ...]:
     """Return the blocks, those of several plates or sessions with unknowns of their own, and how
     sessions differ.
 
-    odd : sessions that do not count to the floor's mean. population : whether one session is taken
-        as one of several. Equal names get a number behind.
+    odd : sessions that do not count to the floor's mean.
+    population : whether one session is taken as one of several. Equal names get a number behind.
     """
     # What tells no speed belongs to the first session of its plate that does.
     first: dict[str, str] = {}

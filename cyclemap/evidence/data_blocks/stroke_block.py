@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -33,7 +33,7 @@ from cyclemap.evidence.predicted_strokes import (
     predicted_drag_ends,
     predicted_push_ends,
 )
-from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush, Place
+from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
 from cyclemap.mechanics.engine.schema import PARAMETERS
@@ -87,8 +87,8 @@ def push_end_block(
         then an unknown, too.
     first_set : int or None, optional
         Where rods were set by marks on the object, the number of the first push; each is then
-        off its mark by itself, and so much of what it did is its own: `rod_off_x[push 7]` of
-        the seventh.
+        off its mark by itself, and its object turned from what was read, so that so much of what
+        it did is its own: `rod_off_x[push 7]` of the seventh.
 
     Returns
     -------
@@ -109,38 +109,44 @@ def push_end_block(
     >>> sorted(set(block.kinds.tolist()))
     ['push place (m)', 'push turn (rad)']
     """
-    shifts = TIP_OFFSET if first_set is None else rods_set(first_set, len(pushes))
-    # Which of the shifts moves a push's rod, along x and y.
-    owner = np.arange(len(pushes)) if first_set is not None else np.zeros(len(pushes), dtype=int)
-    own_shifts = 2 * owner[:, None] + (0, 1)
+    unknown = TIP_OFFSET if first_set is None else set_ups(first_set, len(pushes))
+    # Which of the unknowns a push has, along x, along y, and, where it is its own, of its turn.
+    own = np.arange(len(unknown)).reshape(-1, 2 if first_set is None else 3)
+    own = np.broadcast_to(own, (len(pushes), own.shape[1]))
 
     def ends(model: QuasiStaticModel, chosen: Labels, values: Values) -> StrokeEnds:
-        shift = np.array([values[shifted.name] for shifted in shifts])
-        columns = own_shifts[chosen]
+        columns = own[chosen]
+        off = np.zeros((chosen.size, 3))
+        off[:, : own.shape[1]] = np.array([values[row.name] for row in unknown])[columns]
         strokes = [pushes[index] for index in chosen.tolist()]
-        moved, by, stayed = predicted_push_ends(model, strokes, shift[columns], PUSH_NAMES, target)
-        by_shifts = np.zeros((chosen.size, 3, shift.size))
-        np.put_along_axis(by_shifts, columns[:, None], by[..., -2:], axis=-1)
-        return moved, np.concatenate([by[..., :-2], by_shifts], axis=-1), stayed
+        moved, by, stayed = predicted_push_ends(
+            model, strokes, off[:, :2], PUSH_NAMES, target, off[:, 2]
+        )
+        by_off = np.zeros((chosen.size, 3, len(unknown)))
+        by_own = by[..., -3:][..., : own.shape[1]]
+        np.put_along_axis(by_off, columns[:, None], by_own, axis=-1)
+        return moved, np.concatenate([by[..., :-3], by_off], axis=-1), stayed
 
     kinds = {"x": "push place (m)", "y": "push place (m)", "theta": "push turn (rad)"}
-    own = (*(() if target is None else FIELD), *shifts)
-    return _stroke_block("push ends", pushes, slider, ends, kinds, PUSH_NAMES, own)
+    parameters = (*(() if target is None else FIELD), *unknown)
+    return _stroke_block("push ends", pushes, slider, ends, kinds, PUSH_NAMES, parameters)
 
 
-def rods_set(first: int, count: int) -> tuple[Parameter, ...]:
-    """Return what is unknown of rods that were set by marks, from push number ``first`` on: how far
-    each was off, x and y in turn.
+def set_ups(first: int, count: int) -> tuple[Parameter, ...]:
+    """Return what is unknown of pushes that were set up by hand, from push number ``first`` on: how
+    far each rod was off its mark, x and y, and how each object lay turned, in turn.
     """
-    return tuple(
-        Parameter(
-            f"{ROD_OFF}{axis}[push {number}]",
-            f"how far the rod of push {number} was set off its mark, along {axis}",
-            *("m", -0.02, 0.02, 0.0, 1e-3),
-        )
-        for number in range(first, first + count)
-        for axis in "xy"
-    )
+    parameters = list[Parameter]()
+    for number in range(first, first + count):
+        push = f"push {number}"
+        for axis in "xy":
+            words = f"how far the rod of {push} was set off its mark, along {axis}"
+            name = f"{ROD_OFF}{axis}[{push}]"
+            parameters.append(Parameter(name, words, "m", -0.02, 0.02, 0.0, 1e-3))
+        words = f"by how much the object of {push} lay turned from what was read"
+        name = f"{ROD_OFF}turn[{push}]"
+        parameters.append(Parameter(name, words, "rad", -0.2, 0.2, 0.0, 1e-2))
+    return tuple(parameters)
 
 
 def drag_turn_block(
@@ -192,9 +198,10 @@ def _stroke_block(
 ) -> DataBlock:
     """The block of strokes of an object; strokes of one contact are a group.
 
-    ends : model, indices of strokes, values -> where they end. kinds : what is measured of a pose,
-        and its noise. names : parameters of the mechanics, the friction law's first, by which these
-        ends are differentiated before the own ones.
+    ends : model, indices of strokes, values -> where they end.
+    kinds : what is measured of a pose, and its noise.
+    names : parameters of the mechanics, the friction law's first, by which these ends are
+        differentiated before the own ones.
     """
     if not strokes:
         raise InvalidInput(f"block {name!r} has no strokes: give some")

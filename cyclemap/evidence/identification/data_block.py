@@ -20,7 +20,6 @@ from cyclemap.evidence.identification.surface_parameters import (
     Parameter,
     ParameterSpace,
 )
-from cyclemap.evidence.pushes.measured_strokes import SET_OFF
 
 Labels = NDArray[np.int64]
 Kinds = NDArray[np.str_]
@@ -34,11 +33,11 @@ SESSION_KINDS = ("session dome (kPa)", "session bow (kPa)", "session bow (kPa)")
 # Kinds that are beliefs, not data.
 BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
 # Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have
-# had.
-_USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
-# What is usual: how anisotropic floors are, rods and rings of steel on steel, shapes of plates and
-# floors, how well the frames of a robot and a camera agree. Wide enough that data which know better
-# overrule it.
+# had; also the width of what is believed of spreads.
+USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
+# What is usual: how anisotropic floors are, rods and rings of steel on steel (the lever of a ring is
+# the rod's friction times its radius), shapes of plates and floors, how well the frames of a robot
+# and a camera agree. Wide enough that data which know better overrule it.
 USUAL = MappingProxyType(
     {
         "ellipticity_x": (0.0, 0.2),
@@ -53,14 +52,11 @@ USUAL = MappingProxyType(
         },
         **dict.fromkeys(FIELD_NAMES, (0.0, 2.0)),
         **{f"plate_{name}": (0.0, 6.0) for name in ("dome", "warp_x", "warp_y")},
-        "pin_friction_radius": (1.5e-3, 1e-3),
+        "pin_friction_radius": (0.8e-3, 0.5e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
-        "rod_off_x": (0.0, SET_OFF),
-        "rod_off_y": (0.0, SET_OFF),
     }
 )
-Progress = Callable[[float], None]
 Function = Callable[[Values], tuple[Array, Array]]
 
 
@@ -322,7 +318,8 @@ def prior_block(beliefs: Mapping[str, tuple[float, float]]) -> DataBlock:
     known to be 1: give `noise={PRIOR_KIND: 1.0, ...}` to `identify`. Raises InvalidInput for no
     belief or a deviation that is not positive.
 
-    >>> prior_block({"pusher_friction": (0.15, 0.03)}).residuals({"pusher_friction": 0.18})[0].round(9).tolist()
+    >>> block = prior_block({"pusher_friction": (0.15, 0.03)})
+    >>> block.residuals({"pusher_friction": 0.18})[0].round(9).tolist()
     [1.0]
     """
     if not beliefs:
@@ -346,7 +343,7 @@ def linear_block(
     groups: Labels,
     kinds: Kinds,
 ) -> DataBlock:
-    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times its parameters."""
+    """Return the block of measured values (n,) that are ``jacobian`` (n, k) times parameters."""
 
     def function(values: Values) -> tuple[Array, Array]:
         return jacobian @ [values[key] for key in parameters] - measured, jacobian
@@ -358,8 +355,9 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
     """Return how the floor's shape in each session may differ from its mean, as a block of data.
 
     Rows are differences (kPa), whose noise is the spread between sessions: `identify` estimates it
-    along (restricted maximum likelihood), as if two sessions more had differed by 2 kPa. odd :
-    sessions that do not count to the mean.
+    along (restricted maximum likelihood), as if two sessions more had differed by 2 kPa, and
+    believed to be half-normal of that width: the data of a plate tell the sum of its shape and the
+    floor's alone. odd : sessions that do not count to the mean.
 
     >>> block = session_block(["a", "b"])
     >>> values = {name: 3.0 * name.endswith("dome[b]") for name in block.parameters}
@@ -379,7 +377,7 @@ def session_block(sessions: Sequence[str], odd: Sequence[str] = ()) -> DataBlock
     )
     kinds = np.where(counted, np.tile(SESSION_KINDS, len(sessions)), PRIOR_KIND)
     kinds = np.concatenate([kinds, np.tile(SESSION_KINDS, _BELIEVED_SESSIONS)])
-    usual = np.concatenate([np.zeros(len(names)), np.full(believed, -_USUAL_SPREAD)])
+    usual = np.concatenate([np.zeros(len(names)), np.full(believed, -USUAL_SPREAD)])
     groups = np.arange(usual.size) // len(FLOOR_NAMES)
     return linear_block("sessions", (*names, *FLOOR_NAMES), jacobian, usual, groups, kinds)
 
@@ -400,13 +398,3 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
         for name in names
         if plain[name] in USUAL and name not in of_sessions
     }
-
-
-def part_of(progress: Progress | None, number: float, count: float) -> Progress:
-    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
-    that is done.
-
-    >>> part_of(print, 1, 4)(0.5)
-    0.375
-    """
-    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -21,7 +21,6 @@ from cyclemap.evidence.identification.data_block import (
     DataBlock,
     JointProblem,
     Labels,
-    Progress,
     prior_block,
 )
 from cyclemap.evidence.identification.identifiability import Uncertainty, uncertainty
@@ -45,6 +44,7 @@ from cyclemap.evidence.identification.surface_parameters import (
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
+from cyclemap.progress import Progress
 from cyclemap.written import UNWRITTEN
 
 # A fold's fit starts from that to all: it is close when the deviance stands still to this share.

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cyclemap.evidence.identification.data_block import SESSION_KINDS, DataBlock
+from cyclemap.evidence.identification.data_block import SESSION_KINDS, USUAL, DataBlock
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
@@ -22,11 +22,14 @@ from cyclemap.mechanics import Material, PlatePressure
 
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
-# What is told of the friction ellipse, but for its size, which no motion tells.
-ELLIPSE = SURFACE.names[1:5]
-_FOUND = ("pusher_friction", "pin_friction_radius")
+# What a floor tells of the friction ellipse, but for its size, which no motion tells, and the ring.
+_ELLIPSE, _RING = SURFACE.names[1:5], "pin_friction_radius"
+FLOOR_TOLD = (*_ELLIPSE, _RING)
+_FOUND = ("pusher_friction", _RING)
+# Samples that differ by less than this share of their mean are all the same.
+_ALIKE = 1e-9
 # How well a material knows what it has no samples of.
-_SURE, _SURE_SHAPE = {"pusher_friction": 0.02, "pin_friction_radius": 5e-4}, 0.5
+_SURE, _SURE_SHAPE = {"pusher_friction": 0.02, _RING: 5e-4}, 0.5
 
 
 def known_beliefs(
@@ -37,8 +40,9 @@ def known_beliefs(
 
     plate : the object that names without one are of. Samples are of new sessions: of the floor's
         mean the spread between sessions is taken off again, down to what the number of its sessions
-        leaves. Without samples shapes are taken as known to .5 kPa, the rod's friction to .02, the
-        ring's lever to .5 mm, the friction ellipse as it stands.
+        leaves. Without samples, or of what is alike in all of them, shapes are taken as
+        known to .5 kPa, the rod's friction to .02, the ring's lever to .5 mm, the friction ellipse
+        as it stands.
     """
     if floor is None:
         return {}
@@ -51,11 +55,10 @@ def known_beliefs(
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
         best = float(np.mean(samples)) if samples else stated
-        width = (
-            float(np.std(samples))
-            if samples
-            else _SURE.get(plain, 0.0 if plain in ELLIPSE else _SURE_SHAPE)
-        )
+        width = float(np.std(samples)) if samples else 0.0
+        # What is left of alike numbers is rounding.
+        if width <= _ALIKE * abs(best):
+            width = _SURE.get(plain, 0.0 if plain in _ELLIPSE else _SURE_SHAPE)
         if plain in FLOOR_NAMES:
             spread = floor.session_spread[FLOOR_NAMES.index(plain)]
             least = max(
@@ -69,7 +72,7 @@ def known_beliefs(
 
 def _told(material: Material, name: str, plate: str) -> float | None:
     """What a material tells of an unknown by its plain name."""
-    if name in ELLIPSE:
+    if name in _ELLIPSE:
         return getattr(SurfaceParameters.from_friction(material.friction), name)  # type: ignore[no-any-return]
     if name in _FOUND:
         return getattr(material.found_with, name)  # type: ignore[no-any-return]
@@ -114,13 +117,15 @@ def held_values(
     free: Sequence[str],
     floor: Material | None = None,
 ) -> dict[str, float]:
-    """Return the values of what is held: the friction ellipse, as the space has it, and how a
-    floor's shape varies.
+    """Return the values of what is held: the friction ellipse, as the space has it, a ring of which
+    nothing is told, as usual, and how a floor's shape varies.
     """
     asked = {name for block in blocks for name in block.parameters} - {*free}
     values = {
         name: at for name, at in space.nominal.items() if name in asked and name in space.names[:5]
     }
+    if _RING in asked and space[_RING].nominal == 0.0:
+        values[_RING] = USUAL[_RING][0]
     heights = np.zeros(len(FIELD_NAMES))
     if floor is not None and floor.field is not None:
         factors = field_factors().reshape(-1, len(FIELD_NAMES))

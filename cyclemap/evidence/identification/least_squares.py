@@ -15,10 +15,11 @@ from cyclemap.checks import finite_number, positive_number, read_only, whole_num
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact, unknown_name
 from cyclemap.evidence.identification.data_block import (
     BELIEF_KINDS,
+    SESSION_KINDS,
+    USUAL_SPREAD,
     JointProblem,
-    Progress,
-    part_of,
 )
+from cyclemap.progress import Progress, part_of
 
 # Noise smaller than this share of the residuals at the start is no noise, but rounding.
 _LEAST_NOISE = 1e-9
@@ -126,8 +127,10 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class MultiStart:
-    """The best of several starts. arrived : how many ended there. failures : why those without any
-    answer had none.
+    """The best of several starts.
+
+    arrived : how many ended there.
+    failures : why those without any answer had none.
     """
 
     best: Fit
@@ -295,11 +298,18 @@ class Search:
                 f"the parameters can follow all rows of {names[kind]!r} (redundancy "
                 f"{redundancy[kind]:.2g}): give its noise, or more data"
             )
+        left_over = np.maximum(redundancy, _LEAST_REDUNDANCY)
+        between_sessions = np.isin(names, SESSION_KINDS)
         # Weights follow the noise, which costs nothing; what a row leaves over stays, and is told
         # anew after the fit.
         for _ in range(_WEIGHTINGS):
-            square = np.bincount(index, weight * fit.residuals**2, len(names))
-            found = np.maximum(np.sqrt(square / np.maximum(redundancy, _LEAST_REDUNDANCY)), floor)
+            variance = np.bincount(index, weight * fit.residuals**2, len(names)) / left_over
+            # The most likely spread sigma under a half-normal belief of this width:
+            # sigma^4 / width^2 + rows sigma^2 = squares.
+            half = 0.5 * left_over * USUAL_SPREAD**2
+            tame = half * (np.sqrt(1.0 + 2.0 * variance / half) - 1.0)
+            variance = np.where(between_sessions, tame, variance)
+            found = np.maximum(np.sqrt(variance), floor)
             before, noise = noise, np.where(np.isnan(held), found, held)
             if np.max(np.abs(np.log(noise / before))) < _SETTLED:
                 break
@@ -334,8 +344,9 @@ def multi_start(
     passed over.
 
     known : noise of some kinds by name, taken as given. `progress` is called with the fraction
-        done. Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an
-        answer.
+        done.
+
+    Raises InvalidInput for noise of an unknown kind, ConvergenceError if no start has an answer.
     """
     search, fits, failures = Search(problem, law, known), [], []
     for number, start in enumerate(starts):

@@ -522,8 +522,9 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     """Return the unknowns of a surface, what is neither free nor given having the loop's value.
 
     start : a material from which every search begins; its friction, and what was found with it,
-        then also stand for what is not free. Raises InvalidInput for a footprint of points, which
-        no block of data takes.
+        then also stand for what is not free.
+
+    Raises InvalidInput for a footprint of points, which no block of data takes.
 
     >>> space = starting_space(CollectionLoop.mit("isotropic"))
     >>> space["pusher_friction"].nominal, space["floor_dome"].nominal

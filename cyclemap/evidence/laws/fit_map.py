@@ -7,7 +7,6 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -105,8 +104,8 @@ class WornLaw:
         )
 
     def at(self, cycle: float) -> PeriodicLaw:
-        """The law of one cycle (any real number),
-        with the covariance of that cycle's coefficients."""
+        """The law of one cycle (any real number), with the covariance of that cycle's
+        coefficients."""
         now = _polynomials(
             np.array([finite_number("cycle", cycle)]), self.first, self.last, self.degree
         )[0]
@@ -360,12 +359,26 @@ def fit_map(
     """
     angles, images = paired_arrays("theta_next", theta, theta_next)
     images = angles + _without_jumps(angles, images)
-    options: dict[str, Any] = {"harmonics": harmonics, "max_harmonics": max_harmonics, "seed": seed}
-    options["noise_harmonics"] = noise_harmonics
-    law = fit_periodic_law(angles, images - angles, **options)
+    law = fit_periodic_law(
+        angles,
+        images - angles,
+        harmonics=harmonics,
+        max_harmonics=max_harmonics,
+        noise_harmonics=noise_harmonics,
+        seed=seed,
+    )
     if cycle is None:
         return FittedMap(law)
-    wear = fit_worn_law(angles, images - angles, cycle, degree=wear_degree, **options)
+    wear = fit_worn_law(
+        angles,
+        images - angles,
+        cycle,
+        harmonics=harmonics,
+        max_harmonics=max_harmonics,
+        degree=wear_degree,
+        noise_harmonics=noise_harmonics,
+        seed=seed,
+    )
     return FittedMap(law, wear)
 
 

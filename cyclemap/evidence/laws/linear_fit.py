@@ -5,19 +5,18 @@ order.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Whole
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.errors import InvalidInput
 
 FOLDS, BLOCKS_A_FOLD, SMALLEST_BLOCK = 10, 5, 8
 
 
-def fourier_columns(theta: Any, harmonics: int) -> Array:
+def fourier_columns(theta: ArrayLike, harmonics: int) -> Array:
     """The columns 1, cos θ, sin θ, cos 2θ, sin 2θ, ...: shape (..., 2·harmonics + 1) for θ (...) in
     radians.
 
@@ -35,8 +34,8 @@ def fourier_columns(theta: Any, harmonics: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class LinearFit:
-    """Coefficients (p,), their covariance (p, p),
-    the residuals (n,) and the scatter of one value."""
+    """Coefficients (p,), their covariance (p, p), the residuals (n,) and the scatter of one
+    value."""
 
     coefficients: Array
     covariance: Array
@@ -101,7 +100,7 @@ def student_quantile(level: float, freedom: float) -> float:
     return float(stdtrit(freedom, 0.5 + 0.5 * probability))
 
 
-def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
+def cycle_folds(count: int, seed: int) -> Whole:
     """The fold (0 to 9) of each of ``count`` values in order of recording: shape (count,).
 
     Neighbours in time stand at nearly the same angle and share their errors, so they are left out
@@ -124,8 +123,8 @@ def cycle_folds(count: int, seed: int) -> NDArray[np.int64]:
 def nested_errors(
     design: Array,
     value: Array,
-    sizes: NDArray[np.int64],
-    fold: NDArray[np.int64],
+    sizes: Whole,
+    fold: Whole,
     weight: Array | float = 1.0,
 ) -> Array:
     """Squared errors of prediction (n, k) when the first sizes[j] columns are fitted without the
@@ -148,9 +147,7 @@ def nested_errors(
     return errors
 
 
-def simplest_good(
-    errors: Array, sizes: NDArray[np.int64], fold: NDArray[np.int64]
-) -> tuple[int, Array]:
+def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]:
     """The one-standard-error rule (Breiman et al. 1984) with paired differences: (index, mean
     (k,)).
 

@@ -5,7 +5,6 @@ and uncertainty.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -178,8 +177,8 @@ class PeriodicLaw:
     total_std : float
         Standard deviation of the values fitted.
     lag_correlation : float
-        Of each residual with the next in order of recording; far from 0, the covariance, that
-        of independent residuals, is too small.
+        Of each residual with the next in order of recording, 0 where all are rounding; far from 0,
+        the covariance, that of independent residuals, is too small.
     rmse_by_order : ndarray, shape (orders,), or None
         Root mean square error in values left out, by order, inf where it cannot be fitted; None
         where the order was given.
@@ -248,11 +247,11 @@ class PeriodicLaw:
         """
         return 100.0 * self.rmse / abs(self.mean) if self.mean != 0.0 else float("inf")
 
-    def __call__(self, theta: Any) -> Array:
+    def __call__(self, theta: ArrayLike) -> Array:
         """The law at θ (radians, any shape)."""
         return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)
 
-    def slope(self, theta: Any) -> Array:
+    def slope(self, theta: ArrayLike) -> Array:
         """dy/dθ, per radian."""
         order = np.arange(self.harmonics + 1)
         multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
@@ -260,7 +259,7 @@ class PeriodicLaw:
             np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
         )
 
-    def standard_error(self, theta: Any) -> Array:
+    def standard_error(self, theta: ArrayLike) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
         columns = fourier_columns(theta, self.harmonics)
         return np.asarray(
@@ -269,12 +268,12 @@ class PeriodicLaw:
             )
         )
 
-    def noise(self, theta: Any) -> Array:
+    def noise(self, theta: ArrayLike) -> Array:
         """The standard deviation of one value about the law at θ."""
         columns = fourier_columns(theta, self.log_variance.size // 2)
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
-    def half_bands(self, theta: Any, level: float = 0.95) -> tuple[Array, Array]:
+    def half_bands(self, theta: ArrayLike, level: float = 0.95) -> tuple[Array, Array]:
         """How far Student's bands reach to either side of the law.
 
         Parameters
@@ -424,6 +423,8 @@ def law_of(
     """The law of a fit to ``values`` (n,) whose coefficients are those of ``fourier_columns``."""
     off = fit.residuals
     power = float(off @ off)
+    # Residuals of rounding size follow each other by how sums are rounded, not by the data.
+    rounding = 1e-26 * float(values @ values)
     return PeriodicLaw(
         fit.coefficients,
         fit.covariance,
@@ -433,7 +434,7 @@ def law_of(
         rmse=float(np.sqrt(np.mean(off**2))),
         mean=float(np.mean(values)),
         total_std=float(np.std(values, ddof=1)) if values.size > 1 else 0.0,
-        lag_correlation=float(off[1:] @ off[:-1]) / power if power > 0.0 else 0.0,
+        lag_correlation=float(off[1:] @ off[:-1]) / power if power > rounding else 0.0,
         rmse_by_order=rmse_by_order,
     )
 

@@ -68,8 +68,9 @@ def candidate_pushes(
     """Return at most `count` of the pushes that can be set up, a random choice of them, of all
     sides alike.
 
-    grid : rad, between orientations that a hand sets; None: any, for a robot. longest : m, of a
-        push.
+    grid : rad, between orientations that a hand sets; None: any, for a robot.
+    longest : m, of a push.
+
     Raises InvalidInput for an object without a place for the rod.
     """
     slider, radius = loop.slider, loop.pusher.radius

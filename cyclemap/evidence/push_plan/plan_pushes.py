@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import non_negative_number, positive_number, whole_number
+from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
@@ -27,11 +27,11 @@ from cyclemap.evidence.push_plan.sensitivity import (
     sampled_beliefs,
     target_of,
 )
-from cyclemap.evidence.pushes.measured_strokes import push_noise
+from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
 
 MOST_PUSHES = 32
-# How far a ruler and a phone are off, m and rad.
-READ = (1e-3, math.radians(1.0))
+# Candidates times samples: each is a push that is run, and some thousand numbers.
+MOST_RUNS = 50_000
 # Of random pushes, how many sets are looked at; how often every push may be exchanged.
 _RANDOM_SETS, _ROUNDS = 12, 2
 # Of what exchanges gain less than this share is left.
@@ -147,8 +147,8 @@ def plan_pushes(
     samples : int, default 30
         How many floors are looked at.
     candidates : int, default 160
-        Among how many pushes is chosen; the time goes with both, 5 s on two cores for the
-        defaults.
+        Among how many pushes is chosen; time and memory go with both, 5 s on two cores for the
+        defaults. Their product is at most 50,000.
     seed : int, default 0
         Of the choice of candidates.
     progress : callable or None, optional
@@ -162,14 +162,15 @@ def plan_pushes(
     Raises
     ------
     InvalidInput
-        For a material without samples, a room too small, or numbers that make no sense.
+        For a material without samples, a room too small, more samples and candidates than there is
+        room for, or numbers that make no sense.
 
     Notes
     -----
-    A rod is taken to be set 2 mm off its mark (standard deviation), so that pushes which depend on
-    that tell less. No push is planned twice: most of what a model misses of a push it misses again
-    when that is repeated. Errors of pushes are taken as independent and alike, of a long push as of
-    a short one.
+    A rod is taken to be set 2 mm off its mark (standard deviation), and an object to lie as wrongly
+    as it is read, so that pushes which depend on that tell less. No push is planned twice: most of
+    what a model misses of a push it misses again when that is repeated. Errors of pushes are taken
+    as independent and alike, of a long push as of a short one.
 
     Examples
     --------
@@ -193,16 +194,15 @@ def plan_pushes(
         raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
     for side in room:
         positive_number("width and depth of a room", side)
-    noise = push_noise(
-        (non_negative_number("error in m", read[0]), non_negative_number("error in rad", read[1]))
-    )
+    for error, unit in zip(read, ("m", "rad"), strict=True):
+        non_negative_number(f"error in {unit}", error)
     report = progress or (lambda fraction: None)
-    known = sampled_beliefs(loop, whole_number("samples", samples, least=2))
-    longest = 0.6 * max(room)
-    offered = candidate_pushes(
-        loop, whole_number("candidates", candidates, least=asked), grid, longest, seed
-    )
-    ends, by, by_set = push_sensitivity(known, offered, noise)
+    whole_number("samples", samples, least=2)
+    whole_number("candidates", candidates, least=asked)
+    require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+    known = sampled_beliefs(loop, samples)
+    offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
+    ends, by, by_set = push_sensitivity(known, offered, read)
     report(0.5)
     fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
     kept = [index for index, push in enumerate(fitting) if push is not None]
@@ -212,35 +212,22 @@ def plan_pushes(
             f"{len(offered)} pushes"
         )
         raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
-    wanted = target_of(known, target, by, noise)
+    wanted = target_of(known, target, by, push_noise(read))
     report(0.8)
     design = Design(known.covariance, by_set[:, kept], wanted)
     first = design.greedy(min(max(asked, *COUNTS), len(kept)))
     chosen = design.ordered(design.exchanged(first[:asked]))
-    rng = np.random.default_rng(seed)
-    sets = [rng.permutation(len(kept)).tolist() for _ in range(_RANDOM_SETS)]
-    knowledge = []
-    for some in sorted({0, asked, *(few for few in COUNTS if few <= len(first))}):
-        drawn = [design.knowledge(order[:some]) for order in sets]
-        mean = {
-            name: math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
-            for name in drawn[0]
-        }
-        knowledge.append(
-            Knowledge(some, design.knowledge(chosen if some == asked else first[:some]), mean)
-        )
     losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
     missed = chosen[int(np.argmax(losses))]
     report(1.0)
     pushes = tuple(push for index in chosen if (push := fitting[kept[index]]) is not None)
     shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
-    likely = ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift
     return PushPlan(
         loop,
         target,
         pushes,
-        likely,
-        tuple(knowledge),
+        ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift,
+        _knowledge(design, first, chosen, seed),
         design.knowledge([index for index in chosen if index != missed]),
         wanted.chance,
         room,
@@ -248,6 +235,25 @@ def plan_pushes(
         len(known.values),
         len(kept),
     )
+
+
+def _knowledge(
+    design: Design, first: list[int], chosen: list[int], seed: int
+) -> tuple[Knowledge, ...]:
+    """What will be known after none, after some of `first`, after those `chosen`, and after as many
+    random ones.
+    """
+    rng, count = np.random.default_rng(seed), design.rows.shape[1]
+    sets = [rng.permutation(count).tolist() for _ in range(_RANDOM_SETS)]
+    told = []
+    for some in sorted({0, len(chosen), *(few for few in COUNTS if few <= len(first))}):
+        planned = design.knowledge(chosen if some == len(chosen) else first[:some])
+        drawn = [design.knowledge(order[:some]) for order in sets]
+        random = {}
+        for name in planned:
+            random[name] = math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
+        told.append(Knowledge(some, planned, random))
+    return tuple(told)
 
 
 class Design:

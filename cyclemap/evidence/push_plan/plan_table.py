@@ -65,9 +65,9 @@ def empty_table(
 ) -> tuple[list[str], list[list[object]]]:
     """Return the header and the rows of a table to fill in.
 
-    read : error of a reading, m and rad. by : `corners`, the places of two marks as a ruler tells
-        them; `pose`, places and orientations, and those of the robot's rod. Columns of the other
-        sort may be added: both are read.
+    read : error of a reading, m and rad.
+    by : `corners`, the places of two marks as a ruler tells them; `pose`, places and orientations,
+        and those of the robot's rod. Columns of the other sort may be added: both are read.
     """
     columns = mark_columns if by == "corners" else pose_columns
     empty = [name for state in "012" for name in columns(state)]

@@ -23,11 +23,12 @@ from cyclemap.evidence.data_blocks.stroke_block import (
     cycles_by_unknowns,
     drag_turn_block,
     interpolation,
-    push_end_block,
+    surface_model,
 )
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters, starting_space
+from cyclemap.evidence.predicted_strokes import PUSH_NAMES, predicted_push_ends
 from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.pushes.measured_strokes import SET_OFF
+from cyclemap.evidence.pushes.measured_strokes import push_noise, set_up_errors
 from cyclemap.mechanics import Pose
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS
 
@@ -80,27 +81,28 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 
 
 def push_sensitivity(
-    known: Beliefs, pushes: Sequence[SetPush], noise: Array
+    known: Beliefs, pushes: Sequence[SetPush], read: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by
     UNKNOWNS, twice.
 
     Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the
-    ring to where the ring was before the push, rad. noise (4,) : of these. The derivatives (s, n,
-    4, k) are over it; then over it and what a rod adds that is set a little off its mark: a push
-    that depends on that tells less.
+    ring to where the ring was before the push, rad. read : how far readings are off, m and rad. The
+    derivatives (s, n, 4, k) are over the noise; then over it and what a hand adds that sets a rod a
+    little off its mark, and an object a little turned: a push that depends on that tells less.
     """
     slider, radius = known.loop.slider, known.loop.pusher.radius
-    starts = np.array([(push.start.x, push.start.y, push.start.theta) for push in pushes])
-    block = push_end_block([push.measured(slider, radius) for push in pushes], slider)
+    noise, set_up = push_noise(read), set_up_errors(read)
+    made = [push.measured(slider, radius) for push in pushes]
     ends, plain, derivatives = [], [], []
     for values in known.values:
-        residual, jacobian = block.residuals({**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0})
-        ends.append(starts + residual.reshape(-1, 3))
-        shifted = jacobian.reshape(len(pushes), 3, -1)[..., -2:]
-        by = block.columns_by(UNKNOWNS, jacobian).reshape(len(pushes), 3, -1)
+        surface = SurfaceParameters.from_values(values)
+        model = surface_model(surface, slider)
+        moved, by_all, _ = predicted_push_ends(model, made, names=PUSH_NAMES)
+        by = surface.chain(by_all[..., :-3], PUSH_NAMES, UNKNOWNS)
+        ends.append(moved)
         plain.append(by / noise[:3, None])
-        derivatives.append(over_noise(by, shifted, noise[:3]))
+        derivatives.append(over_noise(by, by_all[..., -3:] * set_up, noise[:3]))
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
@@ -112,13 +114,13 @@ def push_sensitivity(
     return np.array(ends), first, second
 
 
-def over_noise(by: Array, by_rod: Array, noise: Array) -> Array:
-    """Return derivatives by (n, 3, k) of pushes over their noise (3,) and that of where the rod is
-    set.
+def over_noise(by: Array, by_set_up: Array, noise: Array) -> Array:
+    """Return derivatives by (n, 3, k) of pushes over their noise (3,) and that of how they are set
+    up.
 
-    by_rod (n, 3, 2) : derivatives by the place of the rod.
+    by_set_up (n, 3, m) : what each way in which a push is set up wrongly adds, a deviation of it.
     """
-    covariance = np.diag(noise**2) + SET_OFF**2 * by_rod @ by_rod.swapaxes(-1, -2)
+    covariance = np.diag(noise**2) + by_set_up @ by_set_up.swapaxes(-1, -2)
     return np.asarray(np.linalg.solve(np.linalg.cholesky(covariance), by))
 
 
@@ -196,24 +198,23 @@ def cycle_map_by_unknowns(
 def _direction(known: Beliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
     theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
-    rows, margins = [], []
+    rows, margins = list[Array](), list[float]()
     for values in known.values:
         turn, slope, by = cycle_map_by_unknowns(known.loop, values, theta)
-        following = np.roll(turn, -1)
-        stable = np.flatnonzero((turn > 0.0) & (following <= 0.0) & (slope > -2.0) & (slope < 0.0))
-        rows.append([-by[index] / slope[index] for index in stable.tolist()])
+        falls = (turn > 0.0) & (np.roll(turn, -1) <= 0.0)
+        stable = falls & (slope > -2.0) & (slope < 0.0)
         # The turn that decides: the extreme that is nearest to nought, whose sign would end or
         # begin the lock.
         extremes = [int(np.argmin(turn)), int(np.argmax(turn))]
         nearest = min(extremes, key=lambda index: abs(float(turn[index])))
-        rows[-1].insert(0, by[nearest])
+        rows.append(np.vstack([by[nearest], -by[stable] / slope[stable, None]]))
         margins.append(abs(float(turn[nearest])))
-    most = max(map(len, rows))
-    gradient = np.array([row + [np.zeros(len(UNKNOWNS))] * (most - len(row)) for row in rows])
-    margin = np.array(margins)
-    has = np.array([[place < len(row) for place in range(1, most)] for row in rows]).reshape(
-        len(rows), most - 1
-    )
+    gradient = np.zeros((len(rows), max(map(len, rows)), len(UNKNOWNS)))
+    has = np.zeros(gradient.shape[:2], dtype=bool)
+    for sample, row in enumerate(rows):
+        gradient[sample, : len(row)] = row
+        has[sample, : len(row)] = True
+    margin, has = np.array(margins), has[:, 1:]
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:

@@ -8,19 +8,28 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+import warnings
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from itertools import chain
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
 from cyclemap.text_files import CsvRow, CsvTable
 
+if TYPE_CHECKING:
+    import pandas
+
+# What stands in a field without a number.
+_NOTHING = ("", "nan", "na", "null", "none")
 # A row of a table by its columns: numbers, NaN where unknown, and texts, None where unknown.
 Row = dict[str, Any]
+# The values of facts, SI units and radians, by which rows are chosen.
+Selection = Mapping[str, str | float]
 
 DEGREE = math.radians(1.0)
 ANGLE_UNITS = {"deg": DEGREE, "rad": 1.0, "turn": 2.0 * math.pi}
@@ -28,9 +37,10 @@ LENGTH_UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 UNITS = ANGLE_UNITS | LENGTH_UNITS | TIME_UNITS
 UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
-    "radians": "rad",
-    "metres": "m",
-    "meters": "m",
+    **dict.fromkeys(("radian", "radians"), "rad"),
+    **dict.fromkeys(("metres", "meters"), "m"),
+    **dict.fromkeys(("millimetres", "millimeters"), "mm"),
+    "seconds": "s",
     **dict.fromkeys(("in", "inches"), "inch"),
     **dict.fromkeys(("turns", "rev", "revs", "revolutions"), "turn"),
 }
@@ -39,6 +49,9 @@ UNIT_WORDS = dict.fromkeys(("degrees", "degree", "°", "grad"), "deg") | {
 _NO_RADIANS, _NO_RADIANS_UNWRAPPED, _NO_METRES = 7.0, 4.0 * math.pi, 3.0
 # So many angles that fill so much of one and no more are turns as likely as radians.
 _TELLING, _MOST_OF_A_TURN = 8, 0.7
+# No cycle scatters by as many radians, and hardly one by as few degrees; orientations all around
+# reach over more than so many radians.
+_ROUGH, _MOST_OF_A_CIRCLE, _MANY_TURNS = 0.35, 5.6, 200.0
 # Times beyond this count from 1970, seconds to 1e11, thousandths of them from there to 1e14, and so
 # on.
 _AN_EPOCH = 1e8
@@ -87,15 +100,27 @@ class Column:
 
 _ANGLE = r"(?:yaw|theta|th|angle|orientation|heading|rot|rotation|rz|winkel)"
 _ENDS = {
-    "0": r"(?:0|before|start|initial|init|pre|vorher|first)",
-    "1": r"(?:1|after|end|final|post|nachher|last)",
+    "0": r"(?:0|i|before(?:_push)?|start|initial|init|pre|vorher|vor|first)",
+    "1": r"(?:1|f|after(?:_push)?|end|final|post|nachher|nach|last)",
 }
-_ROD = r"(?:tip|rod|pusher|finger|tool|ee|tcp)_"
+_ROD = r"(?:tip|rod|pusher|finger|tool|robot|ee|tcp)_"
+# Words of a name that tell no column from another, where others stand beside them.
+_IDLE = (
+    r"field|pose|pos|position|transform|translation"
+    r"|object|objekt|obj|box|block|slider|tag|marker|body"
+)
 QUATERNION = ("qx", "qy", "qz", "qw")
+# What may be told of a file beside its columns: the topic of a bag, the sheet of a workbook.
+OF_THE_FILE = ("pose", "sheet")
 # The object's pose before and after a push, and the places of the rod then.
 ENDS = ("x0", "y0", "theta0", "x1", "y1", "theta1")
 PLACES = {"x0", "y0", "x1", "y1"}
 RODS = ("tip_x0", "tip_y0", "tip_x1", "tip_y1")
+# Its pose before and after a drag.
+DRAG_ENDS = ("x1", "y1", "theta1", "x0n", "y0n", "theta_next")
+# Forces and torque on an object, N, and the twist they keep up, m/s, both with the same length.
+WRENCH_COLUMNS = ("fx", "fy", "m_over_rho")
+TWIST_COLUMNS = ("vx", "vy", "w_times_rho")
 
 
 def _at_ends(
@@ -115,25 +140,34 @@ def _at_ends(
     )
 
 
-def _quaternion(name: str) -> Column:
-    words = r"orientation|quat(?:ernion)?"
-    return Column(name, Kind.NUMBER, {}, (rf"(?:(?:{words})_)?{name}", rf"(?:{words})_{name[1]}"))
+def _quaternion(name: str) -> tuple[Column, ...]:
+    """A part of a moving object's quaternion, and of those before and after a push."""
+    words = r"orientation|quat(?:ernion)?|rotation"
+    part = rf"(?:(?:(?:{words})_)?q_?{name[1]}|(?:{words})_{name[1]})"
+    return Column(name, Kind.NUMBER, {}, (part,)), *_at_ends(f"{name}{{}}", Kind.NUMBER, part)
 
 
-_NEXT = rf"(?:{_ANGLE}_next|next_{_ANGLE}|th0n)(?:_?0)?"
+_NEXT = rf"(?:{_ANGLE}_(?:next|after_reset|after_drag)|next_{_ANGLE}|th0n)(?:_?0)?"
+_TIME = r"(?:header_)?(?:stamp_)?(?:t|time|secs?|seconds|zeit)|(?:header_)?stamp"
+_MOMENT = r"(?:utc|local|ros|unix|system|elapsed)_time|time_?stamp|date(?:_?time)?|zeitstempel"
+_NANOSECONDS = r"(?:header_)?(?:stamp_)?n(?:ano)?secs?"
 _REPETITION = r"rep|repetition|push(?:_(?:nr|no|number|index))?|cycle|nr|no|number|id|index"
-_LENGTH = r"push_?length|push_?distance|push(?=_mm)|push"
+_LENGTH = r"push_?length|push_?distance|push"
+_GOOD = r"(?:is_?)?(?:success(?:ful)?|succeeded|ok|okay|valid|good)"
+_BAD = r"(?:is_?)?(?:fail(?:ed|ure)?|invalid|bad|outlier|excluded?|discard(?:ed)?|skip(?:ped)?)"
 # In the order in which columns of other tables are looked for; those without a pattern stand in
 # tables of ours alone.
 _ALL = (
     *_at_ends("theta{}", Kind.ANGLE, _ANGLE, others={"th{}": 1.0, "theta{}_deg": DEGREE}),
     Column("theta_next", Kind.ANGLE, {"th0n": 1.0}, (_NEXT,)),
     Column("theta", Kind.ANGLE, {}, (_ANGLE,)),
-    *_at_ends("x{}", Kind.PLACE, "(?:pos_?)?x"),
-    *_at_ends("y{}", Kind.PLACE, "(?:pos_?)?y"),
-    Column("x", Kind.PLACE, {}, (r"(?:pos(?:ition)?_)?x",)),
-    Column("y", Kind.PLACE, {}, (r"(?:pos(?:ition)?_)?y",)),
-    Column("t", Kind.TIME, {}, (r"t|time|timestamp|stamp|secs?|seconds|zeit",)),
+    *_at_ends("x{}", Kind.PLACE, "(?:pos_?|t)?x"),
+    *_at_ends("y{}", Kind.PLACE, "(?:pos_?|t)?y"),
+    Column("x", Kind.PLACE, {}, (r"(?:pos|t)?x",)),
+    Column("y", Kind.PLACE, {}, (r"(?:pos|t)?y",)),
+    Column("z", Kind.PLACE, {}, (r"(?:pos|t)?z",)),
+    Column("t", Kind.TIME, {}, (_TIME, _MOMENT)),
+    Column("nanoseconds", Kind.NUMBER, {}, (_NANOSECONDS,)),
     Column("episode", Kind.NUMBER, {}, (r"episode(?:_index|_id)?|trial|push_id",)),
     Column("repetition", Kind.NUMBER, {"rep": 1.0}, (_REPETITION,)),
     Column("length", Kind.LENGTH, {"push_mm": 1e-3}, (_LENGTH,)),
@@ -143,10 +177,21 @@ _ALL = (
     Column("object", Kind.TEXT, {"shape": 1.0}, ("object|shape",)),
     *_at_ends("tip_x{}", Kind.PLACE, "x", _ROD),
     *_at_ends("tip_y{}", Kind.PLACE, "y", _ROD),
-    *(_quaternion(name) for name in QUATERNION),
+    *chain.from_iterable(map(_quaternion, QUATERNION)),
+    Column("good", Kind.NUMBER, {}, (_GOOD,)),
+    Column("bad", Kind.NUMBER, {}, (_BAD,)),
+    # Between collections that one table holds.
+    Column("run", Kind.TEXT, {}, (r"run(?:_(?:nr|no|number|index|id))?|session|series",)),
     Column("angle", Kind.NUMBER, {"t": 1.0}),
     Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
+    Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
+    # How far off readings are, and whether rod and object were seen in one frame.
+    Column("read_error", Kind.NUMBER, {"error_mm": 1e-3}),
+    Column("read_turn_error", Kind.NUMBER, {"error_deg": DEGREE}),
+    Column("frames_agree", Kind.NUMBER),
+    *(Column(name, Kind.NUMBER) for name in (*WRENCH_COLUMNS, *TWIST_COLUMNS)),
+    Column("source", Kind.TEXT),
     Column("dtheta", Kind.TURN),
     Column("force_ratio", Kind.NUMBER),
     # After the drag back; of staircases and pairs.
@@ -165,6 +210,11 @@ def named_column(table: CsvTable, column: str) -> str | None:
     return next((name for name in COLUMNS[column].names if name in table.header), None)
 
 
+def has_columns(table: CsvTable, columns: Collection[str]) -> bool:
+    """Return whether the header of a table of ours has all of these columns, by any name."""
+    return all(named_column(table, column) for column in columns)
+
+
 def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     """Return what a row of a table of ours tells for a column, SI units; NaN, of texts None, where
     it does not.
@@ -178,22 +228,90 @@ def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
     return COLUMNS[column].names[name] * table.number(row, name)
 
 
+def known_columns(
+    table: CsvTable, needed: Collection[str], most_lost: float = 1.0
+) -> pandas.DataFrame:
+    """Return what a table of ours tells: every known column, SI units, NaN (of texts None) where it
+    tells nothing, and the `path` and `line` of each row.
+
+    Rows without a number in a column that is needed are left out, and warned of. Raises
+    DataFileError where one of these columns is missing, or so large a share of the rows or more
+    is lost.
+    """
+    import pandas
+
+    names = {column: named_column(table, column) for column in needed}
+    missing = [column for column, name in names.items() if name is None]
+    if missing:
+        have = ", ".join(table.header)
+        raise table.error(1, f"column {', '.join(missing)} is missing; the header has {have}")
+    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
+    for row in table.rows:
+        empty = [
+            name for name in names.values() if name and table.text(row, name).lower() in _NOTHING
+        ]
+        if empty:
+            lost.append((row, empty[0]))
+        else:
+            kept.append(row)
+    if lost:
+        first, name = lost[0]
+        count = f"{len(lost)} of {len(table.rows)} rows"
+        if len(lost) >= most_lost * len(table.rows):
+            told = (
+                f"{name} is '{table.text(first, name)}'; it must be a number, and {count} lack one"
+            )
+            raise table.error(first.line, told)
+        told = f"{count} left out for want of a pose, the first in line {first.line}"
+        warnings.warn(f"{table.path}: {told}", DoubtfulInput, stacklevel=5)
+    columns = {column: [column_value(table, row, column) for row in kept] for column in COLUMNS}
+    lines = [row.line for row in kept]
+    return pandas.DataFrame(columns).assign(path=str(table.path), line=lines)
+
+
 # -- tables of one's own
 # ---------------------------------------------------------------------------------------------
 
 
+# Pixels are no length, but are told from a name.
+_PIXELS = "px"
+_UNIT = re.compile(
+    rf"[_\[(]({'|'.join(sorted([*UNITS, *UNIT_WORDS, _PIXELS], key=len, reverse=True))})[\])]*$"
+)
+
+
 def _bare(column: str) -> tuple[str, str]:
-    """A column's name without its unit, and the unit; both in small letters."""
-    name = re.sub(r"[\s.\-/]+", "_", column.strip().lower())
+    """A column's name without its unit and idle words, and the unit; both in small letters."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", column.strip().lstrip("%/"))
+    name = re.sub(r"[\s.\-/]+", "_", apart.lower())
     # One bracket, not a run of them: the search takes no longer than the name is.
-    found = re.search(
-        r"[_\[(](deg|degrees?|rad|radians|grad|°|mm|cm|m|metres|meters|in|inch|inches|turns?|revs?|revolutions|s|ms|us|ns)[\])]*$",
-        name,
-    )
+    found = _UNIT.search(name)
     told = name[: found.start()].rstrip("_[(") if found else ""
-    if found and told:
-        return told.strip("_"), UNIT_WORDS.get(found.group(1), found.group(1))
-    return name.strip("_"), ""
+    unit = found.group(1) if found and told else ""
+    words = (told if unit else name).strip("_").split("_")
+    busy = [word for word in words if not re.fullmatch(_IDLE, word)]
+    # A number of an object is none of a push.
+    idle = not busy or (len(busy) < len(words) and re.fullmatch(_REPETITION, "_".join(busy)))
+    return "_".join(words if idle else busy), UNIT_WORDS.get(unit, unit)
+
+
+def unit_word(field: str) -> bool:
+    """Whether a field of a table names a unit, in brackets or not."""
+    unit = field.strip().strip("[]()").lower()
+    return unit in UNITS or unit in UNIT_WORDS
+
+
+def has_unit(field: str) -> bool:
+    """Whether a field of a row is a unit, or ends with one behind its number."""
+    return unit_word(re.sub(r"^[-+\d.,]+", "", field.strip().strip('"')))
+
+
+def _fits(known: Column, column: str) -> bool:
+    """Whether a column is one of ours by its name, and its unit one of what that holds."""
+    name, unit = _bare(column)
+    lengths = (Kind.PLACE, Kind.LENGTH)
+    wanted = not unit or unit in UNITS_OF.get(known.kind, ()) or known.kind is Kind.TEXT
+    return known.fits(name) and (wanted or (unit == _PIXELS and known.kind in lengths))
 
 
 def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, str]:
@@ -201,7 +319,7 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
     is wanted, or two would do.
     """
     have = ", ".join(list(raw)[:20])
-    meaning = {name: column for name, column in told.items() if name != "pose"}
+    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
     for name, column in meaning.items():
         if column not in raw:
             raise InvalidInput(f"no column {column} for {name}; it has {have}")
@@ -209,21 +327,24 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
         if name in meaning:
             continue
         free = [column for column in raw if column not in meaning.values()]
-        hits = [column for column in free if known.fits(_bare(column)[0])]
-        if len(hits) > 1:
+        hits = [column for column in free if _fits(known, column)]
+        # Of two clocks either will do.
+        if len(hits) > 1 and known.kind is not Kind.TIME:
             both = f"{' and '.join(hits)} may both be {name}"
             raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
         if hits:
             meaning[name] = hits[0]
-    if "theta1" in meaning and "theta1" not in told and not set(meaning) >= PLACES:
+    asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
+    if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
-        told_by = f"Say --columns theta1={after} or theta_next={after}"
+        told_by = f"Say --columns theta1={after} or theta_next={after}; it has no x0, y0, x1, y1"
         raise InvalidInput(
             f"is {after} the orientation after the push, or before the next one? {told_by}"
         )
-    if 0 < len({*QUATERNION} & set(meaning)) < len(QUATERNION):
-        raise InvalidInput(f"of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
-    if not {"theta0", "theta", "qw"} & set(meaning):
+    for end in ("", "0", "1"):
+        if 0 < len({f"{part}{end}" for part in QUATERNION} & set(meaning)) < len(QUATERNION):
+            raise InvalidInput(f"of a quaternion all of qx, qy, qz, qw are wanted; it has {have}")
+    if not {"theta0", "theta", "qw", "qw0"} & set(meaning):
         # Of a moving object the orientation is wanted at every moment, and pushes are found in it.
         wanted = "theta" if {"t", "episode"} & set(meaning) else "theta0"
         mend = f"say which, --columns {wanted}=NAME"
@@ -236,8 +357,8 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
 def unit_of(
     name: str, meaning: Mapping[str, str], raw: Mapping[str, Array], units: Sequence[str]
 ) -> tuple[str, str]:
-    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to be
-    alike.
+    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to
+    be alike.
     """
     kind = COLUMNS[name].kind
     known = UNITS_OF[kind]
@@ -250,6 +371,9 @@ def unit_of(
     named = {other: _bare(meaning[other])[1] for other in alike}
     if named[name] in known:
         return named[name], f" in {named[name]}, by its name"
+    if named[name] == _PIXELS:
+        mend = "multiply its pixels by the length of one, and name it x0_mm or the like"
+        raise InvalidInput(f"{meaning[name]}: {mend}")
     of_others = {unit for unit in named.values() if unit in known}
     if len(of_others) == 1:
         unit = of_others.pop()
@@ -274,10 +398,47 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
     elif kind is Kind.ANGLE:
         _refuse_likely_turns(most, *next(iter(columns.items())))
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
+        if _may_be_either(unit, most, columns):
+            if len(columns) == 1:
+                told = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
+                mend = "radians, or degrees? Say --units rad or --units deg"
+                raise InvalidInput(f"{told}: {mend}")
+            # No two columns of degrees go on as smoothly.
+            unit = "rad"
     else:
         unit = "m" if most <= _NO_METRES else "mm"
     reach = "they reach" if len(columns) > 1 else "it reaches"
     return unit, f" in {unit}, guessed: {reach} {most:.4g}"
+
+
+def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool:
+    """Whether degrees may be radians that go on past a turn, or radians of orientations alone
+    scatter as degrees near 0 do.
+    """
+    known = [values[np.isfinite(values)] for values in columns.values()]
+    if min(map(len, known)) < _TELLING:
+        return False
+    if unit == "rad":
+        low, high = float(known[0].min()), float(known[0].max())
+        # Radians that are wrapped begin at 0 or at minus half a turn.
+        is_wrapped = low >= -math.pi - 0.01 and high <= (math.pi if low < -0.01 else 6.3) + 0.01
+        around = is_wrapped and high - low >= _MOST_OF_A_CIRCLE
+        return len(known) == 1 and not around and _scatter(known[0]) > _ROUGH
+    # Rows before and after pushes may take turns.
+    return most < _MANY_TURNS and any(
+        all(_goes_on_in_radians(values[::every]) for values in known) for every in (1, 2)
+    )
+
+
+def _goes_on_in_radians(values: Array) -> bool:
+    """Whether angles begin within a turn, and go on by less than half of one, smoothly."""
+    steps = float(np.quantile(np.abs(np.diff(values)), 0.95))
+    return abs(float(values[0])) <= 3.0 * math.pi and steps < math.pi and _scatter(values) < _ROUGH
+
+
+def _scatter(angles: Array) -> float:
+    """The usual deviation of an angle from the mean of its neighbours."""
+    return float(np.median(np.abs(np.diff(angles, n=2)))) / 0.6745 / 6**0.5
 
 
 def _refuse_likely_turns(most: float, name: str, values: Array) -> None:

@@ -150,7 +150,8 @@ class _Contact:
     """Contact at the times of n wrenches; vectors as complex numbers, in the object's frame but for
     the tip.
 
-    force : the normal part real, along the tangent imaginary. touching : see `contact_force_ratio`.
+    force : the normal part real, along the tangent imaginary.
+    touching : see `contact_force_ratio`.
     """
 
     time: Array

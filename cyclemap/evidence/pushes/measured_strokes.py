@@ -5,25 +5,27 @@ take part, and how far off they are.
 from __future__ import annotations
 
 import math
-import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
-from cyclemap.errors import DoubtfulInput, InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import Row, column_value
+from cyclemap.arrays import Array, Place, shorter_way
+from cyclemap.errors import DataFileError, InvalidInput, unknown_name
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, Row, Selection
 from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, PushTable, in_csv, load_pushes
 from cyclemap.mechanics import Pose, SidePush
-from cyclemap.text_files import CsvRow, CsvTable, file_stem, require_columns
+from cyclemap.progress import Progress
+from cyclemap.text_files import file_stem
+
+if TYPE_CHECKING:
+    import pandas
 
 # Facts of the push table by which rows are selected.
 FACTS = ("surface", "object", "speed", "side", "fraction", "angle")
-Place = tuple[float, float]
-Progress = Callable[[float], None]
 # The robot was further than this from where it was sent: the push is not the one that was asked
 # for.
 LARGEST_TIP_ERROR = 5e-3
@@ -31,10 +33,12 @@ NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, o
 # How far the best model is off in measured pushes, m and rad, of seven plates on two floors, and in
 # drags, rad.
 _MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
-# How far off its mark a rod is set by hand, m along x and y, and what that of one push is called.
+# How far a ruler and a phone are off, m and rad.
+READ = (1e-3, math.radians(1.0))
+# How far off its mark a rod is set by hand, m along x and y; what how one push was set up is called.
 SET_OFF, ROD_OFF = 2e-3, "rod_off_"
-PUSH_END_COLUMNS = ("x0", "y0", "th0", "x1", "y1", "th1", "tip_x0", "tip_y0", "tip_x1", "tip_y1")
-DRAG_COLUMNS = ("x1", "y1", "th1", "x0n", "y0n", "th0n")
+# No object lies as it was read to lie, rad.
+_LEAST_TURNED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class RowSelection:
     """
 
     objects: tuple[str, ...] = ()
-    chosen: Mapping[str, str | float] = field(default_factory=dict)
+    chosen: Selection = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in self.chosen:
@@ -79,26 +83,13 @@ class RowSelection:
         return ""
 
 
-def selected_rows(
-    table: CsvTable, selection: RowSelection
-) -> tuple[list[CsvRow], list[Row], Counter[str]]:
-    """Return the rows of a CSV table that take part, the facts by which they do, and how many stay
-    out, by reason.
-
-    Raises DataFileError where a fact is no number.
-    """
-    rows, told, left_out = list[CsvRow](), list[Row](), Counter[str]()
-    for row in table.rows:
-        facts = {
-            name: column_value(table, row, name)
-            for name in ("surface", "object", "speed", *selection.chosen)
-        }
-        if reason := selection.refusal(facts):
-            left_out[reason] += 1
-        else:
-            rows.append(row)
-            told.append(facts)
-    return rows, told, left_out
+def selected(
+    rows: pandas.DataFrame, selection: RowSelection
+) -> tuple[pandas.DataFrame, Counter[str]]:
+    """Return the rows of a table that take part, and how many stay out, by reason."""
+    reasons = [selection.refusal(row) for row in rows.to_dict("records")]
+    kept = np.array([not reason for reason in reasons], dtype=bool)
+    return rows[kept].reset_index(drop=True), Counter(filter(None, reasons))
 
 
 def select_pushes(
@@ -124,14 +115,11 @@ def pushes_of(
     """Return the pushes and scans that take part, without what could not be read; how many stay
     out, by reason, is added to ``left_out``.
     """
-    frames = []
-    for frame in (pushes.table, pushes.scans):
-        reasons = [selection.refusal(row) for row in frame.to_dict("records")]
-        kept = np.array([not reason for reason in reasons], dtype=bool)
-        frames.append(frame[kept].reset_index(drop=True))
-        if left_out is not None:
-            left_out.update(filter(None, reasons))
-    return replace(pushes, table=frames[0], scans=frames[1], unreadable=())
+    both = [selected(frame, selection) for frame in (pushes.table, pushes.scans)]
+    if left_out is not None:
+        for _, reasons in both:
+            left_out.update(reasons)
+    return replace(pushes, table=both[0][0], scans=both[1][0], unreadable=())
 
 
 def session_name(plate: str, speed: float | None, otherwise: str = "") -> str:
@@ -239,35 +227,26 @@ class MeasuredDrag:
     contact: int = 0
 
 
-def read_measured_pushes(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredPush, ...]:
-    """Read pushes from rows of a CSV table with `x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1`
-    (m, rad).
+def measured_pushes(rows: pandas.DataFrame) -> tuple[MeasuredPush, ...]:
+    """Return the pushes of rows, as `known_columns` tells them, with a pose and a place of the rod
+    before and after; but those of a robot that was more than 5 mm from where it was sent.
 
-    Rows whose `tip_err_mm`, where there is such a column, exceeds 5 mm are left out. Columns `i`
-    and `s` (side, fraction), where present, label the contact. Raises DataFileError naming file,
+    Side and fraction, where all are known, label the contact. Raises DataFileError naming file,
     line and mend.
     """
-    require_columns(table, PUSH_END_COLUMNS)
-    rows = [
-        row
-        for row in _whole(table, rows, PUSH_END_COLUMNS)
-        if tip_error(table, row) <= LARGEST_TIP_ERROR
-    ]
-    labels = list(range(len(rows)))
-    if {"i", "s"} <= set(table.header) and all(
-        table.text(row, name) for row in rows for name in "is"
-    ):
-        places = [(table.number(row, "i"), table.number(row, "s")) for row in rows]
-        known = sorted(set(places))
-        labels = [known.index(place) for place in places]
+    rows = rows[~(rows["tip_error"] > LARGEST_TIP_ERROR)]
+    places, labels = rows[["side", "fraction"]].to_numpy(), np.arange(len(rows))
+    if not np.isnan(places).any():
+        labels = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+    ends = rows["theta0"] + shorter_way(rows["theta1"] - rows["theta0"])
     pushes = []
-    for row, label in zip(rows, labels, strict=True):
-        start, end, tip_start, tip_end = push_ends(table, row)
-        lifted = Pose(end.x, end.y, start.theta + float(shorter_way(end.theta - start.theta)))
+    for row, theta1, label in zip(rows.to_dict("records"), ends, labels.tolist(), strict=True):
+        start, end = Pose(row["x0"], row["y0"], row["theta0"]), Pose(row["x1"], row["y1"], theta1)
+        rod = (row["tip_x0"], row["tip_y0"]), (row["tip_x1"], row["tip_y1"])
         try:
-            pushes.append(MeasuredPush(start, lifted, tip_start, tip_end, label))
+            pushes.append(MeasuredPush(start, end, *rod, contact=label))
         except InvalidInput as cause:
-            raise table.error(row.line, str(cause)) from cause
+            raise DataFileError(f"{row['path']}, line {row['line']}: {cause}") from cause
     return tuple(pushes)
 
 
@@ -284,63 +263,46 @@ def told_push(push: SidePush, facts: Row, length: float) -> SidePush:
     return replace(push, **{name: value for name, value in told.items() if not math.isnan(value)})
 
 
-def read_measured_drags(table: CsvTable, rows: Sequence[CsvRow]) -> tuple[MeasuredDrag, ...]:
-    """Read drags from rows of a CSV table with `x1,y1,th1` before and `x0n,y0n,th0n` after (m,
-    rad).
-    """
-    require_columns(table, DRAG_COLUMNS)
-    drags = []
-    for label, row in enumerate(_whole(table, rows, DRAG_COLUMNS)):
-        x1, y1, theta1, x2, y2, theta2 = (table.number(row, column) for column in DRAG_COLUMNS)
-        end = Pose(x2, y2, theta1 + float(shorter_way(theta2 - theta1)))
-        drags.append(MeasuredDrag(Pose(x1, y1, theta1), end, label))
-    return tuple(drags)
-
-
-def tip_error(table: CsvTable, row: CsvRow) -> float:
-    """Return how far the robot was from where it was sent (m), 0 where no column tells."""
-    told = "tip_err_mm" in table.header and table.text(row, "tip_err_mm")
-    return 1e-3 * table.number(row, "tip_err_mm") if told else 0.0
-
-
-def _whole(table: CsvTable, rows: Sequence[CsvRow], columns: Sequence[str]) -> list[CsvRow]:
-    """The rows with a number in every one of the columns; those with an empty field are warned of,
-    and none is left.
-    """
-    kept = [row for row in rows if all(table.text(row, name) for name in columns)]
-    if len(kept) < len(rows):
-        if not kept:
-            raise table.error(rows[0].line, f"no row has all of {', '.join(columns)}: fill them in")
-        told = (
-            f"{table.path}: {len(rows) - len(kept)} of {len(rows)} rows left out for want of "
-            "a place or an angle"
+def measured_drags(rows: pandas.DataFrame) -> tuple[MeasuredDrag, ...]:
+    """Return the drags of rows, as `known_columns` tells them, with a pose before and after."""
+    ends = rows["theta1"] + shorter_way(rows["theta_next"] - rows["theta1"])
+    return tuple(
+        MeasuredDrag(Pose(x1, y1, theta1), Pose(x2, y2, theta2), label)
+        for label, (x1, y1, theta1, x2, y2, theta2) in enumerate(
+            zip(*(rows[name] for name in DRAG_ENDS[:5]), ends, strict=True)
         )
-        warnings.warn(told, DoubtfulInput, stacklevel=3)
-    return kept
-
-
-def push_ends(table: CsvTable, row: CsvRow) -> tuple[Pose, Pose, Place, Place]:
-    """Return the object's poses before and after a push, angles as written, and the rod's places
-    then (m, world).
-    """
-    x0, y0, theta0, x1, y1, theta1, *tip = (
-        table.number(row, column) for column in PUSH_END_COLUMNS
     )
-    return Pose(x0, y0, theta0), Pose(x1, y1, theta1), (tip[0], tip[1]), (tip[2], tip[3])
 
 
 def push_noise(read: tuple[float, float]) -> Array:
-    """Return the deviation (4,) of measured ends of a push (m, m, rad) and of a drag (rad) from
-    what a model says.
+    """Return the deviation (4,) of measured ends of a push (m, m, rad) that was set up by hand, and
+    of a drag (rad), from what a model says.
 
-    read : m and rad, how far off a reading is. What the best model misses of pushes and drags on
-        real floors comes on top; it is taken as independent from push to push, and of a long
-        push as of a short one. What a rod does that was set off its mark is no noise: it depends on
-        the push, by how much the rod was off.
+    read : m and rad, how far off a reading is, before and after; what is wrong of the angle before
+        a push is no noise, nor where its rod was set: what follows depends on the push
+        (`set_up_errors`). What the best model misses of pushes and drags on real floors comes on
+        top; it is taken as independent from push to push, and of a long push as of a short one.
 
     >>> along, _, turned, dragged = push_noise((1e-3, 0.0)).tolist()
     >>> round(1e3 * along, 3), round(math.degrees(turned), 3), round(math.degrees(dragged), 3)
-    (1.803, 2.0, 6.0)
+    (2.062, 2.0, 6.0)
     """
-    along, turned = (math.hypot(*errors) for errors in zip(read, _MISSED, strict=True))
-    return np.array((along, along, turned, math.hypot(read[1], _MISSED_DRAG)))
+    place, turn = read
+    along = math.hypot(place, place, _MISSED[0])
+    turned, dragged = math.hypot(turn, _MISSED[1]), math.hypot(turn, turn, _MISSED_DRAG)
+    return np.array((along, along, turned, dragged))
+
+
+def set_up_errors(read: tuple[float, float]) -> Array:
+    """Return the deviation (3,) of how a push was set up by hand from what is read of it: where the
+    rod touches the object (m, m), and how the object lay turned (rad).
+
+    read : m and rad, how far off a reading is. The rod is off its mark, and where the object lay is
+        only known as well as it was read: as it moves, what is wrong of its angle grows to a place.
+
+    >>> along, _, turned = set_up_errors((1e-3, 0.02)).tolist()
+    >>> round(1e3 * along, 3), round(turned, 3)
+    (2.236, 0.02)
+    """
+    along = math.hypot(SET_OFF, read[0])
+    return np.array((along, along, max(read[1], _LEAST_TURNED)))

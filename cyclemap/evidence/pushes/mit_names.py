@@ -60,6 +60,7 @@ class ScanFacts:
 
     direction : rad in [0, 2π), the way the object moves in the world: half a turn from the `deg` of
         the name.
+
     The rest as in `PushFacts`.
     """
 

@@ -4,14 +4,16 @@ poses of a ROS bag.
 
 from __future__ import annotations
 
+import codecs
 import csv
-import io
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
+from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from zipfile import ZipFile
@@ -21,10 +23,10 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.columns import QUATERNION
+from cyclemap.evidence.pushes.columns import QUATERNION, unit_word
 from cyclemap.file_text import located
 from cyclemap.plain_text import install_words, json_value
-from cyclemap.text_files import read_text
+from cyclemap.text_files import read_bytes, read_text
 
 if TYPE_CHECKING:
     import pandas
@@ -34,7 +36,19 @@ Columns = dict[str, Array]
 EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mcap")
 JSON_LINES = (".jsonl", ".ndjson")
 # Of columns of texts those that tell what was pushed on what are kept.
-_TEXTS = re.compile(r"surface|object|shape", re.IGNORECASE)
+_TEXTS = re.compile(r"surface|object|shape|run|session|series", re.IGNORECASE)
+# A field of one number or more, one with a decimal comma, and those that say nothing, or yes and no.
+_NUMBER = re.compile(r"[-+]?[\d.,]*\d[-+\d.,eE;|\s]*")
+_DECIMAL = re.compile(r"^\s*([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\s*$")
+_EMPTY = ("", "nan", "na", "null", "none", "-")
+_FLAGS = {
+    **dict.fromkeys(("True", "true", "TRUE", "yes", "ja", "ok"), "1"),
+    **dict.fromkeys(("False", "false", "FALSE", "no", "nein"), "0"),
+}
+# Names stand within so many rows, of which so many may hold numbers; a sheet with fewer rows of
+# numbers is no table.
+_LONGEST_HEADER, _NUMBERS_IN_HEADERS, _FEWEST_ROWS = 40, 3, 3
+_A_DAY = 86400.0
 # Bytes of a spreadsheet, or of parquet as doubles: both pack a thousand times what they show on
 # disk.
 _LARGEST_DECODED = 2**26
@@ -45,10 +59,10 @@ def raw_columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     unfinished line.
     """
     with located(str(path), DataFileError):
-        return _columns(path, told.get("pose"), growing)
+        return _columns(path, told, growing)
 
 
-def _columns(path: Path, topic: str | None, growing: bool) -> Columns:
+def _columns(path: Path, told: Mapping[str, str], growing: bool) -> Columns:
     """The columns of a file of any kind; InvalidInput where it has none."""
     kind = path.suffix.lower()
     if path.is_dir() and (path / "meta" / "info.json").is_file():
@@ -57,18 +71,33 @@ def _columns(path: Path, topic: str | None, growing: bool) -> Columns:
         pipe = "is a pipe or a device; give a regular file"
         raise InvalidInput(pipe if path.exists() else "there is no such file; check the path")
     if path.is_dir() or kind in BAGS:
-        return _bag(path, topic)
+        return _bag(path, told.get("pose"))
     if kind in PARQUET:
         return _parquet([path])
     if kind in EXCEL:
-        return _excel(path)
-    text = read_text(path, "CSV")
+        return _excel(path, told.get("sheet"))
+    text = _text(path)
     text = text[: text.rfind("\n") + 1] if growing else text
-    return _json_lines(path, text) if kind in (*JSON_LINES, ".json") else _csv(text)
+    return _json(path, text) if kind in (*JSON_LINES, ".json") else _csv(text)
 
 
-def _excel(path: Path) -> Columns:
-    """The first sheet of a workbook."""
+def _text(path: Path) -> str:
+    """The text of a file, in UTF-16 where its first bytes say so, else in UTF-8 or, failing that,
+    as older programs of Windows write.
+    """
+    content = read_bytes(path)
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        text = content.decode("utf-16", errors="replace")
+    else:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = content.decode("cp1252", errors="replace")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _excel(path: Path, told: str | None) -> Columns:
+    """The sheet of a workbook that is told, else the one that has a table of numbers."""
     import pandas
 
     _library("openpyxl", "excel")
@@ -76,7 +105,22 @@ def _excel(path: Path) -> Columns:
     with _refused_as("a spreadsheet"):
         with ZipFile(path) as parts:
             _check_size(sum(part.file_size for part in parts.infolist()))
-        return _numbers(pandas.read_excel(path))
+        read = pandas.read_excel(path, sheet_name=None, header=None, dtype=object)
+    sheets = {str(name): frame.fillna("").astype(str).to_numpy() for name, frame in read.items()}
+    if told is None:
+        tables = [name for name, cells in sheets.items() if _is_table(cells.tolist())]
+        if len(tables) > 1:
+            mend = f"say which, --columns sheet={tables[0]}"
+            raise InvalidInput(f"has numbers in the sheets {', '.join(tables)}: {mend}")
+        told = tables[0] if tables else next(iter(sheets))
+    if told not in sheets:
+        raise InvalidInput(f"no sheet {told}; it has {', '.join(sheets)}")
+    return _named(sheets[told].tolist())
+
+
+def _is_table(rows: Sequence[Sequence[str]]) -> bool:
+    """Whether a sheet has at least three rows with numbers, and names above them."""
+    return _header(rows) is not None and sum(map(_has_number, rows)) >= _FEWEST_ROWS
 
 
 @contextmanager
@@ -96,12 +140,54 @@ def _check_size(decoded: int) -> None:
     require_room(what, decoded // 8, "split it", _LARGEST_DECODED // 8)
 
 
-def _json_lines(path: Path, text: str) -> Columns:
-    """Rows of JSON, one a line: what stands deeper is named by its way there, parts of lists by
-    their number.
+def _json(path: Path, text: str) -> Columns:
+    """Rows of JSON, in a list, a list by column, or one a line: what stands deeper is named by its
+    way there, parts of lists by their number.
     """
     import pandas
 
+    try:
+        whole = json_value(text)
+    except ValueError:
+        whole = None
+    rows = _json_lines(path, text) if whole is None else _json_rows(whole)
+    flat = [dict(_flat("", row)) for row in rows]
+    if len(flat) < 2:
+        mend = 'give [{"theta0_deg": 12.5, ...}, ...], {"theta0_deg": [12.5, ...], ...}'
+        raise InvalidInput(f"{len(flat)} rows; more are wanted: {mend}, or a row a line")
+    _check_size(8 * len(flat) * len({name for row in flat for name in row}))
+    return _numbers(pandas.DataFrame(flat))
+
+
+def _json_rows(whole: object) -> list[dict[str, object]]:
+    """The rows of a JSON document, as pandas and others write them; none where it has none."""
+    if isinstance(whole, list):
+        return whole if all(isinstance(row, dict) for row in whole) else []
+    if not isinstance(whole, dict):
+        return []
+    names, data = whole.get("columns"), whole.get("data")
+    if isinstance(names, list) and isinstance(data, list):
+        return [dict(zip(map(str, names), row, strict=False)) for row in data]
+    columns = {name: _in_a_row(values) for name, values in whole.items()}
+    known = {name: values for name, values in columns.items() if len(values) > 1}
+    if len(known) == 1:
+        (only,) = known.values()
+        if all(isinstance(row, dict) for row in only):
+            return only
+    if len({len(values) for values in known.values()}) != 1:
+        return []
+    return [dict(zip(known, row, strict=True)) for row in zip(*known.values(), strict=True)]
+
+
+def _in_a_row(values: object) -> list[Any]:
+    """The values of a list, or of an object whose keys count its rows; of anything else none."""
+    if isinstance(values, dict) and all(key.isdigit() for key in values):
+        return [values[key] for key in sorted(values, key=int)]
+    return values if isinstance(values, list) else []
+
+
+def _json_lines(path: Path, text: str) -> list[dict[str, object]]:
+    """A row of JSON a line."""
     rows = []
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip():
@@ -114,11 +200,8 @@ def _json_lines(path: Path, text: str) -> Columns:
             raise DataFileError(
                 f"{path}, line {number}: a row is an object, {{...}}, not {line[:40]}"
             )
-        rows.append(dict(_flat("", row)))
-    if len(rows) < 2:
-        raise InvalidInput(f"{len(rows)} lines; rows are wanted")
-    _check_size(8 * len(rows) * len({name for row in rows for name in row}))
-    return _numbers(pandas.DataFrame(rows))
+        rows.append(row)
+    return rows
 
 
 def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
@@ -132,42 +215,129 @@ def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
         yield name, value
 
 
+# -- text
+# ----------------------------------------------------------------------------------------------
+
+
 def _csv(text: str) -> Columns:
     """A CSV file of any separator; where that is no comma, commas in numbers are decimal ones."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("sep=")]
+    said = list(takewhile(_is_comment, lines))
+    bare = [line for line in lines if not _is_comment(line)]
+    if len(bare) < 2:
+        raise InvalidInput(f"{len(bare)} lines; a header and rows are wanted")
+    try:
+        # Names may stand behind the mark of a comment.
+        tables = [
+            rows
+            for above in ([], said[-1:])
+            for separator in (",", ";", "\t", "|", None)
+            if _fits_its_names(rows := _split([*above, *bare], separator), separator is None)
+        ]
+    except csv.Error as error:
+        raise InvalidInput(f"no rows of a table ({error})") from error
+    if not tables:
+        first = "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg, or theta0_deg"
+        raise InvalidInput(f"no names above its numbers: give it a first line such as {first}")
+    return _named(max(tables, key=lambda rows: len(rows[_header(rows) or 0])))
+
+
+def _is_comment(line: str) -> bool:
+    return line.startswith(("#", "%"))
+
+
+def _split(lines: Sequence[str], separator: str | None) -> list[list[str]]:
+    """Lines in fields; without a separator where blanks are."""
+    lines = [line.lstrip("#% ") for line in lines]
+    if separator is None:
+        return [line.split() for line in lines]
+    rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
+    if separator == ",":
+        return rows
+    # A comma that parts no fields is a decimal one.
+    return [[_DECIMAL.sub(r"\1.\2", field) for field in row] for row in rows]
+
+
+def _fits_its_names(rows: Sequence[Sequence[str]], strictly: bool) -> bool:
+    """Whether a separator that parts the names parts the numbers below, too; strictly: into as
+    many.
+    """
+    head = _header(rows)
+    if head is None:
+        return False
+    names, numbers = (len(row) for row in rows[head : head + 2])
+    return names == numbers if strictly else (names > 1) == (numbers > 1)
+
+
+def _header(rows: Sequence[Sequence[str]]) -> int | None:
+    """The row of the names: the last one of words alone before the rows of numbers begin."""
+    numeric, found = 0, None
+    for index, row in enumerate(rows[:_LONGEST_HEADER]):
+        numeric += _has_number(row)
+        if numeric > _NUMBERS_IN_HEADERS:
+            break
+        words = [field for field in row if field.strip().lower() not in _EMPTY]
+        if not _has_number(row) and 2 * len(words) >= len(row):
+            found = index
+    return 0 if numeric == 0 else found
+
+
+def _has_number(row: Sequence[str]) -> bool:
+    return any(_NUMBER.fullmatch(field.strip()) for field in row)
+
+
+def _named(rows: Sequence[Sequence[str]]) -> Columns:
+    """The columns below a header of one row or several, the last of which may be units."""
     import pandas
 
-    lines = [
-        line for line in text.splitlines() if line.strip() and not line.startswith(("#", "sep="))
-    ]
-    if len(lines) < 2:
-        raise InvalidInput(f"{len(lines)} lines; a header and rows are wanted")
-    separator = max(";\t,|", key=lambda sign: (lines[0].count(sign), sign == ","))
-    # A comma below a header of one name is a decimal one.
-    if separator not in lines[0]:
-        separator = ";"
-    try:
-        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
-        names = len(rows[0])
-        # pandas would take the first column of longer rows for their names, and move all others by
-        # one.
-        for row in rows:
-            if any(field.strip() for field in row[names:]):
-                raise InvalidInput(
-                    f"{len(row)} fields below {names} names: {separator.join(row)[:80]}"
-                )
-        frame = pandas.read_csv(
-            io.StringIO("\n".join(lines)),
-            sep=separator,
-            decimal="." if separator == "," else ",",
-            skipinitialspace=True,
-            usecols=range(names),
-            index_col=False,
-        )
-    except InvalidInput:
-        raise
-    except (ValueError, csv.Error, pandas.errors.ParserError) as error:
-        raise InvalidInput(f"rows of different lengths, or none ({error})") from error
-    return _numbers(frame)
+    head = _header(rows)
+    if head is None:
+        raise InvalidInput("no names above its numbers")
+    names = [field.strip() for field in rows[head]]
+    above = head - 1
+    if head and all(unit_word(name) for name in names if name):
+        units, names = names, [field.strip() for field in rows[above]]
+        pairs = zip(names, units, strict=False)
+        names = [f"{name} [{unit.strip('[]()')}]" if unit else name for name, unit in pairs]
+        above -= 1
+    while above >= 0 and len(set(filter(None, names))) < len(list(filter(None, names))):
+        upper = _spread_right(rows[above], len(names))
+        names = [
+            f"{word} {name}" if word and name else name
+            for word, name in zip(upper, names, strict=True)
+        ]
+        above -= 1
+    width = len(names)
+    for row in rows[head + 1 :]:
+        if any(field.strip() for field in row[width:]):
+            told = ",".join(row)[:80]
+            raise InvalidInput(f"{len(row)} fields below {width} names: {told}")
+    filled = [[*row[:width], *[""] * (width - len(row))] for row in rows[head + 1 :]]
+    frame = pandas.DataFrame(filled, columns=_told_apart(names))
+    return _numbers(frame[[name for name in frame.columns if name]])
+
+
+def _spread_right(row: Sequence[str], width: int) -> list[str]:
+    """A row of headings, each over all fields up to the next."""
+    filled, last = [], ""
+    for field in [*row, *[""] * width][:width]:
+        last = field.strip() or last
+        filled.append(last)
+    return filled
+
+
+def _told_apart(names: Sequence[str]) -> list[str]:
+    """Names, of which those that are there twice are counted."""
+    seen = Counter[str]()
+    apart = []
+    for name in names:
+        apart.append(f"{name}.{seen[name]}" if name and seen[name] else name)
+        seen[name] += 1
+    return apart
+
+
+# -- numbers
+# ----------------------------------------------------------------------------------------------
 
 
 def _numbers(frame: pandas.DataFrame) -> Columns:
@@ -176,19 +346,46 @@ def _numbers(frame: pandas.DataFrame) -> Columns:
     found: Columns = {}
     for name in frame.columns:
         column = frame[name]
-        if _TEXTS.fullmatch(str(name).strip()) and column.dtype.kind not in "iufb":
+        if column.dtype.kind in "iufb":
+            found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
+            continue
+        text = column.astype("string").str.strip()
+        parsed = pandas.to_numeric(text.replace(_FLAGS), errors="coerce")
+        if _TEXTS.fullmatch(str(name).strip()) and parsed.isna().any():
             found[str(name).strip()] = column.to_numpy(dtype=object)
             continue
-        if column.dtype.kind not in "iufb":
-            text = column.astype("string").str.strip().str.replace(",", ".", regex=False)
-            column = pandas.to_numeric(text, errors="coerce")
-            if column.isna().all():
-                moment = pandas.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
-                column = (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds()
-        found[str(name).strip()] = column.to_numpy(dtype=float, na_value=math.nan)
+        unit = ""
+        if parsed.isna().any():
+            parsed, unit = _written_out(text, parsed)
+        found[f"{str(name).strip()}{unit}"] = parsed.to_numpy(dtype=float, na_value=math.nan)
     if not any(np.isfinite(values).any() for values in found.values() if values.dtype.kind == "f"):
         raise InvalidInput(f"no column of numbers among {', '.join(map(str, frame.columns))[:200]}")
     return found
+
+
+def _written_out(text: pandas.Series, parsed: pandas.Series) -> tuple[pandas.Series, str]:
+    """Numbers with signs of thousands or decimal commas, or with a unit behind each, and that unit;
+    moments and times of the day in seconds.
+    """
+    import pandas
+
+    parts = text.str.extract(r"^([-+\d.,eE]+)\s*([^\d\s,.]*)$")
+    units = set(parts[1].dropna())
+    if len(units) == 1 and units <= {"", *filter(unit_word, units)}:
+        plain = parts[0].str.replace(r",(?=\d{3}(?:[.,]|$))(?=.*\.)", "", regex=True)
+        plain = plain.str.replace(",", ".", regex=False)
+        (unit,) = units
+        return pandas.to_numeric(plain, errors="coerce"), f" [{unit}]" if unit else ""
+    if parsed.notna().any():
+        return parsed, ""
+    moment = pandas.to_datetime(text, errors="coerce", format="ISO8601", utc=True)
+    if moment.notna().any():
+        return (moment - pandas.Timestamp(0, tz="UTC")).dt.total_seconds(), ""
+    clock = pandas.to_timedelta(text, errors="coerce").dt.total_seconds()
+    # Past midnight a clock begins anew.
+    if clock.isna().all():
+        return parsed, ""
+    return clock + _A_DAY * (clock.diff() < -0.5 * _A_DAY).cumsum(), " [s]"
 
 
 def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = None) -> Columns:
@@ -207,7 +404,10 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
                 columns = map(group.column, range(group.num_columns))
                 decoded += 8 * sum(column.num_values for column in columns)
         _check_size(decoded)
-        frame = pandas.concat([pandas.read_parquet(file) for file in files], ignore_index=True)
+        frames = [pandas.read_parquet(file) for file in files]
+        # An index that has a name is a column.
+        frames = [one.reset_index(drop=one.index.name is None) for one in frames]
+        frame = pandas.concat(frames, ignore_index=True)
     found: Columns = {}
     for column in frame.columns:
         values = frame[column]

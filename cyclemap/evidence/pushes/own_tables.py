@@ -14,11 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.arrays import Array, Mask
+from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import (
     COLUMNS,
     ENDS,
+    OF_THE_FILE,
     PLACES,
     QUATERNION,
     RODS,
@@ -26,6 +27,7 @@ from cyclemap.evidence.pushes.columns import (
     UNITS,
     UNITS_OF,
     Kind,
+    has_unit,
     meaning_of,
     unit_of,
 )
@@ -42,22 +44,28 @@ from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
 from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
 from cyclemap.file_text import located
 from cyclemap.plain_text import json_value
+from cyclemap.text_files import read_text
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
 # What may be told of a table: the angle of pushes goes by no name of its own.
 _READ = [name for name, column in COLUMNS.items() if column.patterns]
-_KNOWN = (*_READ, "angle", "pose")
+_KNOWN = (*_READ, "angle", *OF_THE_FILE)
 # What is taken of a table of poses.
 _FACTS = ("side", "fraction", "angle", "length")
 _POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS, *RODS)
 # Columns by which a table is known to be one that `load_pushes` and its like read as it is.
-_OURS = (
-    {"theta0_deg"},
-    {"theta0_accum_deg"},
-    PLACES,
-    {"x1", "y1", "x0n", "y0n"},
-    {"fx", "fy", "vx", "vy"},
-)
+_OURS = ({"theta0_accum_deg"}, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
+_ORIENTATIONS = {"theta0_deg", "theta_next_deg", "flag"}
+# The cosine of an axis' tilt from which on it is upright.
+_UPRIGHT = 0.9
+# Columns that say of a row whether it counts, and the value with which it does.
+_FLAGS = {"good": 1.0, "bad": 0.0}
+# So many orientations tell whether they begin anew each half a turn.
+_MANY_OF_HALVES = 20
+# So many rows a push are many; of a stream, places bend by less than this share of their spread.
+_MANY_ROWS, _SMOOTH = 200, 0.05
+# What robots write where they have no number.
+_NO_NUMBERS = (-999.0, -9999.0, -99999.0, 9999.0, 99999.0)
 # Seconds from row to row: up to this many rows follow a moving object.
 _STREAM_STEP = 0.4
 _LONGEST_HEADER = 100_000
@@ -75,7 +83,8 @@ _A_CYCLE = 3.0
 class OwnTable:
     """Columns of pushes in SI units by the names of `read_push_csv`, in our convention.
 
-    words : what was read as what, and left out. segments : of a stream of poses, how it was cut.
+    words : what was read as what, and left out.
+    segments : of a stream of poses, how it was cut.
     """
 
     columns: Mapping[str, Array]
@@ -95,12 +104,6 @@ class OwnTable:
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
             columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
-        elif "tip_x1" in columns:
-            # The names by which rods' places are read, too.
-            columns = {
-                {"theta0": "th0", "theta1": "th1"}.get(name, name): one
-                for name, one in columns.items()
-            }
         return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 
@@ -115,27 +118,50 @@ def is_own(path: str | Path) -> bool:
     if kind in (*EXCEL, *PARQUET, *BAGS):
         return True
     if kind == ".json" and place.is_file():
-        return _is_json_lines(place)
+        return _is_json_of_rows(place)
     if kind in JSON_LINES:
         return True
     if kind not in TEXTS or kind in SUFFIXES or not place.is_file():
         return False
     with place.open(encoding="utf-8-sig", errors="replace") as file:
         header = file.readline(_LONGEST_HEADER).lower()
-    names = {name.strip().strip('"') for name in header.split(",")}
+        first = file.readline(_LONGEST_HEADER)
     # A header that is still being written tells nothing.
-    return header.endswith("\n") and not any(names >= wanted for wanted in _OURS)
+    if not header.endswith("\n"):
+        return False
+    names = {name.strip().strip('"') for name in header.split(",")}
+    return not _is_ours(names) or any(map(has_unit, first.split(",")))
 
 
-def _is_json_lines(place: Path) -> bool:
-    """Whether a JSON file has a row a line, and not the tables of a push."""
-    with place.open(encoding="utf-8-sig", errors="replace") as file:
-        line = file.readline(_LONGEST_HEADER)
+def _is_ours(names: set[str]) -> bool:
+    """Whether readers of our own tables take all that a header of these names tells."""
+    if any(names >= wanted for wanted in _OURS):
+        return True
+    if not names >= PLACES:
+        return "theta0_deg" in names and names <= _ORIENTATIONS
+    if names >= {*RODS, "th0", "th1"}:
+        return True
+    known = {name for column in COLUMNS.values() for name in column.names}
+    return names <= known and all(names & COLUMNS[name].names.keys() for name in ENDS)
+
+
+def _is_json_of_rows(place: Path) -> bool:
+    """Whether a JSON file has rows of numbers, and not the tables of a push."""
     try:
-        row = json_value(line)
+        text = read_text(place, "JSON")
+        return _has_no_tables(json_value(text))
+    except DataFileError:
+        return False
+    except ValueError:
+        pass
+    try:
+        return _has_no_tables(json_value(text.partition("\n")[0]))
     except ValueError:
         return False
-    return isinstance(row, dict) and not set(row) & set(TABLES)
+
+
+def _has_no_tables(content: object) -> bool:
+    return not isinstance(content, dict) or not set(content) & set(TABLES)
 
 
 def read_own_table(
@@ -151,11 +177,13 @@ def read_own_table(
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream
         t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A
-        part of a list is named[i]. units : of angles (deg, rad, turn), lengths (mm, cm, m, inch)
-        and times (s, ms, us, ns). What is not told is guessed.
+        part of a list is named[i].
+    units : of angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is
+        not told is guessed.
     angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`;
         what is not told is what a collection.toml with the data says, else counter-clockwise and
         right-handed, 0.
+
     Raises DataFileError, saying what the file has and what is wanted, where that cannot be done.
     """
     convention = convention_of(path, angles, frame, offset_deg)
@@ -226,8 +254,11 @@ def _understood(
                 "a stream of poses is cut into pushes once it is whole: without --follow"
             )
         columns, words, guessed = _in_si_units(raw, meaning, units, growing)
-        if "qw" in columns:
-            columns["theta"] = _heading(*(columns.pop(name) for name in QUATERNION))
+        if "nanoseconds" in columns:
+            columns["t"] = columns.get("t", 0.0) + 1e-9 * columns.pop("nanoseconds")
+        columns, left_out = _counting(columns)
+        columns, turned = _with_headings(columns)
+        words += (*left_out, *turned)
         rows = f"{place.name}: {len(next(iter(raw.values())))} rows"
         table = OwnTable(
             convention.columns(columns), (rows, *words), len(meaning) > len(told) or not units
@@ -235,9 +266,17 @@ def _understood(
         if "theta" in columns and "theta0" not in columns:
             if _is_stream(columns, "t" in guessed):
                 return _pushes(place, table)
+            if _has_two_rows_a_push(columns):
+                columns = dict(table.columns)
+                columns["episode"] = columns.pop("repetition")
+                return _pushes(place, table.then(columns, "two rows a push: before and after it"))
+            _refuse_a_stream_without_times(columns)
             table = _a_row_a_push(table)
         elif "theta1" not in columns:
             _refuse_a_stream(columns, meaning)
+        if "theta1" not in columns:
+            _refuse_several(columns)
+            _refuse_half_turns(table.columns["theta0"])
         return table if growing else _ordered(table)
 
 
@@ -258,6 +297,9 @@ def _in_si_units(
     columns, words, guessed = Columns(), list[str](), set[str]()
     for name, column in meaning.items():
         kind, said = COLUMNS[name].kind, ""
+        if kind in (Kind.ANGLE, Kind.PLACE) and (none := np.isin(raw[column], _NO_NUMBERS)).any():
+            raw = {**raw, column: np.where(none, math.nan, raw[column])}
+            words.append(f"{column}: {int(none.sum())} of -999 or the like taken as no number")
         columns[name] = raw[column]
         if kind is Kind.TEXT:
             continue
@@ -277,10 +319,57 @@ def _in_si_units(
     return columns, words, guessed
 
 
-def _heading(x: Array, y: Array, z: Array, w: Array) -> Array:
-    """The turn about the upright axis (n,), rad, of quaternions of any length."""
+def _counting(columns: Columns) -> tuple[Columns, list[str]]:
+    """The rows that count where a column tells that some do not, and how many were left out."""
+    kept, rows = np.bool_(True), len(next(iter(columns.values())))
+    for name, counts in _FLAGS.items():
+        flag = columns.pop(name, np.full(rows, counts))
+        if set(flag[np.isfinite(flag)].tolist()) <= {0.0, 1.0}:
+            kept = kept & (flag != 1.0 - counts)
+    if np.all(kept):
+        return columns, []
+    if not {"repetition", "t", "episode"} & set(columns):
+        # What was left out is a gap.
+        columns["repetition"] = np.arange(rows, dtype=float)
+    told = f"left out, for the table says they failed: {rows - int(kept.sum())} of {rows} rows"
+    return {name: values[kept] for name, values in columns.items()}, [told]
+
+
+def _with_headings(columns: Columns) -> tuple[Columns, list[str]]:
+    """Orientations in place of quaternions, y to the right of x where that is up, as it is said."""
+    words = list[str]()
+    found = dict(columns)
+    height = found.pop("z", None)
+    for end in ("", "0", "1"):
+        parts = [f"{part}{end}" for part in QUATERNION]
+        if not set(parts) <= set(found):
+            continue
+        found[f"theta{end}"], is_y_up = _heading(*(found.pop(part) for part in parts))
+        if is_y_up:
+            if end or height is None or "y" not in found:
+                raise InvalidInput("turns about y, which is up: give x, y, z with z up")
+            found["y"] = -height
+            words.append("turns about y: taken as up, -z for y")
+    return found, words
+
+
+def _heading(x: Array, y: Array, z: Array, w: Array) -> tuple[Array, bool]:
+    """The turn about the upright axis (n,), rad, of quaternions of any length, and whether that is
+    y.
+    """
     size = x * x + y * y + z * z + w * w
-    return np.arctan2(2.0 * (w * z + x * y) / size, 1.0 - 2.0 * (y * y + z * z) / size)
+    size = np.where(size > 0.0, size, math.nan)
+    z_up, y_up = 1.0 - 2.0 * (x * x + y * y) / size, 1.0 - 2.0 * (x * x + z * z) / size
+    known = np.isfinite(size)
+    if not known.any() or float(np.quantile(np.abs(z_up[known]), 0.1)) > _UPRIGHT:
+        across = 1.0 - 2.0 * (y * y + z * z) / size
+        return np.arctan2(2.0 * (w * z + x * y) / size, across), False
+    if float(np.quantile(np.abs(y_up[known]), 0.1)) > _UPRIGHT:
+        return np.arctan2(2.0 * (w * y + x * z) / size, z_up), True
+    raise InvalidInput(
+        "its quaternions turn about neither z nor y: bring its poses into the frame of the table, "
+        "z up"
+    )
 
 
 # -- from streams and rows to pushes
@@ -310,31 +399,74 @@ def _refuse_a_stream(columns: Columns, meaning: Mapping[str, str]) -> None:
         raise InvalidInput(f"{line}: {mend}")
 
 
+def _refuse_several(columns: Columns) -> None:
+    """Refuse orientations of several objects or surfaces, which follow no one map."""
+    for name in ("surface", "object"):
+        listed = sorted({str(value) for value in columns.get(name, ())})
+        if len(listed) > 1:
+            told = f"orientations on several {name}s, {', '.join(listed)[:80]}"
+            raise InvalidInput(f"{told}: split them, a table each")
+
+
+def _refuse_half_turns(theta: Array) -> None:
+    """Refuse orientations that begin anew each half a turn, as those of an axis without a head."""
+    known = theta[np.isfinite(theta)]
+    if known.size < _MANY_OF_HALVES or float(np.ptp(known)) > 1.01 * math.pi:
+        return
+    steps = np.diff(known)
+    jumps = np.abs(steps) > 0.6 * math.pi
+    rest = np.abs(steps[~jumps])
+    ahead = np.abs(math.pi - np.abs(steps[jumps]))
+    if jumps.sum() >= 2 and (ahead <= 1.5 * rest.max(initial=0.0)).all() and not jumps.mean() > 0.3:
+        raise InvalidInput(
+            "its orientations jump back by half a turn: those of an axis without a head? All "
+            "around are wanted, 0 to 360 degrees"
+        )
+
+
+def _collections(columns: Mapping[str, Array]) -> Whole:
+    """Which of the collections in a table each row (n,) is of."""
+    names: list[str] = [name for name in ("surface", "object", "run") if name in columns]
+    episode = columns.get("episode")
+    if episode is not None and np.unique(episode).size < episode.size:
+        names.append("episode")
+    labels = np.zeros(len(next(iter(columns.values()))), dtype=np.int64)
+    for name in names:
+        _, own = np.unique(columns[name].astype(str), return_inverse=True)
+        labels = labels * (own.max(initial=0) + 1) + own
+    return labels
+
+
 def _ordered(table: OwnTable) -> OwnTable:
-    """Rows a push in the order of their numbers, else of their times."""
-    columns = dict(table.columns)
+    """Rows a push in the order of their numbers, else of their times, collection by collection."""
+    columns, labels = dict(table.columns), _collections(table.columns)
     for name, what in (("repetition", "numbers"), ("episode", "numbers"), ("t", "times")):
         if name not in columns:
             continue
         numbers = columns[name]
-        if np.isfinite(numbers).all() and np.unique(numbers).size == numbers.size:
-            if (np.diff(numbers) > 0.0).all():
+        order = np.lexsort((numbers, labels))
+        pairs = np.stack([labels, numbers])
+        if np.isfinite(numbers).all() and np.unique(pairs, axis=1).shape[1] == numbers.size:
+            if (np.diff(order) == 1).all():
                 return table
-            order = np.argsort(numbers, kind="stable")
             columns = {column: values[order] for column, values in columns.items()}
             return table.then(columns, f"rows put in the order of their {what}")
         if name == "repetition":
-            # Of a push that is there twice, or has no number, nobody knows the place.
-            del columns[name]
-            said = f"{what} of pushes are missing or there twice: rows are taken in their own order"
-            return table.then(columns, said)
+            follows = np.diff(numbers) == 1.0
+            told = f"{what} of pushes are missing or there twice: rows are taken in their own order"
+            if follows.mean() > 0.5:
+                columns[name] = np.cumsum(np.append(0.0, np.where(follows, 1.0, 2.0)))
+            else:
+                # Nobody knows what follows what.
+                del columns[name]
+            return table.then(columns, told)
     return table
 
 
 def _is_stream(columns: Columns, guessed: bool) -> bool:
     """Whether rows follow a moving object, several to a push; `guessed`:
     the unit of its times is."""
-    if "episode" in columns:
+    if "episode" in columns and ("t" in columns or "repetition" not in columns):
         return bool((np.diff(columns["episode"]) == 0.0).any())
     if "t" not in columns:
         return False
@@ -342,7 +474,7 @@ def _is_stream(columns: Columns, guessed: bool) -> bool:
     step = float(np.median(np.diff(np.sort(t[np.isfinite(t)])))) if t.size > 1 else 0.0
     if not step > 0.0:
         raise InvalidInput(
-            "its times do not rise from row to row; mend them, or say --columns theta0=NAME"
+            "its times do not rise from row to row: keep the rows of the object alone, in their order"
         )
     is_whole = guessed and step >= _A_CYCLE and (t % 1.0 == 0.0).all()
     if is_whole or _STREAM_STEP < step < _A_CYCLE:
@@ -352,6 +484,37 @@ def _is_stream(columns: Columns, guessed: bool) -> bool:
             "the times out"
         )
     return step <= _STREAM_STEP
+
+
+def _has_two_rows_a_push(columns: Columns) -> bool:
+    """Whether each number of a push stands twice, one row below the other, with a place."""
+    number = columns.get("repetition", np.zeros(0))
+    if not {"x", "y"} <= set(columns) or number.size < 4 or number.size % 2:
+        return False
+    return bool((number[::2] == number[1::2]).all() and np.unique(number).size * 2 == number.size)
+
+
+def _refuse_a_stream_without_times(columns: Columns) -> None:
+    """Refuse poses that follow a moving object row by row: places that change smoothly, and not as
+    those of an object whose ring is at the target do.
+    """
+    if not {"x", "y"} <= set(columns) or {"t", "episode", "repetition"} & set(columns):
+        return
+    known = np.isfinite(columns["x"] + columns["y"] + columns["theta"])
+    place = (columns["x"] + 1j * columns["y"])[known]
+    if place.size < _MANY_ROWS:
+        return
+    way = np.exp(1j * columns["theta"][known])
+    spread, turned = float(np.std(place)), np.inf
+    for turn in (way, way.conj()):
+        rows = np.stack([turn, np.ones(turn.size)], axis=-1)
+        ring, *_ = np.linalg.lstsq(rows, place, rcond=None)
+        turned = min(turned, float(np.std(place - rows @ ring)))
+    if float(np.median(np.abs(np.diff(place, n=2)))) < _SMOOTH * spread < turned:
+        raise InvalidInput(
+            "its rows follow a moving object, and no column tells their times: add one in "
+            "seconds, t, such as the number of the frame by the rate"
+        )
 
 
 def _pushes(path: Path, table: OwnTable) -> OwnTable:
@@ -400,7 +563,7 @@ def _cleaned(table: OwnTable) -> OwnTable:
     theta = columns["theta0"]
     known, posed = np.isfinite(theta), set(columns) >= {"theta1", *PLACES}
     number = columns.get("repetition", np.arange(known.size, dtype=float))
-    follows = np.append(np.diff(number) == 1.0, False)
+    follows = np.append((np.diff(number) == 1.0) & (np.diff(_collections(columns)) == 0), False)
     gaps = int((~follows[:-1]).sum())
     words, how = _without_orientation(known), None
     if "theta_next" not in columns:
@@ -419,7 +582,8 @@ def _cleaned(table: OwnTable) -> OwnTable:
     kept = np.all([np.isfinite(columns[name]) for name in wanted], axis=0)
     if int(kept.sum()) < 2:
         told = f"{int(kept.sum())} pushes with an orientation and what follows it"
-        raise InvalidInput(f"{told}; two or more are wanted")
+        mend = ": their numbers do not go up by 1, leave them out where rows do" if gaps else ""
+        raise InvalidInput(f"{told}; two or more are wanted{mend}")
     pushes = {name: columns[name][kept] for name in named if name in columns}
     return table.then(pushes, *words)
 

@@ -19,9 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.pushes.measured_strokes import DRAG_COLUMNS, PUSH_END_COLUMNS
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS
 from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
 
@@ -75,7 +75,7 @@ def mark_columns(state: str) -> tuple[str, str, str, str]:
     return f"a_x{state}_mm", f"a_y{state}_mm", f"b_x{state}_mm", f"b_y{state}_mm"
 
 
-def marks_of(slider: Slider) -> tuple[tuple[float, float], tuple[float, float]]:
+def marks_of(slider: Slider) -> tuple[Place, Place]:
     """Return the two places on an object (m, its frame) that are measured: corner 0 and the one
     farthest from it.
 
@@ -170,7 +170,7 @@ def filled_text(path: Path) -> tuple[str, list[str]]:
         )
         mend = "if marks a and b were swapped, swap their columns before, after and after the drag"
         warnings.warn(f"{lay}: {mend}", DoubtfulInput, stacklevel=2)
-    names = ["object", "rep", *PUSH_END_COLUMNS, *DRAG_COLUMNS[3:], *ERRORS]
+    names = ["object", "rep", *ENDS, *RODS, *DRAG_ENDS[3:], *ERRORS]
     import pandas
 
     frame = pandas.DataFrame([row.told() for row in filled], columns=names)

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from cyclemap.arrays import Array, Mask, Whole
+from cyclemap.arrays import Array, Mask, Whole, stretches
 from cyclemap.errors import DataFileError
 
 # Half windows, s, in which poses are averaged before and after a moment: the shortest that noise
@@ -40,6 +40,8 @@ _AGREE, _AGREE_LEAST = 5.0, 2e-3
 # Shares: of rests that the ring's place explains, and of cycles that may be unclear and are left
 # out.
 _FEWEST_HOME, _MOST_UNCLEAR = 0.3, 0.2
+# Of rings those explain nearly as many rests as the best that explain this share of them.
+_NEARLY = 0.85
 # Where more rests than this share have the ring at one place, none tells it; then those are home
 # that lie near the first, as a share of how far the others are.
 _ALL_HOME, _NEAR_THE_FIRST = 0.8, 0.3
@@ -94,8 +96,9 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     stream was cut.
 
     stream : t, theta, and x, y where known. Poses are means over the rests beside the motions.
-        Raises UnclearStream where too many motions are neither a push nor a drag, or where there is
-        no telling one from the other.
+
+    Raises UnclearStream where too many motions are neither a push nor a drag, or where there is no
+    telling one from the other.
     """
     t, theta = stream["t"], np.unwrap(stream["theta"])
     x, y = (stream.get(name, np.zeros(t.size)) for name in ("x", "y"))
@@ -139,7 +142,6 @@ def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
 
 
 # -- rests
-# ----------------------------------------------------------------------------------------------
 
 
 def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
@@ -162,13 +164,7 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
     moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
-    return _joined(_stretches(~moving), t, course), noise
-
-
-def _stretches(mask: Mask) -> list[list[int]]:
-    """First and last place of each stretch in which a mask holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return [[int(first), int(end) - 1] for first, end in zip(edges[::2], edges[1::2], strict=True)]
+    return _joined(stretches(~moving), t, course), noise
 
 
 def _noise(courses: Array) -> float:
@@ -196,21 +192,21 @@ def _change(courses: Array, half: int) -> Array:
 def _hysteresis(change: Array, high: float, low: float) -> Mask:
     """Where a stretch above `low` is above `high` somewhere."""
     found = np.zeros(change.size, dtype=bool)
-    for first, last in _stretches(change > low):
-        found[first : last + 1] = bool((change[first : last + 1] > high).any())
+    for first, end in stretches(change > low):
+        found[first:end] = bool((change[first:end] > high).any())
     return found
 
 
-def _joined(rests: list[list[int]], t: Array, course: Array) -> Whole:
-    """The rests, those between which nothing moved made one."""
-    kept: list[list[int]] = []
-    for rest in rests:
+def _joined(rests: Sequence[tuple[int, int]], t: Array, course: Array) -> Whole:
+    """First and last sample of the rests, those between which nothing moved made one."""
+    kept: list[tuple[int, int]] = []
+    for first, end in rests:
+        begin = first
         if kept:
-            moved = _mean_pose(t, course, *rest) - _mean_pose(t, course, *kept[-1])
+            moved = _mean_pose(t, course, first, end - 1) - _mean_pose(t, course, *kept[-1])
             if math.hypot(moved[0], moved[1], _LEVER * moved[2]) < _LEAST_MOTION:
-                kept[-1][1] = rest[1]
-                continue
-        kept.append(rest)
+                begin, _ = kept.pop()
+        kept.append((begin, end - 1))
     return _pairs(kept)
 
 
@@ -220,7 +216,6 @@ def _pairs(rows: Sequence[Sequence[int]]) -> Whole:
 
 
 # -- cycles
-# ----------------------------------------------------------------------------------------------
 
 
 def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
@@ -239,7 +234,9 @@ def _cycles(poses: Array, errors: Array) -> tuple[Whole, Array, Whole, str]:
     backs = np.array([_motion(poses, first + 1, last, sense) for first, last in closed])
     usual, back = np.median(clean, axis=0), np.median(backs, axis=0)
     limit, limit_back = _spread(clean), _spread(backs)
-    pushes, unclear, numbers, paused = [], [], [], 0
+    pushes, numbers, paused = [], [], 0
+    # What comes before the first push is a push's end at most.
+    unclear = [(0, where[0])] if where[0] > 1 else []
     # What is unclear is a number left out, so that nothing is taken to follow across it.
     for number, (first, last) in enumerate(spans):
         is_open = not home[last]
@@ -308,7 +305,7 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
         return None, 1.0
     most = max(count for count, *_ in found)
     # Of those that explain nearly as many the ring nearest to the centre.
-    near = [entry for entry in found if entry[0] >= 0.7 * most]
+    near = [entry for entry in found if entry[0] >= _NEARLY * most]
     home, sense = min(near, key=lambda entry: (entry[1], -entry[0]))[2:]
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken

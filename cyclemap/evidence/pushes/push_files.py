@@ -266,7 +266,8 @@ def read_push_file(path: str | Path) -> PushRecord | ScanRecord:
 def _tables(path: Path) -> dict[str, Any]:
     if path.suffix.lower() not in SUFFIXES:
         raise InvalidInput(
-            f"'{path.suffix}' is no suffix of push data; it must be one of {', '.join(SUFFIXES)}"
+            f"'{path.suffix}' is no suffix of push data; it must be one of {', '.join(SUFFIXES)}, "
+            "or a table's: .csv, .xlsx, .parquet, .jsonl"
         )
     # A pipe is no file either: opening one would wait for ever.
     if not path.is_file():

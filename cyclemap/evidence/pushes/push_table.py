@@ -6,25 +6,21 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
-from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import shorter_way
-from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
+from cyclemap.arrays import Array, shorter_way
+from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import (
-    COLUMNS,
     ENDS,
     RODS,
     Row,
-    column_value,
-    named_column,
+    has_columns,
+    known_columns,
 )
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
@@ -38,17 +34,17 @@ from cyclemap.evidence.pushes.push_files import (
     read_push_file,
 )
 from cyclemap.evidence.pushes.theta0_pairs import doubt_degrees, read_theta0_pairs
-from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Pose, Slider
-from cyclemap.text_files import LARGEST_CONTENT, CsvRow, CsvTable, read_csv_table
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
+from cyclemap.progress import Progress, part_of
+from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
 
 # As a table of twenty columns they are as large as any file may be.
 _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
-# What stands in a field without a number; the share of rows that may have no pose; m, beyond which
-# no push goes.
-_NOTHING, _MOST_LOST, _LONGEST_PUSH = ("", "nan", "na", "null", "none"), 0.5, 3.0
+# The share of rows that may have no pose; m, beyond which no push goes.
+_MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
 _POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
@@ -58,14 +54,14 @@ PUSH_COLUMNS = (
     *_POSES,
     "theta_next",
     "force_ratio",
+    "tip_error",
     "samples",
     "path",
+    "line",
 )
 _SCAN_ORDER = ("surface", "object", "acceleration", "speed", "direction", "repetition")
 SCAN_COLUMNS = (*_SCAN_ORDER, "force_along", "force_across", "ratio", "samples", "path")
 CSV_SUFFIX = ".csv"
-# What a table of poses may tell.
-_READ = tuple(name for name in PUSH_COLUMNS if name in COLUMNS)
 _TEXT = ("surface", "object", "path")
 
 
@@ -89,73 +85,50 @@ def read_push_csv(path: str | Path, convention: Convention = OURS) -> list[Row]:
     table = convention.table(read_csv_table(path))
     if len(table.rows) > _MOST_PUSHES:
         raise DataFileError(f"{table.path}: holds more than {_MOST_PUSHES} pushes; split it")
-    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
-    if all(named_column(table, column) for column in ENDS):
+    if has_columns(table, ENDS):
         doubt_degrees(
             table, [name for name in ("theta0_deg", "theta1_deg") if name in table.header]
         )
-        return [unknown | _pose_row(table, row) for row in _posed_rows(table)]
+        return [*_posed(table).assign(samples=0).to_dict("records")]
     pairs = read_theta0_pairs(table.path, convention=convention)
     numbers = np.full(pairs.theta.size, math.nan)
     if "theta0_accum_deg" in table.header and pairs.cycle is not None:
         numbers = pairs.cycle
     names = ("repetition", "theta0", "theta_next")
     columns = np.transpose([numbers, pairs.theta, pairs.theta_next]).tolist()
+    unknown = asdict(PushFacts()) | {"samples": 0, "path": str(table.path)}
     return [unknown | dict(zip(names, row, strict=True)) for row in columns]
 
 
-def _posed_rows(table: CsvTable) -> list[CsvRow]:
-    """The rows that have both poses; those without are warned of."""
-    names = [str(named_column(table, column)) for column in ENDS]
-    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
-    for row in table.rows:
-        lacks = next((name for name in names if table.text(row, name).lower() in _NOTHING), None)
-        if lacks is None:
-            kept.append(row)
-        else:
-            lost.append((row, lacks))
-    if not lost:
-        return kept
-    first, name = lost[0]
-    if len(lost) >= _MOST_LOST * len(table.rows):
-        told = f"{name} is '{table.text(first, name)}'; it must be a number, and {len(lost)}"
-        raise table.error(first.line, f"{told} of {len(table.rows)} rows lack one")
-    told = f"{len(lost)} of {len(table.rows)} rows left out for want of a pose"
-    warnings.warn(
-        f"{table.path}: {told}, the first in line {first.line}", DoubtfulInput, stacklevel=4
-    )
-    return kept
+def _posed(table: CsvTable) -> pandas.DataFrame:
+    """The pushes of a table of poses."""
+    frame = known_columns(table, ENDS, _MOST_LOST)
+    _refuse_other_units(table, frame)
+    rod = np.hypot(frame["tip_x1"] - frame["tip_x0"], frame["tip_y1"] - frame["tip_y0"])
+    frame["length"] = rod.fillna(frame["length"])
+    turn = shorter_way(frame["theta1"] - frame["theta0"])
+    frame["dtheta"] = frame["dtheta"].where(frame["dtheta"].notna(), turn)
+    frame["theta1"] = frame["theta0"] + frame["dtheta"]
+    frame["theta_next"] = frame["theta1"] + shorter_way(frame["theta_next"] - frame["theta1"])
+    moved = frame["x1"] - frame["x0"] + 1j * (frame["y1"] - frame["y0"])
+    moved = (moved * np.exp(-1j * frame["theta0"])).to_numpy()
+    return frame.assign(dx=moved.real, dy=moved.imag)
 
 
-def _pose_row(table: CsvTable, row: CsvRow) -> Row:
-    found = {column: column_value(table, row, column) for column in _READ}
-    _refuse_other_units(table, row, found)
-    tips = [found[name] for name in RODS]
-    if not any(map(math.isnan, tips)):
-        found["length"] = math.dist(tips[:2], tips[2:])
-    if math.isnan(found["dtheta"]):
-        found["dtheta"] = float(shorter_way(found["theta1"] - found["theta0"]))
-    found["theta1"] = found["theta0"] + found["dtheta"]
-    following = shorter_way(found["theta_next"] - found["theta1"])
-    found["theta_next"] = found["theta1"] + float(following)
-    dx, dy = Pose(found["x0"], found["y0"], found["theta0"]).to_object(found["x1"], found["y1"])
-    return found | {"dx": dx, "dy": dy}
-
-
-def _refuse_other_units(table: CsvTable, row: CsvRow, found: Mapping[str, float]) -> None:
+def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
     """Refuse poses that no table top holds."""
     for column in ENDS:
         turns = column.startswith("theta")
         limit, unit = (LARGEST_ANGLE, "deg") if turns else (LARGEST_POSITION, "mm")
-        if not abs(found[column]) <= limit:
-            bound = (
-                f"{column} is {found[column]:g}; it must be a number within {limit:g} (SI units)"
-            )
-            raise table.error(row.line, f"{bound}: is it in other units? Say them, --units {unit}")
-    far = math.hypot(found["x1"] - found["x0"], found["y1"] - found["y0"])
-    if far > _LONGEST_PUSH:
-        told = f"the push moves the object by {far:.4g} m: are its places in millimetres?"
-        raise table.error(row.line, f"{told} Say so, --units mm,rad")
+        beyond = frame[~(frame[column].abs() <= limit)]
+        for line, value in zip(beyond["line"], beyond[column], strict=True):
+            bound = f"{column} is {value:g}; it must be a number within {limit:g} (SI units)"
+            raise table.error(line, f"{bound}: is it in other units? Say them, --units {unit}")
+    far = np.hypot(frame["x1"] - frame["x0"], frame["y1"] - frame["y0"])
+    for line, length in zip(frame["line"], far, strict=True):
+        if length > _LONGEST_PUSH:
+            told = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
+            raise table.error(line, f"{told} Say so, --units mm,rad")
 
 
 @dataclass(frozen=True)
@@ -207,8 +180,9 @@ class PushTable:
     frame. `dtheta` (rad): theta1 - theta0, counted along the series, so never wrapped. `theta_next`
     (rad): start of the next repetition of the same set (same folder or CSV table, same facts), on
     the lift nearest to theta1; so theta_next - theta0 is the turn of the cycle where the drag back
-    turns by less than half a turn. `force_ratio`: see `contact_force_ratio`. `samples`: poses of
-    the object, 0 in a CSV table. `path`: the file.
+    turns by less than half a turn. `force_ratio`: see `contact_force_ratio`. `tip_error` (m): how
+    far the robot was from where it was sent, where a table tells. `samples`: poses of the object, 0
+    in a CSV table. `path`: the file, and in a CSV table the `line`.
 
     Columns of ``scans``: `direction` (rad) of the motion in the world, by the name; `force_along`
     and `force_across` (N): see `scan_forces`; `ratio`: force_across / force_along, zero where
@@ -243,7 +217,7 @@ def load_pushes(
     angles: str | None = None,
     frame: str | None = None,
     offset_deg: float | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> PushTable:
     """Read pushes and friction scans in the MIT layout (.h5, .hdf5, .json) or as CSV: a file, a
     folder or a tree.
@@ -301,10 +275,9 @@ def load_pushes(
     """
     files, unreadable = _files(Path(path))
     convention = convention_of(path, angles, frame, offset_deg)
-    report = progress or (lambda fraction: None)
     pushes: list[Row] = []
     scans: list[Row] = []
-    for done, file in enumerate(files, 1):
+    for index, file in enumerate(files):
         try:
             found = _rows(file, convention)
         except DataFileError as error:
@@ -313,7 +286,7 @@ def load_pushes(
         else:
             pushes += found[0]
             scans += found[1]
-        report(done / len(files))
+        part_of(progress, index, len(files))(1.0)
     table = _sorted_frame(pushes, PUSH_COLUMNS, (*SET_FACTS, "repetition", "path"))
     table["theta_next"] = table["theta_next"].fillna(_next_start(table))
     scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
@@ -416,7 +389,7 @@ def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
 
 
 @cache
-def _mit_outline(name: str | None) -> NDArray[np.float64] | None:
+def _mit_outline(name: str | None) -> Array | None:
     """The closed outline of an MIT shape as a polyline, m; None for any other object."""
     return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
 

@@ -13,9 +13,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Mask, Whole, shorter_way
 from cyclemap.checks import finite_array, require_room, whole_number
 from cyclemap.errors import DoubtfulInput, InvalidInput
 from cyclemap.evidence.pushes.conventions import Convention, convention_of
@@ -116,6 +116,23 @@ class Theta0Pairs:
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
                 told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
                 raise InvalidInput(f"{told}; give one number an angle")
+
+    @classmethod
+    def along(
+        cls,
+        path: Array,
+        turn: Array,
+        kept: Mask,
+        number: Array,
+        dropped: Mapping[str, int] | None = None,
+        moved: tuple[float, ...] = (),
+    ) -> Theta0Pairs:
+        """Return the pairs of pushes along a path (m,), rad, with their numbers (m,), by how far
+        their cycles turned the object (n,), rad, n = m or m - 1; of those that are kept (n,).
+        """
+        start = path[: turn.size][kept]
+        cycle = number[: turn.size][kept]
+        return cls(start, start + turn[kept], path, dropped or {}, cycle, number, moved)
 
     @property
     def turn(self) -> Array:
@@ -255,9 +272,7 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
         )
         warnings.warn(line, DoubtfulInput, stacklevel=3)
     dropped = {"moved by hand": len(moved)} if moved else {}
-    return Theta0Pairs(
-        path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
-    )
+    return Theta0Pairs.along(path, turn, kept, number, dropped, moved)
 
 
 def moved_by_hand(theta: Array, turn: Array) -> Mask:
@@ -332,9 +347,9 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     kept = (flags == "") & ~np.isnan(turn)
     if not kept.any():
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
-    path, turn = np.deg2rad(path), np.deg2rad(turn[kept])
+    path, turn = np.deg2rad(path), np.deg2rad(turn)
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    return Theta0Pairs(path[kept], path[kept] + turn, path, dropped, number[kept], number)
+    return Theta0Pairs.along(path, turn, kept, number, dropped)
 
 
 def _from_pairs(table: CsvTable) -> Theta0Pairs:
@@ -354,8 +369,8 @@ def _from_pairs(table: CsvTable) -> Theta0Pairs:
         told += "taken to be in order, and staircases are of the longest run without such a pair"
         warnings.warn(told, DoubtfulInput, stacklevel=3)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
-    number, start = np.arange(float(path.size)), path[:-1]
-    return Theta0Pairs(start, start + turn, path, cycle=number[:-1], path_cycle=number)
+    every = np.ones(turn.size, dtype=bool)
+    return Theta0Pairs.along(path, turn, every, np.arange(float(path.size)))
 
 
 def _is_in_order(gap: Array, turn: Array) -> bool:
@@ -390,7 +405,7 @@ def covered_arcs(measured: ArrayLike) -> tuple[tuple[float, float], ...]:
     return tuple(sorted((low, high if high >= low else high + TWO_PI) for low, high in arcs))
 
 
-def is_covered(measured: ArrayLike, theta: ArrayLike) -> NDArray[np.bool_]:
+def is_covered(measured: ArrayLike, theta: ArrayLike) -> Mask:
     """Whether each of ``theta`` (...), rad, lies within 1 degree of a covered arc of ``measured``
     (n,), n ≥ 1, rad.
     """
@@ -426,7 +441,7 @@ class TurnBins:
 
     centre: Array
     median: Array
-    count: NDArray[np.int64]
+    count: Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -542,7 +557,7 @@ def angle_histogram(theta: Array, bins: int = DEFAULT_BINS) -> AngleHistogram:
     return AngleHistogram(np.linspace(0.0, TWO_PI, bins + 1), count * (bins / TWO_PI) / theta.size)
 
 
-def bin_index(theta: Array, bins: int) -> NDArray[np.int64]:
+def bin_index(theta: Array, bins: int) -> Whole:
     """Which of ``bins`` equal bins over [0, 2π) each angle (rad, any turn) lies in; InvalidInput
     for fewer than one.
     """

@@ -4,26 +4,30 @@ their points.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
+from cyclemap.maps.families.arclength import SMALLEST, STRAIGHT, ArclengthWalk
 from cyclemap.maps.families.continuation import bifurcations
 from cyclemap.maps.families.curve_equations import KINDS, CodimensionTwo, CurveEquations, CurveSpot
 from cyclemap.maps.families.family import (
     Family,
     Range,
     break_motion,
+    each_done,
     family_member,
     parameter_range,
 )
 from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
+from cyclemap.maps.lifts.circle_map import CircleMap
 
-_FIRST, _LARGEST, _SMALLEST = 0.01, 0.06, 1e-7  # scaled arclength
-_STRAIGHT, _GROWTH, _MOST_STEPS = 0.95, 1.5, 2_000
 _RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
 _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
 
@@ -76,87 +80,68 @@ class BifurcationCurve:
     residual: float
 
 
-@dataclass(eq=False)
-class _CurveWalk:
-    """A walk along the curve from one solution in the direction ``initial``: what it has passed,
-    why it ended.
+@dataclass(eq=False, kw_only=True)
+class _CurveWalk(ArclengthWalk):
+    """A walk along a curve of bifurcations: its solutions, and the points of codimension two that
+    it has passed.
     """
 
     equations: CurveEquations
-    begin: CurveSpot
-    initial: Array
-    step: float = _FIRST
-    reason: str = ""
-    blocked: str = "lost"  # what the last step that was refused ran into
-    spots: list[CurveSpot] = field(default_factory=list)
+    spots: list[CurveSpot]
     special: list[CodimensionTwo] = field(default_factory=list)
-    ending: tuple[Array, Array] | None = (
-        None  # where the curve is about to end, scaled, and what that may be off
-    )
+    blocked: str = "lost"  # what the last step that was refused ran into
+    # where the curve is about to end, scaled, and what that may be off
+    ending: tuple[Array, Array] | None = None
     extrapolated: list[Array] = field(default_factory=list)  # the last two such ends
 
-    def walked(self) -> _CurveWalk:
-        """The walk, once it has ended."""
-        self.spots, self.direction = [self.begin], self.initial
-        while not self.reason:
-            if len(self.spots) > _MOST_STEPS:
-                self.reason = "steps"
-            elif self.step < _SMALLEST:
-                self._stop()
-            else:
-                self._advance()
-        return self
-
-    def _stop(self) -> None:
+    def stop(self) -> None:
         """End where steps have become too small, with the point of codimension two that made them
         so.
         """
-        self.reason, spot = self.blocked, self.spots[-1]
+        self.reason = self.blocked
+        spot = self.spots[-1]
         flips = self.equations.kind == "period-doubling"
         names = {"half the period": "generalised flip", "tip": "tip"}
         if self.equations.side == 0:
             names["border collision"] = "border flip" if flips else "border saddle-node"
         if self.reason in names:
-            at, error = self.ending or (spot.at[-2:], np.full(2, _SMALLEST))
+            at, error = self.ending or (spot.at[-2:], np.full(2, SMALLEST))
             self.special.append(self.equations.placed(names[self.reason], spot, at, 4.0 * error))
 
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here, row, length, at_edge = self.spots[-1], self.direction, self.step, False
-        for k in (-2, -1):
-            climb = self.direction[k]
-            end = self.equations.ranges[k][1 if climb > 0.0 else 0] / self.equations.scales[k]
-            room = max((end - here.at[k]) / climb, 0.0) if climb else np.inf
-            if room <= length:
-                length, row, at_edge = room, np.eye(here.at.size)[k], True
+        here = self.spots[-1]
+        length, row, at_end = self.ahead()
         if length <= 1e-12:
             self.reason = "end of the plane"
             return
         guess = here.at + length * self.direction
         unmoved = np.zeros(here.state.member.breaks.size)
-        if crossed_break(here.state, guess[:-2] * self.equations.scales[:-2], unmoved) is not None:
+        if crossed_break(here.state, self.angles(guess), unmoved) is not None:
             self.blocked = "border collision"
         solved = self.equations.solved(guess, row)
         if solved is None or not self._accepted(here, solved):
             self.step *= 0.5
-        elif at_edge:
+        elif at_end:
             self.reason = self.reason or "end of the plane"
 
     def _accepted(self, here: CurveSpot, solved: CurveSpot) -> bool:
         """Take the step unless it is too far, too bent, or crosses what it must stop before."""
         direction = self.equations.direction(solved, self.direction)
-        moved = solved.at - here.at
-        if float(np.linalg.norm(moved)) > 2.0 * self.step or direction @ self.direction < _STRAIGHT:
+        if (
+            np.linalg.norm(solved.at - here.at) > 2.0 * self.step
+            or direction @ self.direction < STRAIGHT
+        ):
             return False
-        old, new = here.state, solved.state
+        old = here.state
+        new = solved.state
         motion = break_motion(old.member.breaks, new.member.breaks)
         if crossed_break(old, new.theta, motion) is not None:
             self.blocked = "border collision"
             return False
         if (
             here.gap.size
-            and float(here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0]))
-            <= 0.0
+            and (here.gap @ (here.gap + np.diff([here.halves, solved.halves], axis=0)[0])) <= 0.0
         ):
             self.blocked = "half the period"
             return False
@@ -165,11 +150,11 @@ class _CurveWalk:
         if self.ending is None or not (
             solved.spread < here.spread or np.linalg.norm(solved.gap) < np.linalg.norm(here.gap)
         ):
-            self.blocked, self.ending = "lost", None
-        closing = self._closes(here, moved, direction)
-        self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
-        if closing:
-            self.spots[-1], self.reason = self.begin, "closed"
+            self.blocked = "lost"
+            self.ending = None
+        self.taken(solved.at, direction)
+        if self.reason:
+            self.spots[-1] = replace(self.spots[0], at=self.at[-1])
         elif self.equations.kind == "saddle-node" and len(self.spots) > 3:
             self._nears_end()
         return True
@@ -200,23 +185,6 @@ class _CurveWalk:
             tangent = self.equations.direction(spot, self.direction)
             self.special.append(self.equations.recorded(kind, spot, 4.0 * shift, tangent, curved))
 
-    def _closes(self, here: CurveSpot, moved: Array, direction: Array) -> bool:
-        """Whether the step passes the first solution, but for whole turns and the choice of the
-        first point.
-        """
-        if len(self.spots) < 8:
-            return False
-        turns = self.equations.scales[:-2]
-        for k in range(self.equations.hops.size):
-            back = shorter_way(np.roll(self.begin.state.theta, -k) - here.state.theta) / turns
-            offset = np.append(back, self.begin.at[-2:] - here.at[-2:])
-            share = float(offset @ moved) / float(moved @ moved)
-            heading = np.append(np.roll(self.initial[:-2], -k), self.initial[-2:])
-            near = np.linalg.norm(offset - share * moved) < 0.2 * np.linalg.norm(moved)
-            if 0.0 < share <= 1.0 and near and heading @ direction > 0.5:
-                return True
-        return False
-
     def _nears_end(self) -> None:
         """Go no further than half way to where the curve ends in a tip or an orbit of half the
         period; stop close by.
@@ -226,7 +194,8 @@ class _CurveWalk:
         distance: its straightest root. Where the halves of the orbit meet, they come as far apart
         on the other side: the square of their distance.
         """
-        recent, orbit = self.spots[-3:], self.equations.hops.size
+        recent = self.spots[-3:]
+        orbit = self.equations.hops.size
         length = np.array([float(self.direction @ (spot.at - recent[-1].at)) for spot in recent])
         spread = np.array([spot.spread for spot in recent])
         apart = (
@@ -236,13 +205,15 @@ class _CurveWalk:
         )
         candidates = [("tip", spread ** (1.0 / power), 1) for power in range(1, 2 * orbit + 2)]
         candidates = [*(candidates if spread[-1] < _RIGID else []), ("half the period", apart, 2)]
-        best, ending = 0.1, None
+        best = 0.1
+        ending = None
         for reason, root, power in candidates:
             if root[0] > root[1] > root[2] > 0.0 and root[2] < _RIGID ** (1.0 / orbit):
                 slope = (root[2] - root[1]) / (length[2] - length[1])
                 bent = abs(root[0] - root[2] - slope * length[0]) / root[0]
                 if bent < best:
-                    best, ending = bent, (reason, root**power, -root[2] / slope)
+                    best = bent
+                    ending = (reason, root**power, -root[2] / slope)
         if ending is None or ending[2] > 4.0 * self.step:
             return
         reason, measure, distance = ending
@@ -250,7 +221,8 @@ class _CurveWalk:
         at = np.sum(
             [share * spot.at[-2:] for share, spot in zip(shares, recent, strict=True)], axis=0
         )
-        self.blocked, self.step = reason, min(self.step, 0.5 * distance)
+        self.blocked = reason
+        self.step = min(self.step, 0.5 * distance)
         # Two neighbouring extrapolations may agree by chance: three are compared.
         known = [*(self.extrapolated or [recent[-1].at[-2:]]), at]
         change = np.sum(np.abs(np.diff(known, axis=0)), axis=0) + 1e-12
@@ -258,7 +230,7 @@ class _CurveWalk:
             self.ending = at, change
         self.extrapolated = known[-2:]
         if distance < (_NEAR if reason == "half the period" else 1e-4) or spread[-1] < 1e-9:
-            self._stop()
+            self.stop()
 
 
 def follow_bifurcation(
@@ -332,7 +304,8 @@ def follow_bifurcation(
 def _followed(
     family: Family, start: Bifurcation, at: tuple[float, float], ranges: tuple[Range, Range]
 ) -> BifurcationCurve:
-    points, member = np.array(start.points), family_member(family, *at)
+    points = np.array(start.points)
+    member = family_member(family, *at)
     images = member(points)
     sides: tuple[int, ...] = (0,)
     if start.kind == "border-collision":
@@ -348,7 +321,7 @@ def _followed(
         guess = np.append(points, at) / equations.scales
         along = equations.direction(equations.spot(guess))
         begin = equations.solved(guess, along)
-        if begin is not None and float(np.linalg.norm(begin.at - guess)) < 1e-2:
+        if begin is not None and np.linalg.norm(begin.at - guess) < 1e-2:
             break
     else:
         raise InvalidInput(
@@ -356,11 +329,23 @@ def _followed(
             f"near θ = {points[0]:.6g}"
         )
     ahead = equations.direction(begin)
-    forward = _CurveWalk(equations, begin, ahead).walked()
-    spots, special, ends = forward.spots, forward.special, ("closed", "closed")
+    forward, backward = (
+        _CurveWalk(
+            scales=equations.scales,
+            ranges=ranges,
+            initial=initial,
+            at=[begin.at],
+            equations=equations,
+            spots=[begin],
+        )
+        for initial in (ahead, -ahead)
+    )
+    spots = forward.walked().spots
+    special = forward.special
+    ends = ("closed", "closed")
     if forward.reason != "closed":
-        backward = _CurveWalk(equations, begin, -ahead).walked()
-        spots, special = backward.spots[:0:-1] + spots, backward.special[::-1] + special
+        spots = backward.walked().spots[:0:-1] + spots
+        special = backward.special[::-1] + special
         ends = backward.reason, forward.reason
     at_all = np.array([spot.at * equations.scales for spot in spots])
     return BifurcationCurve(
@@ -390,6 +375,8 @@ def bifurcation_curves(
     winding: int = 0,
     *,
     lines: int = LINES,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> list[BifurcationCurve]:
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a
     plane.
@@ -406,6 +393,10 @@ def bifurcation_curves(
         Whole turns of the orbits in a period.
     lines : int, optional
         How many evenly spaced lines each way the plane is searched on.
+    progress : callable or None, optional
+        Called with the fraction done of the lines; curves are followed from each as it is met.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; line by line.
 
     Returns
     -------
@@ -428,24 +419,39 @@ def bifurcation_curves(
     """
     ranges = parameter_range("first", first), parameter_range("second", second)
     count = whole_number("lines", lines, least=1)
+    require_room("the lines", count, "give fewer")
     curves: list[BifurcationCurve] = []
     spans = np.array([high - low for low, high in ranges])
     shares = (np.arange(count) + 0.5) / count
-    for axis in (1, 0):
-        for height in (ranges[axis][0] + shares * spans[axis]).tolist():
-            line = (
-                (lambda v, h=height: family(v, h)) if axis else (lambda v, h=height: family(h, v))
-            )
-            for start in bifurcations(
-                line, ranges[1 - axis], period, winding, resolution=_RESOLUTION
-            ):
-                value = float(start.parameter)
-                at = (value, height) if axis else (height, value)
-                if start.kind in KINDS and not any(
-                    _on(curve, start, np.array(at), spans) for curve in curves
-                ):
-                    curves.append(_followed(family, start, at, ranges))
+    heights = [
+        (axis, height)
+        for axis in (1, 0)
+        for height in (ranges[axis][0] + shares * spans[axis]).tolist()
+    ]
+    work = partial(_on_line, family, ranges, period, winding)
+    for starts in each_done(work, heights, executor, progress):
+        for start, at in starts:
+            if not any(_on(curve, start, np.array(at), spans) for curve in curves):
+                curves.append(_followed(family, start, at, ranges))
     return curves
+
+
+def _on_line(
+    family: Family,
+    ranges: tuple[Range, Range],
+    period: int,
+    winding: int,
+    line: tuple[int, float],
+) -> list[tuple[Bifurcation, tuple[float, float]]]:
+    """The bifurcations on the line at one value of the parameter number ``line[0]``, and where."""
+    axis, height = line
+
+    def along(value: float) -> CircleMap:
+        return family(value, height) if axis else family(height, value)
+
+    met = bifurcations(along, ranges[1 - axis], period, winding, resolution=_RESOLUTION)
+    values = [(start, float(start.parameter)) for start in met if start.kind in KINDS]
+    return [(start, (value, height) if axis else (height, value)) for start, value in values]
 
 
 def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) -> bool:
@@ -461,9 +467,7 @@ def _on(curve: BifurcationCurve, start: Bifurcation, at: Array, spans: Array) ->
             -np.sum(offset[:-1] * step, 1) / np.maximum(np.sum(step * step, 1), 1e-300), 0.0, 1.0
         )
         if (
-            float(
-                np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
-            )
+            np.min(np.linalg.norm(offset[:-1] + share[:, None] * step, axis=1), initial=np.inf)
             < _SAME
         ):
             return True

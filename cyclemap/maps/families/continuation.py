@@ -9,9 +9,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
-from cyclemap.checks import finite_number, read_only, whole_number
+from cyclemap.checks import finite_number, read_only, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
+from cyclemap.maps.families.arclength import FIRST, STRAIGHT, ArclengthWalk
 from cyclemap.maps.families.family import (
     Family,
     Range,
@@ -31,100 +32,76 @@ from cyclemap.maps.families.orbit_equations import (
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
 
-_FIRST, _LARGEST, _SMALLEST = 0.01, 0.08, 1e-8  # of the scaled arclength
-_STRAIGHT = 0.95  # cosine of the largest turn of the tangent in one step
-_GROWTH = 1.5
-_MOST_STEPS = 4_000
+RESOLUTION = 24
+_ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
+_ASIDE = 1e-3  # scaled arclength
+_SAME_ORBIT = 1e-7  # radians
+# radians: at a fold two findings of one orbit may differ by the root of rounding
+_SAME_POINT = 1e-4
+_SAME_PARAMETER = 1e-9  # of the range
+_WIDEST = 1e-6  # of the range: the bound of a saddle-node that is worth a proof
 
 
-@dataclass(eq=False)
-class BranchWalk:
-    """A walk along the branch from one state in the direction ``initial``: what it has passed, why
-    it ended.
-    """
+@dataclass(eq=False, kw_only=True)
+class BranchWalk(ArclengthWalk):
+    """A walk along a branch of orbits: their states, and the bifurcations that it has passed."""
 
     equations: OrbitEquations
-    first: OrbitState
-    initial: Array
-    step: float = _FIRST
-    reason: str = ""
-    states: list[OrbitState] = field(default_factory=list)
+    states: list[OrbitState]
     special: list[Bifurcation] = field(default_factory=list)
-    direction: Array = field(default_factory=lambda: np.zeros(0))
 
-    def walked(self) -> BranchWalk:
-        """The walk, once it has ended."""
-        self.states, self.direction = [self.first], self.initial
-        while not self.reason:
-            if len(self.states) > _MOST_STEPS:
-                self.reason = "steps"
-            elif self.step < _SMALLEST:
-                self.reason = "lost"
-            else:
-                self._advance()
-        return self
-
-    def _advance(self) -> None:
+    def advance(self) -> None:
         """One attempt at a step: it succeeds, ends the walk, or halves the step."""
-        here = self.equations.point(self.states[-1])
-        end = self.equations.within[1 if self.direction[-1] > 0.0 else 0]
-        climb, room = (
-            self.direction[-1],
-            np.inf,
-        )  # the length of the step that reaches that end of the range
-        if climb != 0.0:
-            room = max((end / self.equations.scales[-1] - here[-1]) / climb, 0.0)
-        if room <= 1e-12:
+        length, row, at_end = self.ahead()
+        if length <= 1e-12:
             self.reason = "end of the range"
             return
-        guess = here + min(self.step, room) * self.direction
-        if room <= self.step:
-            solved = self.equations.solved_at(end, self._angles(guess))
-        else:
-            solved = self.equations.solved_along(guess, self.direction)
+        guess = self.at[-1] + length * self.direction
+        solved = self.equations.solved_along(guess, row)
         hit = self._collision(guess, solved)
         if hit is not None:
             record, state, outward = hit
             self.special.append(record)
-            self.states.append(state)
+            self._passes(state)
             if outward is None:
                 self.reason = "jump"
             else:
-                self.direction, self.step = outward, min(self.step, _FIRST)
+                self.direction = outward
+                self.step = min(self.step, FIRST)
         elif solved is None or not self._accepted(solved):
             self.step *= 0.5
-        elif room <= self.step:
+        elif at_end:
             self.reason = self.reason or "end of the range"
 
-    def _angles(self, point: Array) -> Array:
-        return np.asarray(point[:-1] * self.equations.scales[:-1])
+    def _passes(self, state: OrbitState) -> None:
+        self.states.append(state)
+        self.at.append(self.equations.point(state))
 
     def _accepted(self, solved: OrbitState) -> bool:
         """Take the step to ``solved`` unless it is too far, too bent or crosses a break that was
         not located.
         """
-        here, there = self.equations.point(self.states[-1]), self.equations.point(solved)
-        push = (
-            self.equations.push(solved.parameter)(solved.theta)
-            if solved.push is None
-            else solved.push
-        )
+        before = self.states[-1]
+        there = self.equations.point(solved)
+        push = solved.push
+        if push is None:
+            push = self.equations.push(solved.parameter)(solved.theta)
         direction = self.equations.direction(solved.slopes, push, self.direction)
-        change = abs(solved.multiplier - self.states[-1].multiplier)
+        change = abs(solved.multiplier - before.multiplier)
         if (
-            np.linalg.norm(there - here) > 2.0 * self.step
-            or direction @ self.direction < _STRAIGHT
-            or (change > 0.5 + 0.5 * abs(self.states[-1].multiplier) and self.step > 1e-4)
-            or self._crossed(self._angles(there), solved) is not None
+            np.linalg.norm(there - self.at[-1]) > 2.0 * self.step
+            or direction @ self.direction < STRAIGHT
+            or (change > 0.5 + 0.5 * abs(before.multiplier) and self.step > 1e-4)
+            or self._crossed(solved.theta, solved) is not None
         ):
             return False
-        before, half = self.states[-1], self.equations.hops.size // 2
+        half = self.equations.hops.size // 2
         # Through an orbit of half the period, where the two halves change places?
         old, new = (np.roll(state.theta, -half) - state.theta for state in (before, solved))
         gap = shorter_way(old)
         ahead = gap + new - old
         if self.equations.hops.size == 2 * half and (
-            float(gap @ ahead) <= 0.0 or float(np.max(np.abs(ahead))) < 1e-9
+            (gap @ ahead) <= 0.0 or np.max(np.abs(ahead)) < 1e-9
         ):
             self.reason = "half the period"
             return True
@@ -133,52 +110,19 @@ class BranchWalk:
                 state, found = smooth_bifurcation(
                     self.equations, before, solved, self.direction, target
                 )
-                self.states.append(state)
+                self._passes(state)
                 self.special.append(found)
-        again = self._closing(before, solved, direction)
-        self.states.append(solved if again is None else again)
-        self.reason = "" if again is None else "closed"
-        self.direction, self.step = direction, min(_GROWTH * self.step, _LARGEST)
+        self.taken(there, direction)
+        if self.reason:
+            solved = self.equations.state(self.states[0].parameter, self.angles(self.at[-1]))
+        self.states.append(solved)
         return True
 
-    def _closing(
-        self, before: OrbitState, solved: OrbitState, direction: Array
-    ) -> OrbitState | None:
-        """The first state, on this step's whole turns and choice of the first point, if it lies on
-        the step.
-        """
-        reach = 2.0 * abs(solved.parameter - before.parameter) + 1e-3 * float(
-            self.equations.scales[-1]
-        )
-        if len(self.states) < 6 or abs(before.parameter - self.first.parameter) > reach:
-            return None
-        step = self.equations.point(solved) - self.equations.point(before)
-        for k in range(self.equations.hops.size):
-            back = shorter_way(np.roll(self.first.theta, -k) - before.theta)
-            offset = (
-                np.append(back, self.first.parameter - before.parameter) / self.equations.scales
-            )
-            share = float(offset @ step) / float(step @ step)
-            heading = np.append(np.roll(self.initial[:-1], -k), self.initial[-1])
-            if 0.0 < share <= 1.0 and np.linalg.norm(offset - share * step) < 0.3 * np.linalg.norm(
-                step
-            ):
-                rolled = replace(
-                    self.first,
-                    theta=before.theta + back,
-                    slopes=np.roll(self.first.slopes, -k),
-                    push=None,
-                )
-                return rolled if heading @ direction > 0.5 else None
-        return None
-
     def _crossed(self, theta: Array, state: OrbitState | None) -> tuple[int, int, float] | None:
-        if self.states[-1].member.breaks.size == 0:
-            return None
-        member = state.member if state is not None else self.states[-1].member
-        return crossed_break(
-            self.states[-1], theta, break_motion(self.states[-1].member.breaks, member.breaks)
-        )
+        last = self.states[-1]
+        breaks = last.member.breaks
+        moved = breaks if state is None else state.member.breaks
+        return crossed_break(last, theta, break_motion(breaks, moved)) if breaks.size else None
 
     def _collision(
         self, guess: Array, solved: OrbitState | None
@@ -187,27 +131,23 @@ class BranchWalk:
         it.
         """
         reached = guess if solved is None else self.equations.point(solved)
-        crossed = self._crossed(self._angles(reached), solved) or self._crossed(
-            self._angles(guess), None
+        crossed = self._crossed(self.angles(reached), solved) or self._crossed(
+            self.angles(guess), None
         )
         if crossed is None:
             return None
         point, which, share = crossed
-        here = self.equations.point(self.states[-1])
+        here = self.at[-1]
         near = here + share * (reached - here)
-        p = float(np.clip(near[-1] * self.equations.scales[-1], *self.equations.within))
+        p = float(np.clip(near[-1] * self.scales[-1], *self.equations.within))
         found = border_collision(
-            self.equations, self.states[-1], (self._angles(near), p), point, which
+            self.equations, self.states[-1], (self.angles(near), p), point, which
         )
         if found is None:
             return None
         offset = self.equations.point(found[1]) - here
         ahead = float(offset @ self.direction) > 0.0
-        return found if ahead and float(np.linalg.norm(offset)) <= 2.0 * self.step else None
-
-
-_ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
-_ASIDE = 1e-3  # scaled arclength
+        return found if ahead and np.linalg.norm(offset) <= 2.0 * self.step else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,9 +261,11 @@ def follow_orbit(
             f"at is {p:g}, outside the parameters ({within[0]:g}, {within[1]:g}): start inside"
         )
     if isinstance(start, Orbit):
-        points, turns = np.array(start.points), start.winding
+        points = np.array(start.points)
+        turns = start.winding
     else:
-        n, turns = whole_number("period", period, least=1), whole_number("winding", winding)
+        n = whole_number("period", period, least=1)
+        turns = whole_number("winding", winding)
         points = np.full(n, finite_number("start", start))
         member = family_member(family, p)
         for i in range(1, n):
@@ -332,23 +274,33 @@ def follow_orbit(
     first = equations.solved_at(p, points)
     if first is None:  # on a saddle-node p cannot be held fixed: begin a little along the branch
         given = equations.state(p, points)
-        if float(np.max(np.abs(equations.residual(given.member(points), points)))) <= _ON_ORBIT:
+        if np.max(np.abs(equations.residual(given.member(points), points))) <= _ON_ORBIT:
             along = equations.direction(given.slopes, equations.push(p)(points))
             ahead = (
                 equations.solved_along(equations.point(given) + k * _ASIDE * along, along)
                 for k in (1, -1)
             )
             first = next((state for state in ahead if state is not None), None)
-    if first is None or float(np.max(np.abs(first.theta - points))) > 0.5:
+    if first is None or np.max(np.abs(first.theta - points)) > 0.5:
         raise InvalidInput(
             f"no orbit of period {points.size} and winding {turns} at {p:.9g} near θ = "
             f"{points[0]:.6g}"
         )
     direction = equations.direction(first.slopes, equations.push(first.parameter)(first.theta))
-    forward = BranchWalk(equations, first, direction).walked()
-    if forward.reason == "closed":
+    forward, backward = (
+        BranchWalk(
+            scales=equations.scales,
+            ranges=(within,),
+            initial=initial,
+            at=[equations.point(first)],
+            equations=equations,
+            states=[first],
+        )
+        for initial in (direction, -direction)
+    )
+    if forward.walked().reason == "closed":
         return _branch(equations, forward.states, forward.special, ("closed", "closed"))
-    backward = BranchWalk(equations, first, -direction).walked()
+    backward.walked()
     return _branch(
         equations,
         backward.states[:0:-1] + forward.states,
@@ -381,14 +333,6 @@ def _branch(
         ends,
         float(np.max(np.abs(residuals))),
     )
-
-
-RESOLUTION = 24
-_SAME_ORBIT = 1e-7  # radians
-_SAME_POINT = (
-    1e-4  # radians: at a fold two findings of one orbit may differ by the root of rounding
-)
-_SAME_PARAMETER = 1e-9  # of the range
 
 
 def orbit_branches(
@@ -441,14 +385,16 @@ def orbit_branches(
     [('end of the range', 'end of the range')]
     """
     within = parameter_range("parameters", parameters)
-    n, w = whole_number("period", period, least=1), whole_number("winding", winding)
+    n = whole_number("period", period, least=1)
+    w = whole_number("winding", winding)
     branches: list[OrbitBranch] = []
 
     def known(branch: OrbitBranch, p: float, member: CircleMap, orbit: Orbit) -> bool:
         """Whether the branch passes through the orbit, solved where the branch crosses the
         parameter.
         """
-        before, after = branch.parameter[:-1] - p, branch.parameter[1:] - p
+        before = branch.parameter[:-1] - p
+        after = branch.parameter[1:] - p
         for i in np.flatnonzero((before * after <= 0.0) & (before != after)):
             share = before[i] / (before[i] - after[i])
             near = (1.0 - share) * branch.points[i] + share * branch.points[i + 1]
@@ -460,7 +406,9 @@ def orbit_branches(
                 return True
         return False
 
-    for p in np.linspace(*within, whole_number("resolution", resolution, least=1) + 1):
+    count = whole_number("resolution", resolution, least=1) + 1
+    require_room("the parameters", count, "give a smaller resolution")
+    for p in np.linspace(*within, count):
         member = family_member(family, float(p))
         for orbit in periodic_orbits(member, n, w):
             regular = (
@@ -533,9 +481,6 @@ def bifurcations(
             if not again:
                 kept.append(found)
     return sorted(kept, key=lambda found: float(found.parameter))
-
-
-_WIDEST = 1e-6  # of the range: the bound of a saddle-node that is worth a proof
 
 
 def saddle_nodes(

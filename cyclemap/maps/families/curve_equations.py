@@ -24,8 +24,11 @@ from cyclemap.maps.lifts.lift_checks import distance_to_break
 
 KINDS = {"saddle-node": 1.0, "period-doubling": -1.0, "border-collision": 0.0}
 _STEP = 1e-5  # of a range: for second-order differences in a parameter
-_WIDE, _NARROW = 4e-3, 1e-6  # radians: spacing of the five-point differences of (F^n)'
-_ITERATIONS, _CLOSE = 12, 1e-13
+# radians: spacing of the five-point differences of (F^n)'
+_WIDE = 4e-3
+_NARROW = 1e-6
+_ITERATIONS = 12
+_CLOSE = 1e-13
 _ANGLES = np.linspace(0.0, TWO_PI, 64, endpoint=False)
 _STENCILS = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / 12.0
 
@@ -106,7 +109,8 @@ class CurveSpot:
         """How far, radians, the point half a period later is from each; empty where the period is
         odd.
         """
-        theta, half = self.state.theta, self.hops.size // 2
+        theta = self.state.theta
+        half = self.hops.size // 2
         return np.roll(theta, -half) - theta if theta.size == 2 * half else np.zeros(0)
 
     @property
@@ -129,8 +133,8 @@ class CurveSpot:
 class CurveEquations:
     """The orbit's n equations and the condition of the bifurcation, for θ and both parameters.
 
-    side : of a border collision, from where the point comes to its break. jump : whether the map
-        jumps there: then there is no orbit on the far side.
+    side : of a border collision, from where the point comes to its break.
+    jump : whether the map jumps there: then there is no orbit on the far side.
     """
 
     family: Family
@@ -168,14 +172,14 @@ class CurveEquations:
             _, _, second, across = one_sided(equations, tangents[1], theta, 0, self.side)
             beyond, *_ = one_sided(equations, tangents[0], theta, 0, -self.side)
             gap = shorter_way(theta[0] - member.breaks)
-            missed, condition = float(gap[np.argmin(np.abs(gap))]), np.append(along, across[-1])
+            missed = float(gap[np.argmin(np.abs(gap))])
+            condition = np.append(along, across[-1])
             multipliers = [state.multiplier] if self.jump else [state.multiplier, beyond.multiplier]
         else:
-            state, pushes = (
-                equations.state(p, theta, member),
-                [tangent(theta) for tangent in tangents],
-            )
-            residual, (first, second) = equations.residual(member(theta), theta), pushes
+            state = equations.state(p, theta, member)
+            pushes = [tangent(theta) for tangent in tangents]
+            residual = equations.residual(member(theta), theta)
+            (first, second) = pushes
             missed = state.multiplier - KINDS[self.kind]
             condition = state.multiplier_gradient(tangents)
             multipliers = [state.multiplier]
@@ -188,7 +192,8 @@ class CurveEquations:
 
     def solved(self, guess: Array, row: Array) -> CurveSpot | None:
         """The solution nearest to ``guess`` across ``row``, or None."""
-        at, last = guess, np.inf
+        at = guess
+        last = np.inf
         for _ in range(_ITERATIONS):
             for k in (-2, -1):
                 low, high = self.ranges[k]

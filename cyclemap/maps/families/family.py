@@ -4,9 +4,11 @@ parameter.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +17,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, shorter_way
 from cyclemap.checks import finite_array, finite_number, non_negative_number, read_only
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.lifts.lift_checks import SIDE_STEP
+from cyclemap.maps.lifts.lift_checks import SIDE_STEP, carried_round
 
 ParametricFunction = Callable[..., Array]
 _ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
@@ -113,7 +115,7 @@ def _at(function: ParametricFunction, values: list[float], theta: Array) -> Arra
 def _sine_lift(theta: Array, omega: Array | float, K: Array | float) -> Array:
     image = K * np.sin(theta)
     np.subtract(theta, image, out=image)  # in place: the quickest of the ways to write it
-    return np.asarray(image + TWO_PI * omega)
+    return image + TWO_PI * omega
 
 
 ARNOLD_FAMILY = ParametricLift(
@@ -132,7 +134,7 @@ MOEBIUS_FAMILY = ParametricLift(
     nondecreasing=lambda a, omega: (a >= 0.0) & (a < 1.0 + 0.0 * omega),
     circle_map=CircleMap.moebius,
 )
-"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters (a, Ω) as of ``CircleMap.moebius``."""
+"""The Möbius family z → e^{2πiΩ}(z - a)/(1 - a z), parameters as of ``CircleMap.moebius``."""
 
 
 def parametric_form(family: Family) -> ParametricLift | None:
@@ -144,6 +146,27 @@ def parametric_form(family: Family) -> ParametricLift | None:
 
 Family = Callable[..., CircleMap]
 Range = tuple[float, float]
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+def each_done(
+    work: Callable[[Item], Result],
+    items: Sequence[Item],
+    executor: Executor | None,
+    progress: Callable[[float], None] | None,
+    together: int = 1,
+) -> Iterator[Result]:
+    """The work on every item, in order: by this thread, or by an executor, ``together`` at a time.
+
+    progress : called with the fraction done. What processes are to work on must be one that can be
+        pickled.
+    """
+    report = progress or (lambda fraction: None)
+    many = executor and executor.map(work, items, chunksize=together)
+    for done, result in enumerate(many or map(work, items), start=1):
+        report(done / len(items))
+        yield result
 
 
 def family_member(family: Family, *parameters: float) -> CircleMap:
@@ -165,7 +188,8 @@ def parameter_range(name: str, ends: Range) -> Range:
         low, high = ends
     except (TypeError, ValueError) as cause:
         raise InvalidInput(f"{name} is {ends!r}: give a pair (low, high)") from cause
-    first, last = finite_number(f"{name}[0]", low), finite_number(f"{name}[1]", high)
+    first = finite_number(f"{name}[0]", low)
+    last = finite_number(f"{name}[1]", high)
     if not first < last:
         raise InvalidInput(
             f"{name} is ({first:g}, {last:g}): its low end must lie below its high end"
@@ -180,7 +204,7 @@ def limit_at_break(circle_map: CircleMap, theta: Array, side: int) -> Array:
     taken back here.
     """
     limit = circle_map.right(theta) if side > 0 else circle_map.left(theta)
-    return np.asarray(limit - side * SIDE_STEP * circle_map.derivative(theta, side))
+    return limit - side * SIDE_STEP * circle_map.derivative(theta, side)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,10 +212,10 @@ class ParameterTangent:
     """θ → ∂F/∂p at one parameter (radians a unit of p), 2π-periodic, any shape; from the right at
     breaks.
 
-    member : the family's map at the parameter. members, weights, step : those of the difference,
-        and its spacing.
-    motions : how far the breaks of each of ``members`` have moved. break_rates : shape (breaks,),
-        dθ_b/dp.
+    member : the family's map at the parameter.
+    members, weights, step : those of the difference, and its spacing.
+    motions : how far the breaks of each of ``members`` have moved.
+    break_rates : shape (breaks,), dθ_b/dp.
     """
 
     member: CircleMap
@@ -214,7 +238,13 @@ class ParameterTangent:
         if np.any(carried):
             # The difference follows the breaks: dF/dp along them is ∂F/∂p + F' times their rate.
             total = total - self.member.derivative(base, 1) * carried
-        return np.asarray(total)
+        return total
+
+    @property
+    def error(self) -> float:
+        """What the ``max_error`` of the maps may make of it, anywhere but beside jumps."""
+        errors = [member.max_error for member in self.members]
+        return float(np.abs(self.weights) @ errors) / self.step
 
     def of_slopes(self, theta: Array, bend: Array) -> Array:
         """∂F'/∂p at ``theta`` (radians) beside the breaks, where F'' is ``bend``."""
@@ -223,17 +253,15 @@ class ParameterTangent:
         for member, weight, motion in zip(self.members, self.weights, self.motions, strict=True):
             slopes = member.derivative(base + self._carried(base, motion))
             total += weight / self.step * slopes
-        return np.asarray(total)
+        return total
 
     def _carried(self, theta: Array, motion: Array) -> Array:
         """Displacements at ``theta`` (in [0, 2π)) that are linear between those of the breaks."""
         breaks = self.member.breaks
         if breaks.size == 0 or not np.any(motion):
             return np.zeros_like(theta)
-        around = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
-        return np.asarray(
-            np.interp(theta, around, np.concatenate([motion[-1:], motion, motion[:1]]))
-        )
+        moved = carried_round(motion, 0.0)
+        return np.interp(theta, carried_round(breaks), moved)
 
 
 def parameter_tangent(family: Family, p: float, share: float, within: Range) -> ParameterTangent:
@@ -246,18 +274,20 @@ def parameter_tangent(family: Family, p: float, share: float, within: Range) -> 
     difference reaches across one. Raises InvalidInput when neighbouring maps have different numbers
     of breaks.
     """
-    below, above = p - within[0], within[1] - p
+    below = p - within[0]
+    above = within[1] - p
     step = share * (within[1] - within[0])
     offsets: tuple[int, ...] = (-1, 1)
     weights: tuple[float, ...] = (-0.5, 0.5)
     if min(below, above) < step:
         side = 1 if above >= below else -1
-        offsets, weights = (0, side, 2 * side), (-1.5 * side, 2.0 * side, -0.5 * side)
+        offsets = (0, side, 2 * side)
+        weights = (-1.5 * side, 2.0 * side, -0.5 * side)
         step = min(step, 0.5 * max(below, above))
     member = family_member(family, p)
     members = tuple(member if k == 0 else family_member(family, p + k * step) for k in offsets)
     motions = tuple(break_motion(member.breaks, other.breaks) for other in members)
-    rates = np.asarray(np.tensordot(weights, motions, 1) / step)
+    rates = np.tensordot(weights, motions, 1) / step
     return ParameterTangent(member, p, members, weights, step, motions, rates)
 
 

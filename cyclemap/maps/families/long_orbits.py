@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_array, finite_number, read_only, whole_number
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    read_only,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, Estimate
-from cyclemap.maps.families.family import Family, family_member, parametric_form
+from cyclemap.maps.families.family import Family, each_done, family_member, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
@@ -53,7 +61,7 @@ class LyapunovExponents:
     Attributes
     ----------
     parameters : tuple of ndarray
-        As they were given, broadcast.
+        As they were given; they broadcast to the shape of the others.
     value : ndarray
         Mean of ln|F'| along one orbit, per cycle; -inf where it meets F' = 0.
     error : ndarray
@@ -115,10 +123,13 @@ def orbit_diagram(
     >>> [np.unique(row.round(6)).size for row in flips.theta]  # the period doubles at K = 2.0964
     [1, 2]
     """
-    rows, count = finite_array("values", values, ndim=1), whole_number("cycles", cycles, least=1)
-    skipped, theta = whole_number("transient", transient, least=0), finite_number("start", start)
+    rows = finite_array("values", values, ndim=1)
+    count = whole_number("cycles", cycles, least=1)
+    skipped = whole_number("transient", transient, least=0)
+    theta = finite_number("start", start)
     if rows.size == 0:
         raise InvalidInput("values is empty: give the parameters to go through")
+    require_room("the diagram", rows.size * count, "give fewer values or cycles")
     visited = np.empty((rows.size, count))
     for row, value in zip(visited, rows.tolist(), strict=True):
         row[:] = orbit_angles(family_member(family, value), theta, skipped + count)[skipped:]
@@ -132,6 +143,8 @@ def lyapunov_exponents(
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> LyapunovExponents:
     """The Lyapunov exponents of orbits from one angle, over arrays of parameters.
 
@@ -149,6 +162,10 @@ def lyapunov_exponents(
         How many are left out before.
     start : float, optional
         Where the orbits start, radians.
+    progress : callable or None, optional
+        Called with the fraction done of what goes one by one.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; of what goes one by one.
 
     Returns
     -------
@@ -175,10 +192,8 @@ def lyapunov_exponents(
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
-    count, skipped = (
-        whole_number("cycles", cycles, least=_PARTS),
-        whole_number("transient", transient, least=0),
-    )
+    count = whole_number("cycles", cycles, least=_PARTS)
+    skipped = whole_number("transient", transient, least=0)
     theta = finite_number("start", start)
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.broadcast_to(array, shape).ravel() for array in arrays]
@@ -194,11 +209,9 @@ def lyapunov_exponents(
                 part += _log(formula.derivative(angle, *flat))
                 angle = np.mod(formula.lift(angle, *flat), TWO_PI)
     else:
-        for place, values in enumerate(zip(*(array.tolist() for array in flat), strict=True)):
-            member = family_member(family, *values)
-            visited = orbit_angles(member, theta, skipped + count)[skipped:]
-            logs = _log(member.derivative(visited))
-            parts[:, place] = np.add.reduceat(logs, np.cumsum(lengths) - lengths)
+        rows = list(zip(*(array.tolist() for array in flat), strict=True))
+        work = partial(_logs_of_parts, family, theta, skipped, lengths)
+        parts = np.array(list(each_done(work, rows, executor, progress, 16))).T
     means = parts / lengths[:, None]
     with np.errstate(invalid="ignore"):
         error = _DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)
@@ -209,6 +222,16 @@ def lyapunov_exponents(
         read_only(value.reshape(shape)),
         read_only(error.reshape(shape)),
     )
+
+
+def _logs_of_parts(
+    family: Family, start: float, skipped: int, lengths: Whole, parameters: tuple[float, ...]
+) -> Array:
+    """(parts,): the sum of ln|F'| over each part of one orbit."""
+    member = family_member(family, *parameters)
+    visited = orbit_angles(member, start, skipped + int(lengths.sum()))[skipped:]
+    logs = _log(member.derivative(visited))
+    return np.add.reduceat(logs, np.cumsum(lengths) - lengths)
 
 
 def _log(slope: Array) -> Array:
@@ -352,7 +375,8 @@ def _along_orbit(circle_map: CircleMap, visited: Array) -> Estimate:
     stretch = np.abs(slopes)
     if np.any(stretch == 0.0):
         return Estimate(float("-inf"), 0.0)
-    values, inexact = np.log(stretch), _from_slopes(errors, stretch)
+    values = np.log(stretch)
+    inexact = _from_slopes(errors, stretch)
     smooth = weighted_mean(values)
     means = values.reshape(_BATCHES, -1).mean(axis=1)
     spread = float(np.std(means, ddof=1)) / np.sqrt(_BATCHES)
@@ -389,7 +413,9 @@ def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array
     """The orbit of ``theta`` over one period, and how far it comes back from a whole number of
     turns.
     """
-    lift, at, points = circle_map.scalar(), theta, []
+    lift = circle_map.scalar()
+    at = theta
+    points = []
     for _ in range(period):
         points.append(at)
         at = lift(at)

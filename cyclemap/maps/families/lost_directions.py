@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array, shorter_way
-from cyclemap.checks import finite_array, finite_number, whole_number
+from cyclemap.checks import finite_array, finite_number, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE
 from cyclemap.maps.families.continuation import saddle_nodes
@@ -114,7 +114,8 @@ def slow_folds(
         )
     lost = []
     for fold in saddle_nodes(family, within, 1, winding):
-        p, theta = float(fold.parameter), fold.points
+        p = float(fold.parameter)
+        theta = fold.points
         member = family_member(family, p)
         state = OrbitState(p, theta, member, member.derivative(theta))
         bend = 0.5 * float(state.multiplier_gradient([])[0])
@@ -131,7 +132,8 @@ _RESTS = np.pi / 2  # radians: a path that spreads over more does not rest
 _GRID = np.append(
     np.linspace(-0.95, 0.95, 77), [0.97, 0.98, 0.99, 1.0]
 )  # multipliers that are tried
-_PATHS, _SEED = 2_000, 1
+_PATHS = 2_000
+_SEED = 1
 _LEVEL = 0.95
 
 
@@ -219,13 +221,15 @@ def rest_multiplier(theta: ArrayLike, last: int = LAST) -> RestMultiplier | None
     >>> found.lower < 0.8 < found.upper
     True
     """
-    path, count = finite_array("theta", theta, ndim=1), whole_number("last", last, least=_LEAST)
+    path = finite_array("theta", theta, ndim=1)
+    count = whole_number("last", last, least=_LEAST)
     if path.size < _LEAST + 1:
         return None
     path = path[-count - 1 :]
+    require_room("the simulated paths", _PATHS * path.size, "give a smaller last")
     middle = float(np.angle(np.mean(np.exp(1j * path))))
     away = shorter_way(path - middle)
-    if not ANGLE < float(np.ptp(away)) < _RESTS:
+    if not ANGLE < np.ptp(away) < _RESTS:
         return None
     seen = float(_regression(away[None])[0])
     below, median, above = _quantiles(path.size)
@@ -245,7 +249,8 @@ def _regression(paths: Array) -> Array:
 def _quantiles(size: int) -> Array:
     """(3, 81): quantiles 2.5 %, 50 % and 97.5 % of the regression for each λ,
     made to rise with it."""
-    rng, rows = np.random.default_rng(_SEED), []
+    rng = np.random.default_rng(_SEED)
+    rows = []
     kicks = rng.standard_normal((_PATHS, size))  # the same for every λ, so that lines are smooth
     for multiplier in _GRID.tolist():
         paths = kicks.copy()

@@ -80,8 +80,8 @@ class OrbitEquations:
     """The n equations of a period-n orbit and the scaled space (θ/√n, p/scale) in which branches
     are followed.
 
-    hops : shape (n,), whole turns taken off after each cycle. winding : of the orbit (for degree 1
-        their sum).
+    hops : shape (n,), whole turns taken off after each cycle.
+    winding : of the orbit (for degree 1 their sum).
     within : the range of the parameter, outside which the family is never called; its length is the
         scale.
     """
@@ -103,7 +103,7 @@ class OrbitEquations:
 
     def residual(self, images: Array, theta: Array) -> Array:
         """F(θ_i) - θ_{i+1} - 2πh_i from the images F(θ_i)."""
-        return np.asarray(images - np.roll(theta, -1) - TWO_PI * self.hops)
+        return images - np.roll(theta, -1) - TWO_PI * self.hops
 
     def jacobian(self, slopes: Array) -> Array:
         """(n, n): derivative of the residual with respect to θ."""
@@ -116,7 +116,7 @@ class OrbitEquations:
     def state(self, p: float, theta: Array, member: CircleMap | None = None) -> OrbitState:
         """The state at these points, not corrected."""
         at = member or family_member(self.family, p)
-        return OrbitState(p, theta, at, np.asarray(at.derivative(theta)))
+        return OrbitState(p, theta, at, at.derivative(theta))
 
     def solved_at(
         self, p: float, theta: Array, member: CircleMap | None = None
@@ -143,11 +143,14 @@ class OrbitEquations:
         """The orbit nearest to ``guess`` across ``direction`` (both scaled),
         or None (Keller 1977)."""
         low, high = self.within
-        slack, span = 1e-12 * (high - low), high - low
+        slack = 1e-12 * (high - low)
+        span = high - low
         if not low - slack <= guess[-1] * span <= high + slack:
             return None
         tangent = self.push(float(np.clip(guess[-1] * span, low, high)))
-        at, last, point = tangent.member, np.inf, guess
+        at = tangent.member
+        last = np.inf
+        point = guess
         for _ in range(_ITERATIONS):
             theta = point[:-1] * self.scales[:-1]
             residual = self.residual(at(theta), theta)
@@ -157,7 +160,8 @@ class OrbitEquations:
             moved = least_step(
                 np.vstack([bordered, direction]), -np.append(residual, direction @ (point - guess))
             )
-            size, point = float(np.max(np.abs(moved))), point + moved
+            size = float(np.max(np.abs(moved)))
+            point = point + moved
             if not size < _LONGEST or not low - slack <= point[-1] * span <= high + slack:
                 return None
             p = float(np.clip(point[-1] * span, low, high))
@@ -375,9 +379,11 @@ def recorded(
         multiplier, so that it does not move with F'; a period doubling does.
     unknown : what the extra equation may be off by the error of F' that the map tells.
 
-    push : ∂F/∂p at the points. condition : derivative of the extra equation with respect to (θ,
-        p). residual : of all n + 1 equations. multipliers : from the right and from the left where they
-        differ. Good to first order; nothing beyond that is proved.
+    push : ∂F/∂p at the points.
+    condition : derivative of the extra equation with respect to (θ, p).
+    residual : of all n + 1 equations.
+    multipliers : from the right and from the left where they differ. Good to first order; nothing
+        beyond that is proved.
     """
     points = np.mod(at.theta, TWO_PI)
     extended = np.vstack([np.column_stack([equations.jacobian(at.slopes), push]), condition])
@@ -412,8 +418,11 @@ def one_sided(
     Its state, the residual of its equations, ∂F/∂p, and the derivative of θ_point - break with
     respect to (θ, p).
     """
-    member, beside, at = tangent.member, np.array(theta), theta[point]
-    images, slopes = np.array(member(theta)), np.array(member.derivative(theta))
+    member = tangent.member
+    beside = np.array(theta)
+    at = theta[point]
+    images = np.array(member(theta))
+    slopes = np.array(member.derivative(theta))
     images[point] = limit_at_break(member, at, side)
     slopes[point] = member.derivative(at, side)
     beside[point] -= _BESIDE * (side < 0)
@@ -435,7 +444,10 @@ def border_collision(
     which the branch leaves there, None at a jump.
     """
     gap = float(shorter_way(before.theta[point] - before.member.breaks[which]))
-    side, theta, p, last = 1 if gap > 0.0 else -1, np.array(near[0]), near[1], np.inf
+    side = 1 if gap > 0.0 else -1
+    theta = np.array(near[0])
+    p = near[1]
+    last = np.inf
     for _ in range(_ITERATIONS):
         if not equations.within[0] <= p <= equations.within[1]:
             return None
@@ -456,7 +468,9 @@ def border_collision(
             break
         if not size < 1.0:
             return None
-        theta, p, last = theta + moved[:-1], p + float(moved[-1]), size
+        theta = theta + moved[:-1]
+        p = p + float(moved[-1])
+        last = size
     else:
         return None
     beyond, _, far_push, far_condition = one_sided(equations, tangent, theta, point, -side)

@@ -4,13 +4,11 @@ diagrams.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +17,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import finite_array, positive_number, read_only, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
-from cyclemap.maps.families.family import ParametricLift, parametric_form
+from cyclemap.maps.families.family import ParametricLift, each_done, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecreasing
 from cyclemap.maps.orbits.rotation_number import rotation_number, window
@@ -32,7 +30,8 @@ _TRIALS = (
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
 _ENDS = 0.2  # of the tolerance: what the ends of a folded map's interval are sought to
-_SIDES, _ONE_MORE = np.array([[-1.0], [1.0]]), np.array([[0.0], [1.0]])
+_SIDES = np.array([[-1.0], [1.0]])
+_ONE_MORE = np.array([[0.0], [1.0]])
 # After so many cycles the finished maps are taken out, then at equal distances.
 _LOOKS = (16, 24, 28, 32, 36, 40, 44, 48, 56, 64, 80, 96, 128, 192, 256, 384, 512, 768, 1024)
 
@@ -135,33 +134,32 @@ def rotation_numbers(
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
     flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
     lower, upper = _bounds(formula, flat, wanted, workers)
-    period, winding = _fractions(lower, upper, wanted)
-    value = np.where(period > 0, lower, 0.5 * (lower + upper))
-    lower, upper = _outward(lower, upper)
-    value, lower, upper, period, winding = _shaped(shape, value, lower, upper, period, winding)
-    return RotationNumbers(value, lower, upper, period, winding, wanted)
+    return RotationNumbers(*_in_shape(_judged(lower, upper, wanted), shape), wanted)
 
 
-def _fractions(lower: Array, upper: Array, tolerance: float) -> tuple[Whole, Whole]:
-    """Period and winding where both bounds are the same fraction, else 0."""
-    period = _simplest_periods(
-        lower, np.where(lower == upper, upper, -np.inf), int(np.floor(1.0 / tolerance)) + 2
-    )
-    return period, np.where(period > 0, np.round(lower * period), 0.0).astype(np.int64)
-
-
-def _outward(lower: Array, upper: Array) -> tuple[Array, Array]:
-    """Bounds p/n as floats, moved outward by the rounding of that division."""
+def _judged(lower: Array, upper: Array, tolerance: float, mean: Array | None = None) -> Array:
+    """Rows of value, lower, upper, period and winding: these where both bounds are the same
+    fraction, else 0; the value is the ``mean`` where that lies between the bounds.
+    """
+    same = np.where(lower == upper, upper, -np.inf)
+    period = _simplest_periods(lower, same, int(np.floor(1.0 / tolerance)) + 2)
+    value = 0.5 * (lower + upper)
+    if mean is not None:
+        value = np.where((lower <= mean) & (mean <= upper), mean, value)
+    value = np.where(period > 0, lower, value)
+    winding = np.where(period > 0, np.round(lower * period), 0.0)
+    # Bounds p/n as floats, moved outward by the rounding of that division.
     low = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
-    return low, np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
+    high = np.where(upper == np.round(upper), upper, np.nextafter(upper, np.inf))
+    return np.stack([value, low, high, period, winding])
 
 
-def _shaped(shape: tuple[int, ...], *arrays: Any) -> list[Any]:
-    """The arrays in this shape, for reading only."""
-    shaped = [array.reshape(shape) for array in arrays]
-    for array in shaped:
-        array.setflags(write=False)
-    return shaped
+def _in_shape(table: Array, shape: tuple[int, ...]) -> tuple[Array, Array, Array, Whole, Whole]:
+    """The five rows in this shape, for reading only."""
+    value, lower, upper = read_only(table[:3].reshape(3, *shape))
+    whole = table[3:].astype(np.int64).reshape(2, *shape)
+    whole.setflags(write=False)
+    return value, lower, upper, whole[0], whole[1]
 
 
 def _bounds(
@@ -171,7 +169,8 @@ def _bounds(
     1/tolerance cycles.
     """
     size = parameters[0].size
-    lower, upper = np.full(size, -np.inf), np.full(size, np.inf)
+    lower = np.full(size, -np.inf)
+    upper = np.full(size, np.inf)
 
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
@@ -192,7 +191,8 @@ def _bounds(
             orbits.run_to(look)
             for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
                 orbits.try_locking(width, longest, beside)
-            lower[orbits.place], upper[orbits.place] = orbits.lower, orbits.upper
+            lower[orbits.place] = orbits.lower
+            upper[orbits.place] = orbits.upper
             orbits = orbits.those(orbits.upper - orbits.lower > width)
             if orbits.place.size == 0:
                 break
@@ -234,7 +234,9 @@ class _Orbits:
         push, theta, turns = (
             pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns)
         )
-        lower, upper, place = self.lower.take(index), self.upper.take(index), self.place.take(index)
+        lower = self.lower.take(index)
+        upper = self.upper.take(index)
+        place = self.place.take(index)
         return _Orbits(
             self.family, parameters, push, theta, turns, lower, upper, place, self.cycles
         )
@@ -266,9 +268,12 @@ class _Orbits:
         trial = self.those(open_still)
         start = trial.theta + beside / period[open_still] * _SIDES
         start -= TWO_PI * np.rint(start / TWO_PI)
-        trial.theta, trial.turns, trial.cycles = start.copy(), _ONE_MORE + np.zeros_like(start), 0
+        trial.theta = start.copy()
+        trial.turns = _ONE_MORE + np.zeros_like(start)
+        trial.cycles = 0
         trial.run_to(longest, start)
-        self.lower[open_still], self.upper[open_still] = trial.lower, trial.upper
+        self.lower[open_still] = trial.lower
+        self.upper[open_still] = trial.upper
 
 
 def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
@@ -291,8 +296,11 @@ def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: 
             "rotation_plane for many"
         )
     push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
-    theta, turns = np.full((2, size), -np.pi), _ONE_MORE + np.zeros((2, size))
-    low, high, place = np.full(size, -np.inf), np.full(size, np.inf), np.arange(first, first + size)
+    theta = np.full((2, size), -np.pi)
+    turns = _ONE_MORE + np.zeros((2, size))
+    low = np.full(size, -np.inf)
+    high = np.full(size, np.inf)
+    place = np.arange(first, first + size)
     return _Orbits(family, parameters, push, theta, turns, low, high, place)
 
 
@@ -300,14 +308,17 @@ def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
     """The least q ≤ longest with some p/q in [lower, upper], else 0."""
     period = np.zeros(lower.shape, dtype=np.int64)
     left = np.flatnonzero(lower <= upper)
-    low, high = lower[left] - 1e-12, upper[left] + 1e-12
+    low = lower[left] - 1e-12
+    high = upper[left] + 1e-12
     for q in range(1, longest + 1):
         if left.size == 0:
             break
         hit = np.ceil(low * q) <= high * q
         period[left[hit]] = q
         miss = np.flatnonzero(~hit)
-        left, low, high = left.take(miss), low.take(miss), high.take(miss)
+        left = left.take(miss)
+        low = low.take(miss)
+        high = high.take(miss)
     return period
 
 
@@ -375,18 +386,19 @@ class _Envelopes:
         row = parameters[-1].astype(np.int64)
         first = self.start[row, 0]
         turns = np.floor((theta - first) / TWO_PI)
-        base, image = theta - TWO_PI * turns, self.family.lift(theta.copy(), *parameters[:-1])
+        base = theta - TWO_PI * turns
+        image = self.family.lift(theta.copy(), *parameters[:-1])
         for start, end, level in zip(self.start.T, self.end.T, self.level.T, strict=True):
             flat = (base >= start[row]) & (base < end[row])
             image = np.where(flat, level[row] + TWO_PI * turns, image)
-        return np.asarray(image)
+        return image
 
     def rises(self, *parameters: Array) -> Mask:
         """Everywhere, as envelopes do."""
         return np.ones(parameters[0].shape, dtype=bool)
 
 
-def _envelopes(family: ParametricLift, plateaus: list[Plateaus], max_error: float) -> _Envelopes:
+def _envelopes(family: ParametricLift, plateaus: list[Plateaus]) -> _Envelopes:
     """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty
     ones.
     """
@@ -400,43 +412,33 @@ def _envelopes(family: ParametricLift, plateaus: list[Plateaus], max_error: floa
         tables[:, row] = columns[:, order[:1]]
         tables[1, row, start.size :] = tables[0, row, start.size :]
         tables[:, row, : start.size] = columns[:, order]
-    inexact = max(columns[3] for columns in plateaus) + max_error
+    inexact = max(columns[3] for columns in plateaus)
     start, end, level = tables
     return _Envelopes(family, start, end, level, inexact + SLACK)
 
 
 def _folded_numbers(
     family: ParametricLift,
-    members: list[CircleMap],
     plateaus: list[list[Plateaus]],
     parameters: list[Array],
     tolerance: float,
-) -> tuple[Array, Array, Array, Whole, Whole]:
-    """Value, lower, upper, period and winding of folded members, all together: the ends are those
-    of the envelopes.
+) -> Array:
+    """Rows as of ``_judged`` of folded members, all together: the ends are those of the
+    envelopes.
     """
-    numbered, workers = [*parameters, np.arange(float(len(members)))], os.cpu_count() or 1
-    inexact = max(member.max_error for member in members)
-    low, high = (
-        _envelopes(family, list(columns), inexact) for columns in zip(*plateaus, strict=True)
-    )
+    numbered = [*parameters, np.arange(float(len(plateaus)))]
+    workers = os.cpu_count() or 1
+    low, high = (_envelopes(family, list(columns)) for columns in zip(*plateaus, strict=True))
     # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
     narrow = _ENDS * tolerance
-    lower, upper = (
-        _bounds(low, numbered, narrow, workers)[0],
-        _bounds(high, numbered, narrow, workers)[1],
-    )
-    count = max(16, int(np.ceil(1.0 / tolerance)))
-    theta, mean = np.zeros(len(members)), np.zeros(len(members))
-    for weight in window(count).tolist():
+    lower = _bounds(low, numbered, narrow, workers)[0]
+    upper = _bounds(high, numbered, narrow, workers)[1]
+    theta, mean = np.zeros((2, len(plateaus)))
+    for weight in window(max(16, int(np.ceil(1.0 / tolerance)))).tolist():
         image = family.lift(theta.copy(), *parameters)
-        mean += weight * (image - theta)
+        mean += weight * (image - theta) / TWO_PI
         theta = image - TWO_PI * np.floor(image / TWO_PI)
-    mean /= TWO_PI
-    period, winding = _fractions(lower, upper, tolerance)
-    value = np.where((lower <= mean) & (mean <= upper), mean, 0.5 * (lower + upper))
-    value = np.where(period > 0, lower, value)
-    return value, *_outward(lower, upper), period, winding
+    return _judged(lower, upper, tolerance, mean)
 
 
 def rotation_plane(
@@ -464,7 +466,7 @@ def rotation_plane(
         Turns a cycle, in (0, 0.1]: the wanted half-width of the enclosures where the lift does
         not fold; one that is wider shows it by its ``lower`` and ``upper``.
     progress : callable or None, optional
-        Called with the fraction done.
+        Called with the fraction done of what goes map by map.
     executor : Executor or None, optional
         Of threads, processes, or a cluster (``distributed.Client.get_executor()``), on which
         what goes map by map is run; the family must then be one that can be pickled.
@@ -495,58 +497,47 @@ def rotation_plane(
         raise InvalidInput(
             f"family is {family!r}: give a callable of two parameters that gives a CircleMap"
         )
-    first, second = _axis("first_values", first_values), _axis("second_values", second_values)
+    first = _axis("first_values", first_values)
+    second = _axis("second_values", second_values)
     wanted = positive_number("tolerance", tolerance)
     if wanted > 0.1:
         raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    rows, columns = np.repeat(first, second.size), np.tile(second, first.size)
-    value, lower, upper = np.empty((3, rows.size))
-    period, winding = np.zeros((2, rows.size), dtype=np.int64)
-    folded, singly = np.zeros(rows.size, dtype=bool), np.ones(rows.size, dtype=bool)
+    rows = np.repeat(first, second.size)
+    columns = np.tile(second, first.size)
+    table = np.empty((5, rows.size))
+    folded = np.zeros(rows.size, dtype=bool)
+    singly = np.ones(rows.size, dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
         singly = ~formula.rises(rows, columns)
         many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
-        value[~singly], lower[~singly], upper[~singly] = many.value, many.lower, many.upper
-        period[~singly], winding[~singly] = many.period, many.winding
-    report, left = progress or (lambda fraction: None), np.flatnonzero(singly)
-    pairs = list(zip(rows[left].tolist(), columns[left].tolist(), strict=True))
-    together: list[CircleMap] = []
-    plateaus: list[list[Plateaus]] = []  # of lower and upper envelope
-    cell = partial(_cell, family, wanted, formula is not None)
-    cells = map(cell, pairs) if executor is None else executor.map(cell, pairs, chunksize=16)
-    for done, (place, known) in enumerate(zip(left.tolist(), cells, strict=True)):
-        report((rows.size - left.size + done) / rows.size)
-        folded[place] = known.folds
-        if known.plateaus:
-            together.append(family(*pairs[done]))
-            plateaus.append(known.plateaus)
-        else:
-            numbers = known.value, known.lower, known.upper, known.period, known.winding
-            value[place], lower[place], upper[place], period[place], winding[place] = numbers
-    if formula is not None and together:
-        several = _folded_numbers(
-            formula, together, plateaus, [rows[folded], columns[folded]], wanted
-        )
-        value[folded], lower[folded], upper[folded], period[folded], winding[folded] = several
-    report(1.0)
-    shape, axes = (first.size, second.size), (read_only(first), read_only(second))
-    value, lower, upper, period, winding, folded = _shaped(
-        shape, value, lower, upper, period, winding, folded
-    )
-    return RotationPlane(*axes, value, lower, upper, period, winding, folded, wanted)
+        table[:, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
+    pairs = list(zip(rows[singly].tolist(), columns[singly].tolist(), strict=True))
+    work = partial(_cell, family, wanted, formula is not None)
+    cells = list(each_done(work, pairs, executor, progress, 16))
+    folded[singly] = [cell.folds for cell in cells]
+    for place, cell in zip(np.flatnonzero(singly).tolist(), cells, strict=True):
+        if cell.row:
+            table[:, place] = cell.row
+    plateaus = [cell.plateaus for cell in cells if cell.plateaus]
+    if formula is not None and plateaus:
+        several = _folded_numbers(formula, plateaus, [rows[folded], columns[folded]], wanted)
+        table[:, folded] = several
+    shape = (first.size, second.size)
+    folded = folded.reshape(shape)
+    folded.setflags(write=False)
+    numbers = _in_shape(table, shape)
+    return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
 
 
 @dataclass(frozen=True, eq=False)
 class _Cell:
-    """One map of a plane: whether it folds, and its number, or the plateaus of its envelopes."""
+    """One map of a plane: whether it folds, and its row as of ``_judged``, or the plateaus of its
+    envelopes.
+    """
 
     folds: bool
-    value: float = math.nan
-    lower: float = math.nan
-    upper: float = math.nan
-    period: int = 0
-    winding: int = 0
+    row: tuple[float, ...] = ()
     plateaus: list[Plateaus] = field(default_factory=list)
 
 
@@ -566,10 +557,9 @@ def _cell(
         return _Cell(folds, plateaus=[envelope_plateaus(member, side) for side in (-1.0, 1.0)])
     iterates = max(16, int(np.ceil(1.0 / tolerance)))
     known = rotation_number(member, iterates=iterates, tolerance=tolerance)
-    if known.locked is None:
-        return _Cell(folds, known.value, known.lower, known.upper)
-    locked = known.locked.denominator, known.locked.numerator
-    return _Cell(folds, known.value, known.lower, known.upper, *locked)
+    locked = known.locked
+    fraction = (0.0, 0.0) if locked is None else (locked.denominator, locked.numerator)
+    return _Cell(folds, (known.value, known.lower, known.upper, *fraction))
 
 
 def _axis(name: str, values: ArrayLike) -> Array:

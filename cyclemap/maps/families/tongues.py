@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import gcd
 
@@ -18,12 +20,13 @@ from cyclemap.maps.estimate import EPS, LIFT, Estimate
 from cyclemap.maps.families.family import (
     Family,
     Range,
+    each_done,
     family_member,
     limit_at_break,
     parameter_range,
     parameter_tangent,
 )
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.orbits.diagonal import displacement
@@ -57,7 +60,9 @@ def extreme_displacement(
     map this gives the right sign even where the extremum lies at a break of the iterate: the sign
     is the same all along an orbit.
     """
-    breaks, highest, at = circle_map.breaks, -np.inf, 0.0
+    breaks = circle_map.breaks
+    highest = -np.inf
+    at = 0.0
     if breaks.size:
         image = np.stack([limit_at_break(circle_map, breaks, side) for side in (-1, 1)])
         lap = np.rint(image / TWO_PI)
@@ -67,7 +72,8 @@ def extreme_displacement(
         )
         values = sign * (rest + (image - breaks))
         best = int(np.argmax(values))
-        highest, at = float(values.flat[best]), float(breaks[best % breaks.size])
+        highest = float(values.flat[best])
+        at = float(breaks[best % breaks.size])
     if highest < 0.0:
         cells = monotone_cells(circle_map, ratio.denominator, 1.0, RESOLUTION, marks)
         theta = cells.start[~cells.cut]
@@ -77,7 +83,8 @@ def extreme_displacement(
         )
         best = int(np.argmax(np.append(values, highest)))
         if best < theta.size:
-            highest, at = float(values[best]), float(theta[best])
+            highest = float(values[best])
+            at = float(theta[best])
     return sign * highest, at
 
 
@@ -90,18 +97,17 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
     there. Once ``_CELLS`` of them are left, those whose five values a quartic meets to rounding
     count with its largest value: measured, not proved.
     """
-    start, width, found = (
-        TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK,
-        TWO_PI / _FIRST_LOOK,
-        (0.0, 0.0),
-    )
+    start = TWO_PI * np.arange(_FIRST_LOOK) / _FIRST_LOOK
+    width = TWO_PI / _FIRST_LOOK
+    found = (0.0, 0.0)
     smooth_ones_count = False
     while start.size:
         theta = start[:, None] + width * _QUARTERS
         gap, _, rounding = displacement(
             circle_map, theta, ratio.denominator, np.asarray(ratio.numerator)
         )
-        gap, noise = sign * gap, 2.0 * np.max(rounding, axis=1)
+        gap = sign * gap
+        noise = 2.0 * np.max(rounding, axis=1)
         room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1) + 0.25 * width
         left = room > noise
         smooth_ones_count = smooth_ones_count or bool(np.count_nonzero(left) >= _CELLS)
@@ -109,11 +115,13 @@ def unseen_height(circle_map: CircleMap, ratio: Fraction, sign: float) -> Extrem
         height = np.where(smooth, np.max(gap @ _QUARTIC, axis=1), room) - noise
         left &= ~smooth
         if 4 * np.count_nonzero(left) > _MOST_CELLS or width < 1e-15:
-            smooth, left = smooth | left, np.zeros_like(left)
+            smooth = smooth | left
+            left = np.zeros_like(left)
         highest = int(np.argmax(np.where(smooth, height, 0.0)))
         if smooth[highest] and height[highest] > found[0]:
             found = float(height[highest]), float(theta[highest, int(np.argmax(gap[highest]))])
-        start, width = (start[left, None] + width * _QUARTERS[:-1]).ravel(), 0.25 * width
+        start = (start[left, None] + width * _QUARTERS[:-1]).ravel()
+        width = 0.25 * width
     return found
 
 
@@ -154,16 +162,14 @@ class EdgeSearch:
         """
         if p not in self.tried:
             member = family_member(self.family, p)
-            if member.degree != 1:
-                raise InvalidInput(
-                    f"the map at {p:.9g} has degree {member.degree}: a tongue needs degree 1"
-                )
+            require_degree_one(member, "a tongue")
             monotone = upper_envelope(member) if self.side == "left" else lower_envelope(member)
             found = extreme_displacement(monotone, self.ratio, self._sign, self.marks)
-            self.tried[p] = _Trial(member, monotone, found, np.asarray(member(_PROBES)))
+            self.tried[p] = _Trial(member, monotone, found, member(_PROBES))
             order = sorted(self.tried)
             for low, high in pairwise(order[max(order.index(p) - 1, 0) : order.index(p) + 2]):
-                first, second = self.tried[low], self.tried[high]
+                first = self.tried[low]
+                second = self.tried[high]
                 fall = float(np.max(first.lift - second.lift))
                 if fall > 1e-12 + first.member.max_error + second.member.max_error:
                     raise InvalidInput(
@@ -172,7 +178,8 @@ class EdgeSearch:
                         "decreases (try the negative parameter)"
                     )
         trial = self.tried[p]
-        extremum, far = trial.found[0], abs(trial.found[0]) > _FAR
+        extremum = trial.found[0]
+        far = abs(trial.found[0]) > _FAR
         return extremum / (self.ratio.denominator if far else self._gained(trial, np.ones_like))
 
     @property
@@ -210,9 +217,11 @@ class EdgeSearch:
             below = max(p for p in self.tried if self.value(p) < 0.0)
             above = min(p for p in self.tried if self.value(p) >= 0.0)
             parameter, beyond = (above, below) if self.side == "left" else (below, above)
-            trial, outside = self.tried[parameter], self.tried[beyond].monotone
+            trial = self.tried[parameter]
+            outside = self.tried[beyond].monotone
             unseen, where = unseen_height(outside, self.ratio, self._sign)
-            q, p = self.ratio.denominator, np.asarray(self.ratio.numerator)
+            q = self.ratio.denominator
+            p = np.asarray(self.ratio.numerator)
             missed = displacement(outside, np.array(where), q, p)[0]
             if unseen == 0.0 or self._sign * missed <= 0.0:
                 break
@@ -223,7 +232,8 @@ class EdgeSearch:
         # How far the lift's rounding and what is unseen can move the edge, to first order along its
         # orbit.
         tangent = parameter_tangent(self.family, parameter, 1e-6, self.within)
-        disturbed, moved = self._gained(trial, np.ones_like), self._gained(trial, tangent)
+        disturbed = self._gained(trial, np.ones_like)
+        moved = self._gained(trial, tangent)
         if moved <= 0.0:
             raise ConvergenceError(
                 f"the orbits of rotation {self.ratio} do not move with the parameter at "
@@ -254,7 +264,8 @@ class EdgeSearch:
         """How far the extremal orbit ends from where it did when every lift moves by ``push``, to
         first order.
         """
-        image, gained = np.array(trial.found[1]), 0.0
+        image = np.array(trial.found[1])
+        gained = 0.0
         for _ in range(self.ratio.denominator):
             gained = float(push(image)) + float(trial.monotone.derivative(image)) * gained
             image = trial.monotone(image)
@@ -407,7 +418,8 @@ def tongue(family: Family, ratio: Ratio, parameters: Range) -> Tongue:
     >>> locked.right.holds(0.9 / (2 * np.pi)), locked.right.error_bound < 1e-14
     (True, True)
     """
-    wanted, within = rotation_ratio(ratio), parameter_range("parameters", parameters)
+    wanted = rotation_ratio(ratio)
+    within = parameter_range("parameters", parameters)
     edges = []
     for side in ("left", "right"):
         search = EdgeSearch(family, wanted, side, within)
@@ -427,14 +439,21 @@ def rotation_ratio(ratio: Ratio) -> Fraction:
         return Fraction(whole_number("ratio", ratio))
     if not isinstance(ratio, Sequence) or isinstance(ratio, str) or len(ratio) != 2:
         raise InvalidInput(f"ratio is {ratio!r}: give a Fraction, a whole number or a pair (p, q)")
-    p, q = whole_number("p", ratio[0]), whole_number("q", ratio[1])
+    p = whole_number("p", ratio[0])
+    q = whole_number("q", ratio[1])
     if q < 1 or gcd(p, q) != 1:
         raise InvalidInput(f"ratio is {p}/{q}: give p/q in lowest terms with q of at least 1")
     return Fraction(p, q)
 
 
 def tongues(
-    family: Family, ratios: Sequence[Ratio], second: ArrayLike, parameters: Range
+    family: Family,
+    ratios: Sequence[Ratio],
+    second: ArrayLike,
+    parameters: Range,
+    *,
+    progress: Callable[[float], None] | None = None,
+    executor: Executor | None = None,
 ) -> TongueBoundaries:
     """The edges of several tongues of a family over a second parameter.
 
@@ -449,6 +468,10 @@ def tongues(
         sought near the line through the last two.
     parameters : tuple[float, float]
         (low, high) of the first parameter, with every edge inside.
+    progress : callable or None, optional
+        Called with the fraction done.
+    executor : Executor or None, optional
+        As of ``rotation_plane``; edge by edge.
 
     Returns
     -------
@@ -481,30 +504,40 @@ def tongues(
             f"{len(wanted)} ratios and {values.size} values of the second parameter: give some "
             "of each"
         )
-    found = np.empty((2, len(wanted), values.size, 3))
-    for s, side in enumerate(("left", "right")):
-        for i, ratio in enumerate(wanted):
-            for j, value in enumerate(values.tolist()):
-                search = EdgeSearch(
-                    lambda first, value=value: family(first, value), ratio, side, (low, high)
-                )
-                search.require_inside()
-                first, last, before = low, high, found[s, i, :j, 0]
-                if (
-                    j > 1
-                ):  # round the line through the edges before it, widened until it holds the edge
-                    guess, step = 2.0 * before[-1] - before[-2], 0.1 * abs(before[-1] - before[-2])
-                    reach = step + 1e-9 * (high - low)
-                    first, last = max(low, guess - reach), min(high, guess + reach)
-                    while (first, last) != (low, high) and not (
-                        first < last and search.value(first) < 0.0 <= search.value(last)
-                    ):
-                        reach *= _WIDENING
-                        first, last = max(low, guess - reach), min(high, guess + reach)
-                edge, _, _, folded = search.edge(first, last)
-                found[s, i, j] = edge, edge.error_bound, folded
-    (left, left_error), (right, right_error) = (
-        tuple(map(read_only, side[..., :2].transpose(2, 0, 1))) for side in found
-    )
-    folds = np.any(found[..., 2] > 0.0, axis=0)
-    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folds)
+    work = partial(_edge_along, family, values.tolist(), (low, high))
+    edges = [(ratio, side) for side in ("left", "right") for ratio in wanted]
+    found = np.array(list(each_done(work, edges, executor, progress)))
+    (left, left_error, left_folds), (right, right_error, right_folds) = found.reshape(
+        2, len(wanted), values.size, 3
+    ).transpose(0, 3, 1, 2)
+    left, left_error, right, right_error = map(read_only, (left, left_error, right, right_error))
+    folded = left_folds + right_folds > 0.0
+    return TongueBoundaries(wanted, read_only(values), left, right, left_error, right_error, folded)
+
+
+def _edge_along(
+    family: Family, values: list[float], within: Range, edge: tuple[Fraction, str]
+) -> Array:
+    """(m, 3): one edge over the second parameter, its error, and whether the map folds there."""
+    low, high = within
+    found = np.empty((len(values), 3))
+    for j, value in enumerate(values):
+        search = EdgeSearch(lambda first, value=value: family(first, value), *edge, within)
+        search.require_inside()
+        first = low
+        last = high
+        if j > 1:  # round the line through the edges before it, widened until it holds the edge
+            change = found[j - 1, 0] - found[j - 2, 0]
+            guess = found[j - 1, 0] + change
+            reach = 0.1 * abs(change) + 1e-9 * (high - low)
+            first = max(low, guess - reach)
+            last = min(high, guess + reach)
+            while (first, last) != within and not (
+                first < last and search.value(first) < 0.0 <= search.value(last)
+            ):
+                reach *= _WIDENING
+                first = max(low, guess - reach)
+                last = min(high, guess + reach)
+        parameter, _, _, folded = search.edge(first, last)
+        found[j] = parameter, parameter.error_bound, folded
+    return found

@@ -16,7 +16,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import EPS
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import JUMP, SIDE_STEP, base_angles
-from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells
+from cyclemap.maps.lifts.scan import Cells, bracketed_root, monotone_cells, ranks
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +39,10 @@ class MonotoneTable:
         its ends.
         """
         wanted = self.sign * np.ravel(values)
-        rising, cell = self.sign * self.value, self.cell(np.ravel(values))
-        low, high = self.theta[cell], self.theta[cell + 1]
+        rising = self.sign * self.value
+        cell = self.cell(np.ravel(values))
+        low = self.theta[cell]
+        high = self.theta[cell + 1]
         result = np.where(rising[cell] >= wanted, low, high)
         inside = np.flatnonzero(
             (rising[cell] < wanted) & (rising[cell + 1] > wanted) & (high > low)
@@ -54,7 +56,8 @@ class MonotoneTable:
 
     def cell(self, values: Array) -> npt.NDArray[np.intp]:
         """The cell, between one node and the next, in which each of ``values`` is taken."""
-        rising, side = self.sign * self.value, "right" if self.sign > 0 else "left"
+        rising = self.sign * self.value
+        side = "right" if self.sign > 0 else "left"
         cell = np.searchsorted(rising, self.sign * values, side=side) - 1  # type: ignore[call-overload]
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
 
@@ -175,11 +178,15 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     """
     cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
     # F at the start and at the end of each cell, its own limit where a break lies there.
-    first, last = cells.g_start.copy(), cells.g_end.copy()
-    after, before = cells.cut, np.roll(cells.cut, -1)
+    first = cells.g_start.copy()
+    last = cells.g_end.copy()
+    after = cells.cut
+    before = np.roll(cells.cut, -1)
     if np.any(after):
-        start, end = cells.start[after], cells.end[before]
-        own, right = circle_map(start), circle_map.right(start)
+        start = cells.start[after]
+        end = cells.end[before]
+        own = circle_map(start)
+        right = circle_map.right(start)
         first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
         # The limit from below is read SIDE_STEP before the break: go on along the slope there.
         last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
@@ -189,10 +196,12 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     smooth = np.roll(smooth_after, 1)
     direction = _directions(cells, first, last, smooth)
     cut = np.flatnonzero(~smooth | (direction != np.roll(direction, 1)))
-    cut, made = cut if cut.size else np.array([0]), []
+    cut = cut if cut.size else np.array([0])
+    made = []
     for a, b in zip(cut, np.append(cut[1:], cut[0] + cells.start.size), strict=True):
         lap, own_cells = np.divmod(np.arange(a, b), cells.start.size)
-        laps, sign = np.append(lap, lap[-1]), -1 if direction[a] < 0 else 1
+        laps = np.append(lap, lap[-1])
+        sign = -1 if direction[a] < 0 else 1
         theta = np.append(cells.start[own_cells], cells.end[own_cells[-1]]) + TWO_PI * laps
         value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
         rising = np.maximum.accumulate(sign * value)
@@ -265,7 +274,8 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     """The preimages of all ``angles`` on the branches of one map, sorted, and the ends of plateaus
     at one of them.
     """
-    roots, plateaus = [np.zeros(0)], [np.zeros(0)]
+    roots = [np.zeros(0)]
+    plateaus = [np.zeros(0)]
     for i, part in enumerate(parts):
         low, high, touches = _levels(parts, i, angles, degree)
         if part.direction == 0:
@@ -274,7 +284,7 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
             continue
         count = np.maximum(high - low + 1, 0)
         owner = np.repeat(np.arange(angles.size), count)
-        whole = low[owner] + np.arange(owner.size) - np.repeat(np.cumsum(count) - count, count)
+        whole = low[owner] + ranks(count)
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
         roots.append(part.table.inverse(angles[owner] + TWO_PI * whole))
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
@@ -289,8 +299,10 @@ def _levels(
     Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
     doubled.
     """
-    part, lap = parts[i], (i + 1) // len(parts)
-    before, after = parts[i - 1], parts[(i + 1) % len(parts)]
+    part = parts[i]
+    lap = (i + 1) // len(parts)
+    before = parts[i - 1]
+    after = parts[(i + 1) % len(parts)]
     above_start, below_start, touches = _rounded(
         part.start_value, angles, before.direction != part.direction
     )
@@ -298,7 +310,8 @@ def _levels(
         above_end, below_end, _ = _rounded(
             after.start_value, angles, part.direction != after.direction
         )
-        above_end, below_end = above_end + degree * lap, below_end + degree * lap
+        above_end = above_end + degree * lap
+        below_end = below_end + degree * lap
     else:
         above_end, below_end, _ = _rounded(part.end_value, angles, False)
     if part.direction < 0:

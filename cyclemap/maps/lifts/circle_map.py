@@ -147,7 +147,7 @@ class CircleMap:
         )
         check_lift(lift, derivative, self.breaks, self.degree)
 
-    def _set(self, **fields: Any) -> None:
+    def _set(self, **fields: object) -> None:
         for name, value in fields.items():
             object.__setattr__(self, name, value)
 
@@ -184,7 +184,7 @@ class CircleMap:
     def __copy__(self) -> CircleMap:
         return self
 
-    def __deepcopy__(self, _: Any) -> CircleMap:
+    def __deepcopy__(self, _: object) -> CircleMap:
         return self
 
     def __repr__(self) -> str:
@@ -241,7 +241,8 @@ class CircleMap:
         """(breaks where F jumps, its limits from the left, its limits from the right); kinks are
         left out.
         """
-        left, right = self.left(self.breaks), self.right(self.breaks)
+        left = self.left(self.breaks)
+        right = self.right(self.breaks)
         jumping = np.abs(right - left) > JUMP
         return self.breaks[jumping], left[jumping], right[jumping]
 
@@ -309,7 +310,8 @@ class CircleMap:
         >>> float(CircleMap.arnold(0.0, 0.5).derivative(0.0))
         0.5
         """
-        shift, strength = TWO_PI * finite_number("omega", omega), finite_number("K", K)
+        shift = TWO_PI * finite_number("omega", omega)
+        strength = finite_number("K", K)
         return cls.with_scalar(
             lambda x: x + shift - strength * np.sin(x),
             lambda x: 1.0 - strength * np.cos(x),
@@ -339,7 +341,8 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        shift, r = TWO_PI * finite_number("omega", omega), finite_number("a", a)
+        shift = TWO_PI * finite_number("omega", omega)
+        r = finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(
                 f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any "
@@ -516,6 +519,12 @@ def require_map(circle_map: CircleMap) -> None:
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap")
 
 
+def require_degree_one(circle_map: CircleMap, what: str) -> None:
+    """InvalidInput for a map of another degree, for which ``what`` is asked has no meaning."""
+    if circle_map.degree != 1:
+        raise InvalidInput(f"the map has degree {circle_map.degree}: {what} needs degree 1")
+
+
 def _remade(recipe: Recipe) -> CircleMap:
     maker, arguments, options = recipe
     return maker(*arguments, **options)
@@ -530,7 +539,8 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
     which only adds θ.
     """
     turning = [(abs(a), phase(a)) for a in zeros if a != 0.0]
-    k, plain = float(len(zeros)), float(len(zeros) - len(turning))
+    k = float(len(zeros))
+    plain = float(len(zeros) - len(turning))
     # 1 - r cos φ = (1 - r) + 2r sin²(φ/2), and r sin φ = 2r sin(φ/2) cos(φ/2).
     rows = [(0.5 * angle, 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)) for r, angle in turning]
 

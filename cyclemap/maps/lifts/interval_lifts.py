@@ -190,7 +190,8 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
         straight = inner(Jet(jet.value, arb(1)))
         if not straight.value.is_finite():
             return straight
-        size, steepness = float(straight.value.abs_upper()), float(straight.slope.abs_upper())
+        size = float(straight.value.abs_upper())
+        steepness = float(straight.slope.abs_upper())
         rounding = LIFT * (TWO_PI * (1.0 + steepness) + size)
         value = straight.value + arb(0, circle_map.max_error + rounding)
         return Jet(value, (straight.slope + arb(0, bound + rounding)) * jet.slope)
@@ -216,10 +217,8 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
         return Jet(arb.nan(), arb.nan())
     turns = int(np.floor(float(jet.value.mid()) / TWO_PI))
     base = jet.value - 2 * arb.pi() * turns
-    low, high = (
-        np.nextafter(float(base.lower()), -np.inf),
-        np.nextafter(float(base.upper()), np.inf),
-    )
+    low = np.nextafter(float(base.lower()), -np.inf)
+    high = np.nextafter(float(base.upper()), np.inf)
     hull: Jet | None = None
     for lap in (-1, 0, 1):
         start = lap * TWO_PI
@@ -228,7 +227,8 @@ def _of_cubics(pieces: PiecewiseCubic, jet: Jet) -> Jet:
         # A neighbour more on either side is never wrong, as ``start`` is rounded.
         for index in range(max(first - 1, 0), min(last + 1, pieces.knots.size - 1)):
             left = float(pieces.knots[index] + start)
-            begin, end = max(low, left), min(high, float(pieces.knots[index + 1] + start))
+            begin = max(low, left)
+            end = min(high, float(pieces.knots[index + 1] + start))
             if begin > end:
                 continue
             offset = arb(begin).union(arb(end)) - left

@@ -21,7 +21,8 @@ Index = npt.NDArray[np.intp]
 SIDE_STEP = 8.0 * EPS * np.pi  # how far beside a break its one-sided limits are read
 JUMP = 1e-10  # radians: one-sided limits that differ by more are a jump, else a kink
 SNAP = 1e-12  # radians: angles this near a break are that break
-_CENTRED, _ONE_SIDED = np.arange(-2.0, 3.0), np.arange(0.0, 5.0)
+_CENTRED = np.arange(-2.0, 3.0)
+_ONE_SIDED = np.arange(0.0, 5.0)
 _CENTRED_WEIGHTS = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / 12.0
 _ONE_SIDED_WEIGHTS = np.array([-25.0, 48.0, -36.0, 16.0, -3.0]) / 12.0
 _DIFFERENCE_STEP = 1e-3
@@ -34,17 +35,24 @@ def distance_to_break(breaks: Array, theta: Array) -> Array:
     if breaks.size == 0:
         return np.full(np.shape(theta), np.pi)
     base = theta - TWO_PI * np.floor(theta / TWO_PI)
-    return np.asarray(np.abs(nearest_on_circle(breaks, base)[0] - base))
+    return np.abs(nearest_on_circle(breaks, base)[0] - base)
 
 
 def nearest_on_circle(nodes: Array, base: Array) -> tuple[Array, Index]:
     """The copy of a sorted node in [0, 2π), up to a turn away, nearest to each angle in [0, 2π];
     the node's index.
     """
-    around = np.concatenate([nodes[-1:] - TWO_PI, nodes, nodes[:1] + TWO_PI])
+    around = carried_round(nodes)
     pick = around.searchsorted(base).clip(1, nodes.size + 1)
     pick = pick - (base - around[pick - 1] <= around[pick] - base)
     return around[pick], (pick - 1) % nodes.size
+
+
+def carried_round(nodes: Array, climb: float = TWO_PI) -> Array:
+    """The nodes of one turn with the last of the turn before and the first of the next, ``climb``
+    away.
+    """
+    return np.concatenate([nodes[-1:] - climb, nodes, nodes[:1] + climb])
 
 
 def beside(function: Lift, breaks: Array, side: int, climb: int) -> Array:
@@ -69,7 +77,7 @@ def one_sided_limit(
     if breaks.size == 0:
         return values
     turns = np.floor(angles / TWO_PI)
-    base = np.asarray(angles - TWO_PI * turns)
+    base = angles - TWO_PI * turns
     nearest, index = nearest_on_circle(breaks, base)
     here = np.abs(base - nearest) <= SNAP
     if here.any():
@@ -109,7 +117,8 @@ def differences_between(
     for _ in range(_SHRINKINGS):
         if not np.any(rough):
             break
-        found, step = np.where(rough, finer, found), np.where(rough, step / 4.0, step)
+        found = np.where(rough, finer, found)
+        step = np.where(rough, step / 4.0, step)
         finer[rough] = _five_points(
             function, theta[rough], below[rough], above[rough], step[rough] / 4.0
         )
@@ -123,7 +132,8 @@ def differences_between(
 
 
 def _five_points(function: Lift, theta: Array, below: Array, above: Array, step: Array) -> Array:
-    low, high = below < 2.0 * step, above < 2.0 * step
+    low = below < 2.0 * step
+    high = above < 2.0 * step
     lean = np.where(low, 1.0, np.where(high, -1.0, 0.0))[..., None]
     offsets = np.where(lean == 0.0, _CENTRED, lean * _ONE_SIDED)
     weights = np.where(lean == 0.0, _CENTRED_WEIGHTS, lean * _ONE_SIDED_WEIGHTS)
@@ -144,7 +154,7 @@ _SECTIONS = np.arange(65.0) / 64.0
 def base_angles(theta: Array) -> Array:
     """``theta`` mod 2π, in [0, 2π); a tiny negative angle is 0, never 2π."""
     base = np.mod(theta, TWO_PI)
-    return np.asarray(np.where(base < TWO_PI, base, 0.0))
+    return np.where(base < TWO_PI, base, 0.0)
 
 
 def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) -> None:
@@ -169,7 +179,8 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
         climb = values[12:24] - values[:12]
         gap = np.abs(climb - TWO_PI * degree)
         if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
-            worst, turns = int(np.argmax(gap)), np.round(climb / TWO_PI)
+            worst = int(np.argmax(gap))
+            turns = np.round(climb / TWO_PI)
             fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
             hint = (
                 f"that is degree {turns[0]:.0f}, if it is not wrapped"
@@ -301,12 +312,16 @@ def _refuse_hidden_jump(
     lap = np.searchsorted(np.concatenate([breaks, breaks + TWO_PI]), points)
     free = np.where(np.diff(lap) == 0, steps, 0.0)
     worst = int(np.argmax(free))
-    low, high, step = points[worst], points[worst + 1], free[worst]
+    low = points[worst]
+    high = points[worst + 1]
+    step = free[worst]
     while step > _HIDDEN_JUMP and high - low > 1e-13:
         sections = low + (high - low) * _SECTIONS
         steps = np.abs(np.diff(lift(sections)))
         worst = int(np.argmax(steps))
-        low, high, step = sections[worst], sections[worst + 1], steps[worst]
+        low = sections[worst]
+        high = sections[worst + 1]
+        step = steps[worst]
     ends = np.array([low, high])
     steepest = 0.0 if derivative is None else float(np.max(np.abs(derivative(ends))))
     if step > _HIDDEN_JUMP + 8.0 * steepest * (high - low):

@@ -13,7 +13,7 @@ from math import floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_number, whole_number
+from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import EPS, LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.branches import Branch, MonotoneTable, branches, preimages_on
@@ -24,6 +24,7 @@ from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Scalar,
     base_angles,
+    carried_round,
     distance_to_break,
 )
 from cyclemap.maps.lifts.scan import INSET
@@ -54,9 +55,7 @@ class InverseLift:
     def __call__(self, values: Array) -> Array:
         """The lift of the inverse at ``values`` (radians, any shape)."""
         turns = np.floor(values / TWO_PI)
-        return np.asarray(
-            self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
-        )
+        return self.table.inverse(values - TWO_PI * turns) + (TWO_PI * self.degree) * turns
 
     def derivative(self, values: Array) -> Array:
         """1/F' at the inverse, on the side of F's breaks that belongs to the value; 0 across a jump
@@ -87,9 +86,11 @@ class InverseLift:
         """The angles, and the ends between which F' belongs to the value: inside their cell's
         breaks.
         """
-        base = np.asarray(values - TWO_PI * np.floor(values / TWO_PI))
-        theta, cell = self.table.inverse(base), self.table.cell(base)
-        low, high = self.table.theta[cell], self.table.theta[cell + 1]
+        base = values - TWO_PI * np.floor(values / TWO_PI)
+        theta = self.table.inverse(base)
+        cell = self.table.cell(base)
+        low = self.table.theta[cell]
+        high = self.table.theta[cell + 1]
         margin = np.minimum(SIDE_STEP, 0.25 * (high - low))
         return theta, low + margin, high - margin
 
@@ -129,21 +130,22 @@ class CompositeLift:
         self, theta: Array, slope: bool = False, errors: bool = False
     ) -> tuple[Array, Array, Array]:
         turns = np.floor(theta / TWO_PI)
-        angle = np.asarray(theta - TWO_PI * turns)
-        product, error, moved = (
-            np.ones_like(angle),
-            np.zeros_like(angle),
-            0.5 * np.spacing(np.abs(theta)),
-        )
+        angle = theta - TWO_PI * turns
+        product = np.ones_like(angle)
+        error = np.zeros_like(angle)
+        moved = 0.5 * np.spacing(np.abs(theta))
         piece = np.searchsorted(self.breaks, angle, side="right") if self.breaks.size else None
         for place, (one, guard) in enumerate(zip(self.maps, self.guards, strict=True)):
-            low, high = np.full_like(angle, -np.inf), np.full_like(angle, np.inf)
+            low = np.full_like(angle, -np.inf)
+            high = np.full_like(angle, np.inf)
             if guard is not None:
                 whole, low, high = (column[piece] for column in guard)
-                angle, turns = np.clip(angle - TWO_PI * whole, low, high), turns + whole
+                angle = np.clip(angle - TWO_PI * whole, low, high)
+                turns = turns + whole
             elif place > 0:
                 whole = np.floor(angle / TWO_PI)
-                angle, turns = angle - TWO_PI * whole, turns + whole
+                angle = angle - TWO_PI * whole
+                turns = turns + whole
             if errors:
                 steepness, off = slope_and_error_beside(one, angle, moved, low, high)
                 error = (
@@ -155,8 +157,9 @@ class CompositeLift:
                 product = product * steepness
             elif slope:
                 product = product * one.derivative(angle)
-            angle, turns = one(angle), turns * float(one.degree)
-        return np.asarray(angle + TWO_PI * turns), product, error
+            angle = one(angle)
+            turns = turns * float(one.degree)
+        return angle + TWO_PI * turns, product, error
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
@@ -181,7 +184,8 @@ class CompositeLift:
                 else:
                     whole = floor(angle / TWO_PI)
                     angle -= TWO_PI * whole
-                angle, turns = one(angle), (turns + whole) * degree
+                angle = one(angle)
+                turns = (turns + whole) * degree
             return angle + TWO_PI * turns
 
         return lift
@@ -253,14 +257,17 @@ def nth_iterate(circle_map: CircleMap, n: int) -> CircleMap:
     32
     """
     count = whole_number("n", n, least=0)
+    require_room("the iterate", count, "iterate less often", MAX_BREAKS)
     if count == 0:
         return CircleMap.rigid(0.0)
     if count == 1:
         return circle_map
-    breaks, error = circle_map.breaks, circle_map.max_error
+    breaks = circle_map.breaks
+    error = circle_map.max_error
     parts = branches(circle_map) if breaks.size else ()
     for _ in range(count - 1):
-        breaks, error = _pulled_back(circle_map, breaks, parts), _error_after(circle_map, error)
+        breaks = _pulled_back(circle_map, breaks, parts)
+        error = _error_after(circle_map, error)
     return _composite([circle_map] * count, breaks, error).remade_by(nth_iterate, circle_map, count)
 
 
@@ -295,7 +302,8 @@ def conjugate(circle_map: CircleMap, angle: float) -> CircleMap:
     if circle_map.pieces is not None:
         cubic = circle_map.pieces.shifted(turn, turn)
         return CircleMap.from_pieces(cubic, moved, circle_map.samples, circle_map.max_error)
-    back, forth = CircleMap.rigid(-turn / TWO_PI), CircleMap.rigid(turn / TWO_PI)
+    back = CircleMap.rigid(-turn / TWO_PI)
+    forth = CircleMap.rigid(turn / TWO_PI)
     return _composite([back, circle_map, forth], moved, circle_map.max_error).remade_by(
         conjugate, circle_map, turn
     )
@@ -375,17 +383,20 @@ def inverse(circle_map: CircleMap) -> CircleMap:
     >>> bool(abs(inverse(map_there)(map_there(1.0)) - 1.0) < 1e-14)
     True
     """
-    degree, error = circle_map.degree, circle_map.max_error
+    degree = circle_map.degree
+    error = circle_map.max_error
     if degree not in (1, -1):
         raise InvalidInput(
             f"the map has degree {degree}: only degree 1 or -1 has an inverse; preimages gives "
             "all of them"
         )
-    parts, hint = branches(circle_map), "it has no inverse; branches inverts each monotone piece"
+    parts = branches(circle_map)
+    hint = "it has no inverse; branches inverts each monotone piece"
     for i, part in enumerate(parts):
         if part.direction == -degree:
             raise InvalidInput(f"F turns back on [{part.start:.9g}, {part.end:.9g}]: {hint}")
-        after, lap = parts[(i + 1) % len(parts)], (i + 1) // len(parts)
+        after = parts[(i + 1) % len(parts)]
+        lap = (i + 1) // len(parts)
         jump = after.start_value + TWO_PI * degree * lap - part.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
@@ -410,12 +421,11 @@ def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLi
     breaks = np.unique(base[bent])
     moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)
     order = np.lexsort((degree * moved, base))
-    theta, value = moved[order], base[order]
+    theta = moved[order]
+    value = base[order]
     # Carried on by one node below 0 and one above 2π, in the order of θ.
-    value = np.concatenate([value[-1:] - TWO_PI, value, value[:1] + TWO_PI])[::degree]
-    theta = np.concatenate([theta[-1:] - degree * TWO_PI, theta, theta[:1] + degree * TWO_PI])[
-        ::degree
-    ]
+    value = carried_round(value)[::degree]
+    theta = carried_round(theta, degree * TWO_PI)[::degree]
     theta = np.maximum.accumulate(theta)
     # The two sides of a jump, a turn apart, are one angle however they were rounded.
     apart = np.diff(theta, prepend=-np.inf) > SAME_ANGLE
@@ -427,20 +437,16 @@ def _composite(maps: list[CircleMap], breaks: Array, max_error: float) -> Circle
     """The chain of ``maps``, the first applied first; ``breaks`` are all its breaks, in [0, 2π)."""
     guards: list[tuple[Array, Array, Array] | None] = [None]
     if breaks.size:
-        edges = np.concatenate([breaks[-1:] - TWO_PI, breaks, breaks[:1] + TWO_PI])
+        edges = carried_round(breaks)
         angle = maps[0](0.5 * (edges[:-1] + edges[1:]))
     for circle_map in maps[1:]:
         own = circle_map.breaks
         if own.size == 0:
             guards.append(None)
         else:  # the argument lies, piece by piece, between the breaks on both sides of ``angle``
-            turns, around = (
-                np.floor(angle / TWO_PI),
-                np.concatenate([own[-1:] - TWO_PI, own, own[:1] + TWO_PI]),
-            )
-            above = np.clip(
-                np.searchsorted(around, angle - TWO_PI * turns, side="right"), 1, around.size - 1
-            )
+            turns = np.floor(angle / TWO_PI)
+            around = carried_round(own)
+            above = around.searchsorted(angle - TWO_PI * turns, side="right").clip(1, own.size + 1)
             margin = np.minimum(SIDE_STEP, 0.25 * (around[above] - around[above - 1]))
             guards.append((turns, around[above - 1] + margin, around[above] - margin))
         if breaks.size:

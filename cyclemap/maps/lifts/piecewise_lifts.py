@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.checks import finite_array, finite_number, read_only
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.estimate import LIFT
+from cyclemap.maps.estimate import LIFT, SAME_ANGLE
 from cyclemap.maps.lifts.lift_checks import (
     SNAP,
     Index,
@@ -121,8 +121,11 @@ def cubic_from_samples(
     (angle, value, tangent), closed = _one_period(*_checked(theta, lifted, slopes), degree)
     nodal = _shape_preserving(angle, value, closed, degree) if slopes is None else tangent
     use = np.diff(angle) > 0.0
-    width, rise = np.diff(angle)[use], np.diff(value)[use]
-    left, slope_left, slope_right = value[:-1][use], nodal[:-1][use], nodal[1:][use]
+    width = np.diff(angle)[use]
+    rise = np.diff(value)[use]
+    left = value[:-1][use]
+    slope_left = nodal[:-1][use]
+    slope_right = nodal[1:][use]
     secant = rise / width
     c2 = (3.0 * secant - 2.0 * slope_left - slope_right) / width
     c3 = (slope_left + slope_right - 2.0 * secant) / width**2
@@ -146,6 +149,12 @@ def _checked(
     if np.any(steps < 0.0):
         raise InvalidInput(
             f"theta decreases after entry {int(np.argmax(steps < 0.0))}: sort the samples"
+        )
+    near = (steps > 0.0) & (steps < SAME_ANGLE)
+    if np.any(near):
+        raise InvalidInput(
+            f"theta holds two angles {steps[near][0]:.3g} radians apart: give one of them, or one "
+            "angle twice for a break"
         )
     if np.any((steps[1:] == 0.0) & (steps[:-1] == 0.0)):
         raise InvalidInput(
@@ -171,7 +180,8 @@ def _one_period(
     table = np.stack([angles, values, tangents])
     climb = np.array([TWO_PI, TWO_PI * degree, 0.0])
     if angles[1] == angles[0]:
-        end, last = table[:, 0] + climb, table[:, -1]
+        end = table[:, 0] + climb
+        last = table[:, -1]
         if last[0] > end[0] - 1e-9 and abs(last[1] - end[1]) > 1e-9:
             raise InvalidInput(
                 f"the end point holds {last[1]:g}, the left entry of its angle {end[1]:g}"
@@ -208,11 +218,13 @@ def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) ->
     if closed:
         # The branch that runs through the end point is one branch: its slopes come from both parts
         # together.
-        last, first = branches[-1], branches[0]
+        last = branches[-1]
+        first = branches[0]
         x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
         y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
         joined = _pchip_slopes(x, y)
-        slopes[last], slopes[first] = joined[: last.size], joined[last.size - 1 :]
+        slopes[last] = joined[: last.size]
+        slopes[first] = joined[last.size - 1 :]
     return slopes
 
 
@@ -242,11 +254,13 @@ def _onto_base_period(start: Array, rows: Array, degree: int) -> PiecewiseCubic:
     rows = rows.copy()
     rows[0] -= TWO_PI * degree * turns
     order = np.argsort(base, kind="stable")
-    base, rows = base[order], rows[:, order]
+    base = base[order]
+    rows = rows[:, order]
     if base[0] > 0.0:
         wrapped = _moved_along(rows[:, -1], TWO_PI - base[-1])
         wrapped[0] -= TWO_PI * degree
-        base, rows = np.append(0.0, base), np.column_stack([wrapped, rows])
+        base = np.append(0.0, base)
+        rows = np.column_stack([wrapped, rows])
     return PiecewiseCubic(read_only(np.append(base, TWO_PI)), read_only(rows), degree)
 
 
@@ -296,11 +310,9 @@ class BranchedLift:
 
     def __call__(self, theta: Array) -> Array:
         """The lift at ``theta`` (radians, any shape)."""
-        turns, owner, values = (
-            np.floor(theta / TWO_PI),
-            self._owner(theta),
-            np.empty(np.shape(theta)),
-        )
+        turns = np.floor(theta / TWO_PI)
+        owner = self._owner(theta)
+        values = np.empty(np.shape(theta))
         for piece, own, here in self._parts(theta, owner):
             values[here] = piece.lift(own)
         return np.asarray(values + (TWO_PI * self.degree) * (turns - self.shift[owner]))
@@ -314,20 +326,21 @@ class BranchedLift:
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
         """Its slope and a bound on the slope's error."""
-        values, errors = np.empty(np.shape(theta)), np.empty(np.shape(theta))
+        values = np.empty(np.shape(theta))
+        errors = np.empty(np.shape(theta))
         for piece, own, here in self._parts(theta, self._owner(theta)):
             values[here], errors[here] = piece.derivative_and_error(own)
         return values, errors
 
     def _owner(self, theta: Array) -> Index:
-        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
+        base = theta - TWO_PI * np.floor(theta / TWO_PI)
         return np.searchsorted(self.starts, base, side="right") - 1
 
     def _parts(self, theta: Array, owner: Index) -> Iterator[tuple[Piece, Array, Mask]]:
         """Each piece that owns some of the angles, those as its own, and where they are."""
-        base = np.asarray(theta - TWO_PI * np.floor(theta / TWO_PI))
+        base = theta - TWO_PI * np.floor(theta / TWO_PI)
         for i, piece in enumerate(self.pieces):
-            here = np.asarray(owner == i)
+            here = owner == i
             if here.any():
                 own = np.minimum(
                     np.maximum(base[here] + TWO_PI * self.shift[i], piece.start), piece.end
@@ -336,7 +349,8 @@ class BranchedLift:
 
     def scalar(self) -> Scalar:
         """The same lift for one python float."""
-        starts, climb = self.starts.tolist(), TWO_PI * self.degree
+        starts = self.starts.tolist()
+        climb = TWO_PI * self.degree
         rows: list[tuple[Lift, float, float, float, float]] = [
             (piece.lift, TWO_PI * shift, piece.start, piece.end, climb * shift)
             for piece, shift in zip(self.pieces, self.shift.tolist(), strict=True)
@@ -380,13 +394,12 @@ def lift_from_branches(branches: Any, degree: int) -> tuple[BranchedLift, Array]
     given = np.array([piece.start for piece in pieces])
     seams = base_angles(given)
     order = np.argsort(seams, kind="stable")
-    starts, shift, placed = (
-        seams[order],
-        np.round((given - seams) / TWO_PI)[order],
-        tuple(pieces[i] for i in order),
-    )
+    starts = seams[order]
+    shift = np.round((given - seams) / TWO_PI)[order]
+    placed = tuple(pieces[i] for i in order)
     if starts[0] > 0.0:
-        starts, shift = np.append(0.0, starts), np.append(shift[-1] + 1.0, shift)
+        starts = np.append(0.0, starts)
+        shift = np.append(shift[-1] + 1.0, shift)
         placed = (placed[-1], *placed)
     return BranchedLift(starts, placed, shift, degree), seams[_differing(pieces, degree)]
 
@@ -398,10 +411,8 @@ def _piece(index: int, branch: Any) -> Piece:
         raise InvalidInput(
             f"branch {index} is {branch!r}: give (start, end, lift, derivative or None)"
         ) from cause
-    first, last = (
-        finite_number(f"start of branch {index}", start),
-        finite_number(f"end of branch {index}", end),
-    )
+    first = finite_number(f"start of branch {index}", start)
+    last = finite_number(f"end of branch {index}", end)
     if not callable(lift) or not (derivative is None or callable(derivative)):
         raise InvalidInput(
             f"branch {index} has {lift!r}, {derivative!r}: lift and derivative must be callables"
@@ -424,7 +435,8 @@ def _differing(pieces: tuple[Piece, ...], degree: int) -> Mask:
     before.
     """
     ends = np.array([[piece.lift(piece.ends), piece.derivative(piece.ends)] for piece in pieces])
-    after, before = ends[:, :, 0], np.roll(ends[:, :, 1], 1, axis=0)
+    after = ends[:, :, 0]
+    before = np.roll(ends[:, :, 1], 1, axis=0)
     before[0, 0] -= TWO_PI * degree
     exact = np.array([piece.given is not None for piece in pieces])
     slopes = np.where(exact & np.roll(exact, 1), _SAME_SLOPE, _SAME_DIFFERENCE)

@@ -33,11 +33,17 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
     nearer to zero.
     """
     index = np.arange(low.size)
-    a, b = low.astype(np.float64), high.astype(np.float64)
-    fa, fb = function(a, index), function(b, index)
+    a = low.astype(np.float64)
+    b = high.astype(np.float64)
+    fa = function(a, index)
+    fb = function(b, index)
     answer = np.where(np.abs(fa) < np.abs(fb), a, b)
     open_ = fa * fb < 0.0
-    index, a, b, fa, fb = index[open_], a[open_], b[open_], fa[open_], fb[open_]
+    index = index[open_]
+    a = a[open_]
+    b = b[open_]
+    fa = fa[open_]
+    fb = fb[open_]
     share = np.full(index.size, 0.5)
     for _ in range(_STEPS):
         if index.size == 0:
@@ -45,20 +51,29 @@ def bracketed_root(function: Callable[[Array, Whole], Array], low: Array, high: 
         x = a + share * (b - a)
         fx = function(x, index)
         stays = np.sign(fx) == np.sign(fa)
-        c, fc = np.where(stays, a, b), np.where(stays, fa, fb)
-        b, fb = np.where(stays, b, a), np.where(stays, fb, fa)
-        a, fa = x, fx
+        c = np.where(stays, a, b)
+        fc = np.where(stays, fa, fb)
+        b = np.where(stays, b, a)
+        fb = np.where(stays, fb, fa)
+        a = x
+        fa = fx
         answer[index] = np.where(np.abs(fa) < np.abs(fb), a, b)
         reach = _CLOSE * (np.abs(a) + 1e-3) / np.maximum(np.abs(b - a), 1e-300)
         with np.errstate(divide="ignore", invalid="ignore"):
-            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            xi = (a - b) / (c - b)
+            phi = (fa - fb) / (fc - fb)
             trusted = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi)
             share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
                 fc - fb
             )
         share = np.clip(np.where(trusted & np.isfinite(share), share, 0.5), reach, 1.0 - reach)
         go = (reach < 0.5) & (fa != 0.0)
-        index, a, b, fa, fb, share = index[go], a[go], b[go], fa[go], fb[go], share[go]
+        index = index[go]
+        a = a[go]
+        b = b[go]
+        fa = fa[go]
+        fb = fb[go]
+        share = share[go]
     return answer
 
 
@@ -76,9 +91,10 @@ def iterate(circle_map: CircleMap, theta: Array, period: int) -> Array:
 
 def iterate_slope(circle_map: CircleMap, theta: Array, period: int) -> Array:
     """(Fⁿ)'(θ) by the chain rule."""
-    image, slope = theta, np.ones_like(theta)
+    image = theta
+    slope = np.ones_like(theta)
     for step in range(period):
-        slope = np.asarray(slope * circle_map.derivative(image))
+        slope = slope * circle_map.derivative(image)
         if step + 1 < period:
             image = circle_map(image)
     return slope
@@ -139,10 +155,11 @@ def is_continuous(cells: Cells) -> Mask:
     """Whether g is continuous at the start of each cell (the last cell's end is the first cell's
     start).
     """
-    before, slope = np.roll(cells.g_end, 1), np.abs(np.roll(cells.slope_end, 1))
+    before = np.roll(cells.g_end, 1)
+    slope = np.abs(np.roll(cells.slope_end, 1))
     before[0] -= cells.climb
     allowed = 1e-9 + 4.0 * INSET * (slope + np.abs(cells.slope_start))
-    return np.asarray(~cells.cut | (np.abs(before - cells.g_start) <= allowed))
+    return ~cells.cut | (np.abs(before - cells.g_start) <= allowed)
 
 
 def is_rising(cells: Cells) -> Mask:
@@ -174,32 +191,39 @@ def monotone_cells(
     """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends
     of cells, too.
     """
-    breaks, features = circle_map.breaks, np.mod(marks, TWO_PI)
+    breaks = circle_map.breaks
+    features = np.mod(marks, TWO_PI)
     if period > 1:
         # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
         # cycles back.
         once = monotone_cells(circle_map, 1, 0.0, resolution)
-        rising, narrow = is_rising(once), once.end - once.start < _NARROW * TWO_PI / resolution
+        rising = is_rising(once)
+        narrow = once.end - once.start < _NARROW * TWO_PI / resolution
         breaks = _pulled_back(circle_map, once, breaks, period)
         special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
         features = np.append(_pulled_back(circle_map, once, special, period), features)
     nodes = _base_nodes(circle_map, breaks, features, resolution)
-    start, end = nodes[:-1], nodes[1:]
+    start = nodes[:-1]
+    end = nodes[1:]
     cut = np.isin(start, breaks)
-    cut_end, done, count = np.roll(cut, -1), [], 0
+    cut_end = np.roll(cut, -1)
+    done = []
+    count = 0
     for _ in range(_PASSES):
         cells, parts, rough = _evaluated(circle_map, start, end, cut, cut_end, period, shift)
         if period == 1 and np.count_nonzero(rough) > MAX_ROUGH:
             _refuse_rough(cells, rough)
         done.append(taken(cells, parts == 1))
-        owner, rank = np.repeat(np.arange(start.size), parts), _ranks(parts)
+        owner = np.repeat(np.arange(start.size), parts)
+        rank = ranks(parts)
         count += int(np.count_nonzero(parts == 1))
         if count + owner.size > MAX_CELLS:
             break
         owner, rank = owner[parts[owner] > 1], rank[parts[owner] > 1]
         if owner.size == 0:
             found = joined(done)
-            width, rise = found.end - found.start, np.abs(found.g_end - found.g_start)
+            width = found.end - found.start
+            rise = np.abs(found.g_end - found.g_start)
             steepest = np.maximum(np.abs(found.slope_start), np.abs(found.slope_end))
             jumps = (width < 32.0 * INSET) & (rise > 4.0 * steepest * width + _HIDDEN_JUMP)
             if period == 1 and np.any(jumps):
@@ -209,13 +233,15 @@ def monotone_cells(
                     f"{found.start[place]:.12g}, which is none of its breaks: give it in breaks"
                 )
             return _split_at_extrema(circle_map, found)
-        share, first, last = parts[owner], rank == 0, rank + 1 == parts[owner]
-        cut, cut_end = cut[owner] & first, cut_end[owner] & last
-        low, step = start[owner], (end - start)[owner]
-        start, end = (
-            low + step * (rank / share),
-            np.where(last, end[owner], low + step * ((rank + 1) / share)),
-        )
+        share = parts[owner]
+        first = rank == 0
+        last = rank + 1 == parts[owner]
+        cut = cut[owner] & first
+        cut_end = cut_end[owner] & last
+        low = start[owner]
+        step = (end - start)[owner]
+        start = low + step * (rank / share)
+        end = np.where(last, end[owner], low + step * ((rank + 1) / share))
     raise ConvergenceError(
         f"period {period} needs more than {MAX_CELLS} cells: the map is too steep, most of all "
         f"near θ = {cells.start[int(np.argmax(parts))]:.6g}; ask for a shorter period, or name the "
@@ -231,7 +257,8 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
     theta = bracketed_root(
         lambda x, _: iterate_slope(circle_map, x, cells.period) - cells.shift, start, end
     )
-    g, after = iterate(circle_map, theta, cells.period) - cells.shift * theta, turning + 1
+    g = iterate(circle_map, theta, cells.period) - cells.shift * theta
+    after = turning + 1
     flat = np.zeros_like(g)
     return replace(
         cells,
@@ -247,9 +274,11 @@ def _split_at_extrema(circle_map: CircleMap, cells: Cells) -> Cells:
 
 def _refuse_rough(cells: Cells, rough: Mask) -> None:
     """Say where most of the cells lie that no cubic through their ends meets."""
-    places, crowd = cells.start[rough], 1 + MAX_ROUGH // 10
+    places = cells.start[rough]
+    crowd = 1 + MAX_ROUGH // 10
     densest = int(np.argmin(places[crowd:] - places[:-crowd]))
-    low, high = places[densest], places[densest + crowd]
+    low = places[densest]
+    high = places[densest + crowd]
     raise ConvergenceError(
         f"the lift is too rough to follow, most of all between θ = {low:.12g} and {high:.12g}: a "
         "break may be missing there (give it in breaks), the derivative may be another lift's (or "
@@ -257,15 +286,16 @@ def _refuse_rough(cells: Cells, rough: Mask) -> None:
     )
 
 
-def _ranks(count: Whole) -> Whole:
+def ranks(count: Whole) -> Whole:
     """0, 1, ..., count - 1 for each entry, one after the other."""
-    return np.asarray(np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count))
+    return np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count)
 
 
 def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) -> Array:
     found = latest = marks
     for _ in range(period - 1 if marks.size else 0):
-        known, angles = found, np.append(found, np.mod(preimages(circle_map, once, latest), TWO_PI))
+        known = found
+        angles = np.append(found, np.mod(preimages(circle_map, once, latest), TWO_PI))
         # Sorted; of those that lie together the one given first.
         angles = np.where(angles > TWO_PI - 8.0 * INSET, 0.0, angles)
         order = np.argsort(angles, kind="stable")
@@ -307,16 +337,22 @@ def _evaluated(
     """The cells with their values, into how many parts each must still be cut, and which no cubic
     meets.
     """
-    width, size = end - start, start.size
+    width = end - start
+    size = start.size
     here = np.concatenate([start + INSET * cut, end - INSET * cut_end])
-    image, slope, longest, rounding = here, np.ones_like(here), np.zeros(size), np.ones_like(here)
+    image = here
+    slope = np.ones_like(here)
+    longest = np.zeros(size)
+    rounding = np.ones_like(here)
     for _ in range(period):
         steepness = circle_map.derivative(image)
-        slope, rounding = slope * steepness, np.abs(steepness) * rounding + 1.0
+        slope = slope * steepness
+        rounding = np.abs(steepness) * rounding + 1.0
         image = circle_map(image)
         steepest = np.maximum(np.abs(slope[:size]), np.abs(slope[size:])) * width
         longest = np.maximum(longest, np.maximum(steepest, np.abs(image[size:] - image[:size])))
-    g, g_slope = image - shift * here, slope - shift
+    g = image - shift * here
+    g_slope = slope - shift
     g = g + INSET * g_slope * np.concatenate([-1.0 * cut, 1.0 * cut_end])
     split = (g[:size], g[size:], g_slope[:size], g_slope[size:])
     cells = Cells(start, end, *split, cut, period, shift, circle_map.degree)
@@ -335,9 +371,12 @@ def _evaluated(
 def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
     """Whether the cubic through a cell's ends misses the iterate,
     or turns twice inside the cell."""
-    width, rise = cells.end - cells.start, cells.g_end - cells.g_start
-    a, b = width * cells.slope_start, width * cells.slope_end
-    steepest, nothing = np.maximum(np.abs(a), np.abs(b)), _NOTHING + noise
+    width = cells.end - cells.start
+    rise = cells.g_end - cells.g_start
+    a = width * cells.slope_start
+    b = width * cells.slope_end
+    steepest = np.maximum(np.abs(a), np.abs(b))
+    nothing = _NOTHING + noise
     probes = np.full(width.size, 2)
     if cells.period == 1 and circle_map.pieces is None:
         probes = np.maximum(2, np.ceil(width / GRAIN).astype(np.int64))
@@ -363,7 +402,7 @@ def _unclear(circle_map: CircleMap, cells: Cells, noise: Array) -> Mask:
         & (least * a < 0.0)
         & (np.abs(least) > nothing)
     )
-    return np.asarray((misfit > _MISFIT * steepest + nothing) | turns_twice)
+    return (misfit > _MISFIT * steepest + nothing) | turns_twice
 
 
 def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
@@ -395,7 +434,7 @@ def solved(
     """The roots in the listed cells, their w, and which entry of the list each belongs to."""
     count = np.abs(turn_end - turn_start)
     owner = np.repeat(np.arange(count.size), count)
-    whole = np.minimum(turn_start, turn_end)[owner] + 1 + _ranks(count)
+    whole = np.minimum(turn_start, turn_end)[owner] + 1 + ranks(count)
     if owner.size == 0:
         return np.zeros(0), whole, owner
     inner_start, inner_end = cells.inner()

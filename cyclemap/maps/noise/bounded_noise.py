@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
-from cyclemap.maps.noise.noise import folded, reduced
+from cyclemap.maps.noise.noise import checked_width, folded, reduced
 
 
 @dataclass(frozen=True)
@@ -50,13 +49,7 @@ class UniformNoise:
     sigma = None
 
     def __post_init__(self) -> None:
-        width = finite_number("halfwidth", self.halfwidth)
-        if width <= 0.0:
-            raise InvalidInput(
-                f"halfwidth is {width:g}: noise needs a width above zero; leave the noise out "
-                "for none"
-            )
-        object.__setattr__(self, "halfwidth", width)
+        object.__setattr__(self, "halfwidth", checked_width("halfwidth", self.halfwidth))
 
     @property
     def variance(self) -> float:
@@ -82,14 +75,14 @@ class UniformNoise:
         """
         if lifted:
             distance = np.asarray(x, dtype=np.float64)
-            return np.asarray((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
+            return ((distance >= -self.halfwidth) & (distance < self.halfwidth)) / (
                 2.0 * self.halfwidth
             )
         angle = reduced(x)
         images = np.ceil((self.halfwidth - angle) / TWO_PI) - np.ceil(
             (-self.halfwidth - angle) / TWO_PI
         )
-        return np.asarray(images / (2.0 * self.halfwidth))
+        return images / (2.0 * self.halfwidth)
 
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """Refused: InvalidInput."""
@@ -100,25 +93,33 @@ class UniformNoise:
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x) = (h - x)/2h, cut to [0, 1]."""
         above = self.halfwidth - np.asarray(x, dtype=np.float64)
-        return np.asarray(np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0))
+        return np.clip(above / (2.0 * self.halfwidth), 0.0, 1.0)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): the length of the arc's images in [-h, h], over
         2h.
         """
-        start = reduced(low)
-        end, total = start + (high - np.asarray(low, dtype=np.float64)), 0.0
-        reach = int(np.ceil(self.halfwidth / TWO_PI)) + 1
-        for turn in TWO_PI * np.arange(-reach, reach + 1):
-            inside = np.minimum(end + turn, self.halfwidth) - np.maximum(
-                start + turn, -self.halfwidth
-            )
-            total = total + np.maximum(inside, 0.0)
-        return np.asarray(total / (2.0 * self.halfwidth))
+        share, window, centre = wrapped_window(self.halfwidth)
+        length = high - np.asarray(low, dtype=np.float64)
+        start = reduced(low - centre)
+        inside = np.zeros_like(start)
+        for turn in (0.0, TWO_PI):
+            ahead = np.minimum(start + length - turn, window) - np.maximum(start - turn, -window)
+            inside = inside + np.maximum(ahead, 0.0)
+        return share * length / TWO_PI + inside / (2.0 * self.halfwidth)
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Uniform draws, radians, not wrapped."""
-        return np.asarray(rng.uniform(-self.halfwidth, self.halfwidth, size))
+        return rng.uniform(-self.halfwidth, self.halfwidth, size)
+
+
+def wrapped_window(halfwidth: float) -> tuple[float, float, float]:
+    """(share, w, c) of noise uniform on [-h, h] on the circle: even all round to that share, else
+    uniform on [c - w, c + w], w < π.
+    """
+    laps = np.floor(halfwidth / np.pi)
+    share = float(np.pi * laps / halfwidth) if laps else 0.0
+    return share, float(halfwidth - np.pi * laps), float(np.pi * np.mod(laps, 2.0))
 
 
 _CONCENTRATED = 1e8  # beyond it the coefficients come from their expansion in 1/κ
@@ -164,12 +165,7 @@ class VonMises:
     sigma = None
 
     def __post_init__(self) -> None:
-        concentration = finite_number("kappa", self.kappa)
-        if concentration <= 0.0:
-            raise InvalidInput(
-                f"kappa is {concentration:g}: the concentration must be above zero (0 is all round)"
-            )
-        object.__setattr__(self, "kappa", concentration)
+        object.__setattr__(self, "kappa", checked_width("kappa", self.kappa))
 
     @property
     def variance(self) -> float:
@@ -195,7 +191,7 @@ class VonMises:
         geometric sum.
         """
         middle = m + 0.5
-        ratio_gap = np.hypot(self.kappa, middle) + middle - self.kappa
+        ratio_gap = middle + middle**2 / (np.hypot(self.kappa, middle) + self.kappa)
         return float(self.coefficients(m) * self.kappa / ratio_gap)
 
     def density(self, x: ArrayLike, lifted: bool = False) -> Array:
@@ -207,17 +203,17 @@ class VonMises:
         )  # x may be infinite then
         half = np.sin(0.5 * within)
         density = np.exp(-2.0 * self.kappa * half**2) / (TWO_PI * i0e(self.kappa))
-        return np.asarray(np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density)
+        return np.where(np.abs(x) <= np.pi, density, 0.0) if lifted else density
 
     def slope(self, x: ArrayLike, lifted: bool = False) -> Array:
         """d/dx of ``density``: -κ sin x times it."""
-        return np.asarray(-self.kappa * np.sin(x) * self.density(x, lifted))
+        return -self.kappa * np.sin(x) * self.density(x, lifted)
 
     def exceedance(self, x: ArrayLike) -> Array:
         """P(ξ > x)."""
         at = np.clip(np.asarray(x, dtype=np.float64), -np.pi, np.pi)
         tail = self._half_integral(np.abs(at), np.pi)
-        return np.asarray(np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail))
+        return np.where(at < 0.0, 0.5 + self._half_integral(0.0, np.abs(at)), tail)
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high): up to three positive parts of [0, π]."""
@@ -253,4 +249,4 @@ class VonMises:
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Von Mises draws in [-π, π], radians (Best & Fisher 1979)."""
-        return np.asarray(rng.vonmises(0.0, self.kappa, size))
+        return rng.vonmises(0.0, self.kappa, size)

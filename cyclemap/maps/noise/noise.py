@@ -81,6 +81,19 @@ def required_noise(noise: Noise | None) -> Noise:
     return noise
 
 
+def checked_width(name: str, value: float) -> float:
+    """A noise's width or concentration, or InvalidInput where it is none, or squares leave the
+    floats.
+    """
+    width = finite_number(name, value)
+    if not 1e-100 <= width <= 1e100:
+        raise InvalidInput(
+            f"{name} is {width:g}: it must be above zero, from 1e-100 to 1e100; leave the noise "
+            "out for none"
+        )
+    return width
+
+
 _WIDE = 2.5  # radians: a wider law is summed in Fourier modes, not over its images
 _ORDERS = np.arange(1.0, 9.0)  # the Fourier modes that a wide law has
 _erfc = np.vectorize(
@@ -124,12 +137,7 @@ class WrappedNormal:
     jump = 0.0
 
     def __post_init__(self) -> None:
-        width = finite_number("sigma", self.sigma)
-        if width <= 0.0:
-            raise InvalidInput(
-                f"sigma is {width:g}: noise needs a width above zero; leave the noise out for none"
-            )
-        object.__setattr__(self, "sigma", width)
+        object.__setattr__(self, "sigma", checked_width("sigma", self.sigma))
 
     @property
     def variance(self) -> float:
@@ -139,7 +147,7 @@ class WrappedNormal:
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = exp(-m²σ²/2)."""
         order = np.asarray(m, dtype=np.float64)
-        return np.asarray(np.exp(-0.5 * (order * self.sigma) ** 2))
+        return np.exp(-0.5 * (order * self.sigma) ** 2)
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, bounded by the integral of exp(-x²σ²/2) from m."""
@@ -182,6 +190,12 @@ class WrappedNormal:
 
     def arc_probability(self, low: Array | float, high: Array | float) -> Array:
         """P(ξ mod 2π in the arc from low to high), without cancellation where it is small."""
+        if self.sigma >= _WIDE:
+            half = 0.5 * (np.asarray(high, dtype=np.float64) - low)
+            across = np.cos(np.multiply.outer(reduced(low + half), _ORDERS))
+            across = across * np.sin(np.multiply.outer(half, _ORDERS))
+            waves = across @ (self.coefficients(_ORDERS) / _ORDERS)
+            return np.asarray((half + 2.0 * waves) / np.pi)
         near, beyond = folded(low, high)
         above = self.exceedance(beyond)
         total = np.where(
@@ -191,11 +205,11 @@ class WrappedNormal:
             shift = TWO_PI * turn
             total += self.exceedance(shift + near) - self.exceedance(shift + beyond)
             total += self.exceedance(shift - beyond) - self.exceedance(shift - near)
-        return np.asarray(total)
+        return total
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Normal draws, radians, not wrapped."""
-        return np.asarray(rng.normal(0.0, self.sigma, size))
+        return rng.normal(0.0, self.sigma, size)
 
     def _images(self, x: ArrayLike) -> list[Array]:
         """All x + 2πk near enough to count."""
@@ -206,7 +220,7 @@ class WrappedNormal:
 def reduced(x: ArrayLike) -> Array:
     """The same angle in [-π, π]; small angles keep all their digits."""
     angle = np.asarray(x, dtype=np.float64)
-    return np.asarray(angle - TWO_PI * np.round(angle / TWO_PI))
+    return angle - TWO_PI * np.round(angle / TWO_PI)
 
 
 def folded(low: Array | float, high: Array | float) -> tuple[Array, Array]:
@@ -280,7 +294,7 @@ class WrappedCauchy:
 
     def coefficients(self, m: ArrayLike) -> Array:
         """κ_m = r^|m|."""
-        return np.asarray(self.r ** np.abs(np.asarray(m, dtype=np.float64)))
+        return self.r ** np.abs(np.asarray(m, dtype=np.float64))
 
     def tail(self, m: int) -> float:
         """Sum over k > m of κ_k, exactly."""
@@ -311,13 +325,14 @@ class WrappedCauchy:
         """P(ξ mod 2π in the arc from low to high): an angle seen from the plane, small ones keep
         their digits.
         """
-        a, b = 0.5 * np.asarray(low, dtype=np.float64), 0.5 * np.asarray(high, dtype=np.float64)
+        a = 0.5 * np.asarray(low, dtype=np.float64)
+        b = 0.5 * np.asarray(high, dtype=np.float64)
         stretch = (1.0 + self.r) / (
             1.0 - self.r
         )  # of the law of 2 arctan(tan(ξ/2)·stretch), which is uniform
         along = np.cos(a) * np.cos(b) + stretch**2 * np.sin(a) * np.sin(b)
-        return np.asarray(np.arctan2(stretch * np.sin(b - a), along) / np.pi)
+        return np.arctan2(stretch * np.sin(b - a), along) / np.pi
 
     def sample(self, rng: np.random.Generator, size: int | tuple[int, ...]) -> Array:
         """Cauchy draws, radians, not wrapped: now and then many turns long."""
-        return np.asarray(self._scale * rng.standard_cauchy(size))
+        return self._scale * rng.standard_cauchy(size)

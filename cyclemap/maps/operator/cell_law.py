@@ -66,7 +66,7 @@ class CellDiscretisation:
     @cached_property
     def uniform(self) -> Array:
         """(n,): the uniform density's masses."""
-        return np.asarray(self.cells.width / TWO_PI)
+        return self.cells.width / TWO_PI
 
     @cached_property
     def matrix(self) -> Array:
@@ -104,7 +104,8 @@ class CellDiscretisation:
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: the mean of e^{i·order·θ} in every cell."""
-        width, edges = self.cells.width, self.cells.edges
+        width = self.cells.width
+        edges = self.cells.edges
         turned = np.exp(0.5j * order * (edges[1:] + edges[:-1]))
         return np.asarray(turned * np.sinc(0.5 * order * width / np.pi))
 
@@ -165,7 +166,8 @@ class CellLaw(StationaryLaw):
     @cached_property
     def mass_error(self) -> float:
         """A bound on the sum over the cells of the errors of their masses."""
-        cells, halfwidth = self.basis.cells, self.basis.halfwidth
+        cells = self.basis.cells
+        halfwidth = self.basis.halfwidth
         image = cells.high - cells.low
         if halfwidth > 0.0:
             left = (
@@ -189,12 +191,11 @@ class CellLaw(StationaryLaw):
         """The density after one more cycle, at angles, shape (m,); without noise the mean of the
         cell.
         """
-        cells, halfwidth = self.basis.cells, self.basis.halfwidth
+        cells = self.basis.cells
+        halfwidth = self.basis.halfwidth
         if halfwidth == 0.0:
             cell = np.searchsorted(cells.edges, np.mod(theta, TWO_PI), side="right") - 1
-            return np.asarray(
-                (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
-            )
+            return (self.coefficients / cells.width)[np.minimum(cell, cells.width.size - 1)]
         angle = np.mod(theta, TWO_PI)
         still = replace(cells, halfwidth=0.0)
         blocks = [
@@ -206,9 +207,7 @@ class CellLaw(StationaryLaw):
     def slope(self, theta: Array) -> Array:
         """The density's differences over a cell's length."""
         step = TWO_PI / self.basis.size
-        return np.asarray(
-            (self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step
-        )
+        return (self.density(theta + 0.5 * step) - self.density(theta - 0.5 * step)) / step
 
     @cached_property
     def density_error(self) -> float:
@@ -217,10 +216,12 @@ class CellLaw(StationaryLaw):
 
         inf without noise: p may jump then.
         """
-        cells, halfwidth = self.basis.cells, self.basis.halfwidth
+        cells = self.basis.cells
+        halfwidth = self.basis.halfwidth
         if halfwidth == 0.0:
             return float("inf")
-        low, high = cells.low - cells.bend, cells.high + cells.bend
+        low = cells.low - cells.bend
+        high = cells.high + cells.bend
         most = 0.0
         for lines in np.array_split(low, 1 + low.size // 1_000):
             times = (
@@ -304,7 +305,8 @@ def variation_of_expanding(circle_map: CircleMap) -> float:
         iterate = nth_iterate(circle_map, power)
         starts = np.sort(iterate.breaks) if iterate.breaks.size else np.zeros(1)
         ends = np.append(starts[1:], starts[0] + TWO_PI)
-        inverse, bent = 0.0, 0.0
+        inverse = 0.0
+        bent = 0.0
         for start, end in zip(starts, ends, strict=True):
             count = max(64, int(_SAMPLES * (end - start) / TWO_PI))
             theta = start + (end - start) * (np.arange(count) + 0.5) / count

@@ -86,7 +86,8 @@ def needed_modes(noise: Noise) -> int:
     """
     if noise.tail(MAX_MODES) > NEGLIGIBLE:
         raise InvalidInput(f"{noise!r} needs more than {MAX_MODES} Fourier modes: raise its width")
-    few, enough = 0, MAX_MODES
+    few = 0
+    enough = MAX_MODES
     while enough - few > 1:
         middle = (few + enough) // 2
         few, enough = (few, middle) if noise.tail(middle) <= NEGLIGIBLE else (middle, enough)
@@ -98,7 +99,8 @@ def waves(theta: Array, modes: int) -> Array:
     (2·modes + 1, n).
     """
     powers = np.empty((modes + 1, theta.size), dtype=np.complex128)
-    powers[0], powers[1] = 1.0, np.exp(1j * np.mod(theta, TWO_PI))
+    powers[0] = 1.0
+    powers[1] = np.exp(1j * np.mod(theta, TWO_PI))
     filled = 2
     while filled <= modes:
         # Orders filled .. 2·filled - 2 are the known ones times the highest known power.
@@ -138,8 +140,10 @@ class FourierDiscretisation:
     truncation and quadrature (the setting of Galatolo, Monge & Nisoli 2020). Integrals are taken
     branch by branch, so jumps and kinks cost nothing.
 
-    map, noise : whose cycle it is. modes : 1 to 2000. finer : how many times as many quadrature
-        nodes as are needed.
+    map, noise : whose cycle it is.
+    modes : 1 to 2000.
+    finer : how many times as many quadrature nodes as are needed.
+
     Raises InvalidInput for a number of modes outside that range.
     """
 
@@ -195,7 +199,7 @@ class FourierDiscretisation:
 
     def slope(self, theta: Array) -> Array:
         """(m, n): the derivatives of the basis functions."""
-        return np.asarray((self._turned(waves(theta, self.modes)) * self._scale[:, None]).T)
+        return (self._turned(waves(theta, self.modes)) * self._scale[:, None]).T
 
     def moments(self, order: int) -> Complex:
         """(n,), complex: ∫ e^{i·order·θ} φ_j dθ; all 0 beyond the modes kept."""
@@ -203,7 +207,8 @@ class FourierDiscretisation:
         if order == 0:
             row[0] = 1.0
         elif abs(order) <= self.modes:
-            row[abs(order)], row[self.modes + abs(order)] = 1.0, 1j * np.sign(order)
+            row[abs(order)] = 1.0
+            row[self.modes + abs(order)] = 1j * np.sign(order)
         return row
 
     @property
@@ -312,7 +317,8 @@ class FourierDiscretisation:
 
     def _turned(self, rows: Array) -> Array:
         """Rows of waves to rows of their derivatives: cos → -m sin, sin → m cos."""
-        cosines, sines = rows[1 : self.modes + 1], rows[self.modes + 1 :]
+        cosines = rows[1 : self.modes + 1]
+        sines = rows[self.modes + 1 :]
         m = self.order[1 : self.modes + 1].reshape(-1, *(1,) * (rows.ndim - 1))
         return np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])
 

@@ -76,12 +76,12 @@ class SlowChain:
 
     def eigenfunctions(self, theta: Array) -> Array:
         """(points, m): every z_k at the angles, one backward step from its coefficients."""
-        return np.asarray(self.basis.backward(theta, self.left) / self.values)
+        return self.basis.backward(theta, self.left) / self.values
 
     @property
     def leaving(self) -> Array:
         """(m, m): I - Q; the chance of leaving a state stands on the diagonal."""
-        return np.asarray(np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight)
+        return np.linalg.inv(self.weight) * (1.0 - self.values) @ self.weight
 
     def arcs(self, grid: Array) -> list[Array]:
         """For each state the arcs (start, end) on which its χ is the largest, found between points
@@ -89,7 +89,8 @@ class SlowChain:
         """
         owner = np.argmax(self.eigenfunctions(grid) @ self.weight, axis=1)
         last = np.flatnonzero(owner != np.roll(owner, -1))
-        before, after = owner[last], np.roll(owner, -1)[last]
+        before = owner[last]
+        after = np.roll(owner, -1)[last]
 
         def lead(theta: Array, index: Whole) -> Array:
             chances = self.eigenfunctions(theta) @ self.weight
@@ -118,12 +119,13 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
     slow = [m for m in range(2, count + 1) if times[m - 1] >= max(_SLOW, _FASTER * times[m])]
     if not slow:
         return None
-    values, complex_left = spectrum.values[: slow[-1]].real, spectrum.left[:, : slow[-1]]
+    values = spectrum.values[: slow[-1]].real
+    complex_left = spectrum.left[:, : slow[-1]]
     # Vectors of real eigenvalues, each turned so that its largest entry is real.
     largest = complex_left[np.argmax(np.abs(complex_left), axis=0), np.arange(slow[-1])]
     left = (complex_left * np.conj(largest) / np.abs(largest)).real
     left[:, 0] = basis.mass
-    functions = np.asarray(basis.backward(grid, left) / values)
+    functions = basis.backward(grid, left) / values
     # Vertices of the simplex: the farthest from the mean, then the farthest from the span of those
     # before.
     rest = functions - functions.mean(axis=0)
@@ -135,18 +137,20 @@ def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) ->
         rest = rest - np.multiply.outer(rest @ along, along)
     # Each where the chance of being in its own state is the largest: on the grid, then nearer and
     # nearer.
-    states, vertices, step = np.arange(slow[-1]), grid[chosen], grid[1]
+    states = np.arange(slow[-1])
+    vertices = grid[chosen]
+    step = grid[1]
     weight = np.linalg.inv(functions[chosen])
     for zoom in range(-_ZOOMS, _ZOOMS):
         if zoom < 0:
             vertices = grid[np.argmax(functions @ weight, axis=0)]
         else:
             nearby = vertices[:, None] + step * 16.0**-zoom * np.linspace(-1.0, 1.0, 33)
-            chances = np.asarray(basis.backward(nearby.ravel(), left) / values) @ weight
+            chances = (basis.backward(nearby.ravel(), left) / values) @ weight
             vertices = nearby[
                 states, np.argmax(chances.reshape(*nearby.shape, -1)[states, :, states], axis=1)
             ]
-        weight = np.linalg.inv(np.asarray(basis.backward(vertices, left) / values))
+        weight = np.linalg.inv(basis.backward(vertices, left) / values)
     return SlowChain(basis, values, left, np.asarray(weight, dtype=np.float64))
 
 
@@ -160,7 +164,8 @@ def leaving_errors(chain: SlowChain, spectrum: Spectrum, grid: Array) -> Array:
     eigenvalue's bound, times 2Σ_j condition_j/|λ_k - λ_j| over the fast j, for what lies in the
     span of the slow ones moves nothing: measured.
     """
-    basis, count = chain.basis, chain.values.size
+    basis = chain.basis
+    count = chain.values.size
     change = (
         basis.backward(grid, basis.matrix.T @ chain.left - chain.left * chain.values) / chain.values
     )

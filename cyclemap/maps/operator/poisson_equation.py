@@ -16,6 +16,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
+from cyclemap.maps.lifts.circle_map import require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
 from cyclemap.maps.quadrature import arc_rule
@@ -75,7 +76,7 @@ class StationaryLaw:
         Columns of several h, shape (n, k), too.
         """
         centred = moments - np.multiply.outer(self.basis.mass, moments.T @ self.coefficients)
-        return np.asarray(self._inverse.T @ centred)
+        return self._inverse.T @ centred
 
     @cached_property
     def grid(self) -> tuple[Array, Array]:
@@ -110,7 +111,7 @@ class FourierLaw(StationaryLaw):
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
-        return np.asarray(self.basis.slope(theta) @ self.coefficients)
+        return self.basis.slope(theta) @ self.coefficients
 
     @cached_property
     def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
@@ -124,7 +125,8 @@ class FourierLaw(StationaryLaw):
         the noise's tail and a rounding allowance. Proved: that the error is (I - L)⁻¹ times the
         residual, and the tail. Measured: quadrature, rounding, and the norms of the inverse.
         """
-        basis, law = self.basis, self.coefficients
+        basis = self.basis
+        law = self.coefficients
         fine = basis.refined()
         density = fine.on_nodes(fine.padded(law, basis))
         defect = fine.carried(density) - fine.padded(law, basis)
@@ -176,7 +178,8 @@ class FourierLaw(StationaryLaw):
         ε E|direct + (Pz)'|, where z solves Poisson's equation for h, (Pz)' is the derivative of E
         z(F + ξ) in F, and ``direct`` ∂h/∂F at the nodes of the basis's rule where h depends on F.
         """
-        basis, epsilon = self.basis, self.basis.map.max_error
+        basis = self.basis
+        epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return 0.0
         _, weight = basis.rule
@@ -191,7 +194,8 @@ class FourierLaw(StationaryLaw):
 
         ε ∫ |∂p(θ)/∂F(x)| p(x) dx on an even grid of one θ a mode.
         """
-        basis, epsilon = self.basis, self.basis.map.max_error
+        basis = self.basis
+        epsilon = self.basis.map.max_error
         if epsilon == 0.0:
             return np.zeros(1)
         where = TWO_PI * np.arange(basis.modes) / basis.modes
@@ -199,7 +203,7 @@ class FourierLaw(StationaryLaw):
         mass = weight * np.abs(basis.on_nodes(self.coefficients))
         held = mass > INTEGRAL * np.max(mass)  # the law is not known elsewhere, and next to nothing
         slopes = np.abs(basis.expected_slope(self.dual(basis.evaluate(where).T), at=theta[held]))
-        return np.asarray(epsilon * (mass[held] @ slopes))
+        return epsilon * (mass[held] @ slopes)
 
     def expectation(
         self,
@@ -213,8 +217,11 @@ class FourierLaw(StationaryLaw):
         direct : ∂h/∂F where h depends on F, for the part of the bound that the map's ``max_error``
             makes.
         """
-        basis, law, (fine, correction, _, _) = self.basis, self.coefficients, self.error
-        found, rounding = [], 0.0
+        basis = self.basis
+        law = self.coefficients
+        (fine, correction, _, _) = self.error
+        found = []
+        rounding = 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
             values = checked_values(function, theta)
             mass = weight * basis.density(theta, law)
@@ -234,7 +241,7 @@ class FourierLaw(StationaryLaw):
         grid, values = self.grid
         known = np.pi * (self.density_error + float(np.mean(self.density_map_error))) + INTEGRAL
         farthest = float(np.max(np.abs(values - 0.5 / np.pi)))
-        if farthest <= 4.0 * (self.density_error + float(np.max(self.density_map_error))):
+        if farthest <= 4.0 * (self.density_error + np.max(self.density_map_error)):
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
         excess = values - 0.5 / np.pi
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
@@ -266,10 +273,7 @@ class FourierLaw(StationaryLaw):
         Raises InvalidInput unless the degree is 1, and for other noise that has a variance.
         """
         basis = self.basis
-        if basis.map.degree != 1:
-            raise InvalidInput(
-                f"the map has degree {basis.map.degree}: a diffusion constant needs degree 1"
-            )
+        require_degree_one(basis.map, "a diffusion constant")
         if np.isinf(basis.noise.variance):
             return Estimate(float("inf"), 0.0)
         if basis.noise.sigma is None:
@@ -278,7 +282,8 @@ class FourierLaw(StationaryLaw):
                 "WrappedNormal; else sample_staircases tells how paths spread"
             )
         theta, weight = basis.rule
-        turn, mass = basis.map.turn(theta), weight * basis.on_nodes(self.coefficients)
+        turn = basis.map.turn(theta)
+        mass = weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
         later = (basis.kappa * dual) @ waves(

@@ -80,7 +80,8 @@ def leading_spectrum(
     """The leading ``count`` eigenvalues on a basis, their vectors, and error bounds by a finer
     basis.
     """
-    deflated, wanted = _deflated(basis), max(count - 1, 8)
+    deflated = _deflated(basis)
+    wanted = max(count - 1, 8)
     if basis.size <= _DENSE or 2 * wanted + 10 >= basis.size:
         from scipy.linalg import eig
 
@@ -88,14 +89,18 @@ def leading_spectrum(
         values, left, right = (np.asarray(array, dtype=np.complex128) for array in solved)
         # As many as the iteration gives.
         several = _falling(values)[: wanted + _COPIES]
-        values, left, right = values[several], left[:, several].conj(), right[:, several]
+        values = values[several]
+        left = left[:, several].conj()
+        right = right[:, several]
         left = _paired(values, right, values, left)
     else:
         # More than wanted, so that no eigenvalue loses a copy at the end.
         values, right = _arnoldi(deflated, wanted + _COPIES)
         left = _paired(values, right, *_arnoldi(deflated.T, wanted + _COPIES))
     order = _falling(values)[:wanted]
-    values, right, left = values[order], right[:, order], left[:, order]
+    values = values[order]
+    right = right[:, order]
+    left = left[:, order]
     # Balancing leaves errors where the noise's coefficients are tiny: one more cycle takes them
     # away.
     kept = np.abs(values) > _TOO_SMALL
@@ -111,7 +116,8 @@ def leading_spectrum(
         left = left / np.sum(left * right, axis=0)
         condition = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
     condition = np.where(overlap > 0.0, condition, np.inf)
-    apart, good = np.abs(values[:, None] - values), condition <= _WELL_CONDITIONED
+    apart = np.abs(values[:, None] - values)
+    good = condition <= _WELL_CONDITIONED
     same = (apart <= _SAME) & (good[:, None] & good | np.eye(values.size, dtype=bool))
     with np.errstate(all="ignore"):
         rounding = MATRIX * condition * float(np.linalg.norm(basis.matrix))
@@ -133,14 +139,16 @@ def second_modulus(spectrum: Spectrum, basis: Discretisation) -> Estimate:
     between the eigenvalues that are known and the least ‖L₀ⁿ‖^(1/n), n = 1, 2, 4, ..., L₀ the
     operator without its first eigenvalue.
     """
-    moduli, bounds = np.abs(spectrum.values[1:]), spectrum.error_bounds[1:]
+    moduli = np.abs(spectrum.values[1:])
+    bounds = spectrum.error_bounds[1:]
     if moduli.size == 0:
         return Estimate(0.0, 0.0)
     close = moduli + bounds >= moduli[0] - bounds[0]
     highest = float(np.max(np.where(close, moduli + bounds, 0.0)))
     if np.isfinite(highest):
         return Estimate(float(moduli[0]), max(highest - float(moduli[0]), float(bounds[0])))
-    least, most = max(0.0, float(np.max(moduli - bounds))), 1.0
+    least = max(0.0, float(np.max(moduli - bounds)))
+    most = 1.0
     if np.isfinite(basis.left_out):
         # With what the matrix and its products may be off.
         power = _deflated(basis)
@@ -173,7 +181,7 @@ def mixing_time(second: Estimate) -> Estimate:
 
 def _deflated(basis: Discretisation) -> Array:
     """L - u·massᵀ: the eigenvalue 1 moved to 0, all others left where they are."""
-    return np.asarray(basis.matrix - np.multiply.outer(basis.uniform, basis.mass))
+    return basis.matrix - np.multiply.outer(basis.uniform, basis.mass)
 
 
 def _falling(values: Complex) -> Whole:
@@ -194,7 +202,9 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
     shape = np.zeros((size + _COPIES, size))
     begin = np.random.default_rng(1).standard_normal((size, _COPIES))
     space[:_COPIES] = np.linalg.qr(begin)[0].T
-    reached, goal, left = 0, max(4 * count, _SPACE), np.inf
+    reached = 0
+    goal = max(4 * count, _SPACE)
+    left = np.inf
     while left > _CONVERGED and reached < size:
         for step in range(reached, min(goal, size)):
             ahead = matrix @ space[step]
@@ -207,12 +217,14 @@ def _arnoldi(matrix: Array, count: int) -> tuple[Complex, Complex]:
                 length = float(np.linalg.norm(ahead))
                 shape[along.size, step] = length
                 space[along.size] = ahead / max(length, np.finfo(float).tiny)
-        reached, goal = min(goal, size), 2 * goal
+        reached = min(goal, size)
+        goal = 2 * goal
         found, inside = np.linalg.eig(shape[:reached, :reached])
         leading = _falling(found)[:count]
         outside = shape[reached : reached + _COPIES, :reached] @ inside[:, leading]
         left = float(np.max(np.linalg.norm(outside, axis=0)))
-    values, vectors = found[leading], space[:reached].T @ inside[:, leading]
+    values = found[leading]
+    vectors = space[:reached].T @ inside[:, leading]
     residual = float(np.max(np.linalg.norm(matrix @ vectors - vectors * values, axis=0)))
     if residual > 1e-8:
         raise ConvergenceError(f"eigenvalues left a residual of {residual:.2g}: raise the noise")
@@ -228,7 +240,8 @@ def _paired(values: Complex, right: Complex, others: Complex, left: Complex) -> 
     """
     paired = left[:, [int(np.argmin(np.abs(others - value))) for value in values]]
     for value in values:
-        copies, opposite = np.abs(values - value) <= _SAME, np.abs(others - value) <= _SAME
+        copies = np.abs(values - value) <= _SAME
+        opposite = np.abs(others - value) <= _SAME
         if np.sum(copies) > 1:
             overlap = left[:, opposite].T @ right[:, copies]
             paired[:, copies] = left[:, opposite] @ np.linalg.pinv(overlap).T

@@ -16,7 +16,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.scan import bracketed_root
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.cell_law import CellLaw, cell_law
@@ -30,7 +30,6 @@ from cyclemap.maps.operator.spectrum import (
     mixing_time,
     second_modulus,
 )
-from cyclemap.maps.passages.passage_times import hitting_probability, mean_passage_time
 from cyclemap.maps.quadrature import arc_rule, graded_rule
 from cyclemap.one_thread import one_thread
 
@@ -40,7 +39,8 @@ Function = Callable[[Array], Array]
 def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Array:
     """Angles in [0, 2π) of the maxima that rise by ``margin`` above the minima beside them,
     sorted."""
-    before, after = np.roll(values, 1), np.roll(values, -1)
+    before = np.roll(values, 1)
+    after = np.roll(values, -1)
     tops = np.flatnonzero((values > before) & (values >= after) & (values > margin))
     while tops.size:
         spans = zip(tops, np.append(tops[1:], tops[0] + values.size), strict=True)
@@ -50,7 +50,8 @@ def peaks_of(slope: Function, grid: Array, values: Array, margin: float) -> Arra
         if height[least] > margin:
             break
         tops = np.delete(tops, least)
-    step, at = grid[1], grid[tops]
+    step = grid[1]
+    at = grid[tops]
     inside = slope(at - step) * slope(at + step) < 0.0
     if np.any(inside):
         at[inside] = bracketed_root(lambda x, _: slope(x), at[inside] - step, at[inside] + step)
@@ -251,10 +252,7 @@ class TransferOperator:
     @one_thread
     def rotation_number(self) -> Estimate:
         """Mean winding in turns a cycle: E[F(θ) - θ]/2π under the stationary law."""
-        if self.map.degree != 1:
-            raise InvalidInput(
-                f"the map has degree {self.map.degree}: its mean winding is not defined"
-            )
+        require_degree_one(self.map, "a mean winding")
         return self.law.expectation(
             lambda theta: self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI
         )
@@ -355,7 +353,8 @@ class TransferOperator:
         >>> [(round(well.share, 4), round(1 / well.leaving)) for well in held]
         [(0.8779, 10269), (0.1221, 1428)]
         """
-        basis, spectrum = self.law.smooth_basis, self._leading
+        basis = self.law.smooth_basis
+        spectrum = self._leading
         grid = TWO_PI * np.arange(_GRID * self.modes) / (_GRID * self.modes)
         chain = slow_chain(basis, spectrum, grid)
         if chain is None:
@@ -377,22 +376,6 @@ class TransferOperator:
             peak = float(np.mod(theta[np.argmax(density)], TWO_PI))
             sets.append(MetastableSet(arcs, peak, share, Estimate(float(leaving), float(error))))
         return tuple(sorted(sets, key=lambda held: -held.share))
-
-    def mean_passage_time(
-        self, start: float, arc: tuple[float, float], *, lifted: bool = False
-    ) -> Estimate:
-        """Mean number of cycles until the path from ``start`` is first outside ``arc``; see
-        ``passage_times``.
-        """
-        return mean_passage_time(self.map, self.noise, start, arc, lifted=lifted)
-
-    def hitting_probability(
-        self, start: float, arc_a: tuple[float, float], arc_b: tuple[float, float]
-    ) -> Estimate:
-        """Probability that the path from ``start`` reaches ``arc_a`` before ``arc_b``; see
-        ``passage_times``.
-        """
-        return hitting_probability(self.map, self.noise, start, arc_a, arc_b)
 
     @cached_property
     def _leading(self) -> Spectrum:

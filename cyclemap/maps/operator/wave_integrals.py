@@ -25,8 +25,9 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
     """Return ∫ (1, cos mF, sin mF) (1, cos kθ, sin kθ) dθ for m, k = 1 to `modes`, (2·modes + 1,
     2·modes + 1).
 
-    theta : rad, in [0, 2π], nodes (n,) at any distances. weight : their weights. image : F there,
-        rad.
+    theta : rad, in [0, 2π], nodes (n,) at any distances.
+    weight : their weights.
+    image : F there, rad.
 
     Sums over uneven nodes by fast transforms (Dutt & Rokhlin 1993), nodes spread by the
     Kaiser-Bessel window (Fessler & Sutton 2003): about n·modes multiplications, where the plain
@@ -70,7 +71,8 @@ def wave_integrals(theta: Array, weight: Array, image: Array, modes: int) -> Arr
         for touched, nodes, spread in blocks:
             gathered[np.mod(touched, cells)] += (spread @ columns[nodes]).view(np.complex128)
         along = np.fft.fft(gathered, axis=0)
-        falling, rising = undone[:, None] * along[order], undone[:, None] * along[-order]
+        falling = undone[:, None] * along[order]
+        rising = undone[:, None] * along[-order]
         both = np.concatenate([0.5 * (rising + falling), -0.5j * (rising - falling)[1:]]).T
         last = first + len(both)
         found[first:last] = both.real

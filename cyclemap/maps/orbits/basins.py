@@ -28,7 +28,9 @@ _PARTS = 64  # into which a bracket is cut at each step
 _LINEAR = 1e-8  # radians: this near a stable point the iterate contracts towards it
 _SETTLED = 1e-14  # radians
 _ROUNDS = 200
-_BATCH, _BATCHES = 512, 2_000  # arcs pulled back together, and how often
+# arcs pulled back together, and how often
+_BATCH = 512
+_BATCHES = 2_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,19 +129,16 @@ def basins(
     ([[2.368808, 8.651993]], 1.0)
     """
     require_map(circle_map)
-    longest, share = (
-        whole_number("max_period", max_period, least=1),
-        positive_number("left_over", left_over),
-    )
+    longest = whole_number("max_period", max_period, least=1)
+    share = positive_number("left_over", left_over)
     most = whole_number("max_arcs", max_arcs, least=1)
-    orbits, immediate = [], []
+    orbits = []
+    immediate = []
     for period in range(1, longest + 1):
         stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
-            cells, found = (
-                monotone_cells(circle_map, period, 0.0, _RESOLUTION),
-                periodic_points(circle_map, period),
-            )
+            cells = monotone_cells(circle_map, period, 0.0, _RESOLUTION)
+            found = periodic_points(circle_map, period)
             orbits += stable
             immediate += [
                 np.array(
@@ -171,7 +170,8 @@ def _immediate_arc(
     """The largest arc around ``point`` into which the iterate carries it, towards the point."""
     # The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes.
     winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
-    laps, climb = np.array([-1, 0, 1])[:, None], circle_map.degree**found.period - 1
+    laps = np.array([-1, 0, 1])[:, None]
+    climb = circle_map.degree**found.period - 1
     fixed = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
     below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
     above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
@@ -193,12 +193,14 @@ def _immediate_arc(
     ]
     nodes = np.unique(nodes)
     images = local(nodes)
-    low, high = point - _LINEAR, point + _LINEAR
+    low = point - _LINEAR
+    high = point + _LINEAR
     for _ in range(_ROUNDS):
         new_high = _reach(local, nodes, images, high, low, above)
         new_low = _reach(local, nodes, images, low, new_high, below)
         grown = (new_high - high) + (low - new_low)
-        low, high = new_low, new_high
+        low = new_low
+        high = new_high
         if grown <= _SETTLED or high - low >= TWO_PI:
             break
     start = low % TWO_PI
@@ -211,25 +213,28 @@ def _reach(
     """How far the arc grows beyond ``end``, away from ``other``, at most to ``limit``."""
     way = 1.0 if limit > end else -1.0
     ahead = way * (nodes - end) > 0.0
-    x, image = nodes[ahead][:: int(way)], images[ahead][:: int(way)]
+    x = nodes[ahead][:: int(way)]
+    image = images[ahead][:: int(way)]
     stays = _moves_back(x, image, other, way)
     if np.all(stays):
         return limit
     first = int(np.argmin(stays))
-    low, high = (float(x[first - 1]) if first else end), float(x[first])
+    low = float(x[first - 1]) if first else end
+    high = float(x[first])
     while abs(high - low) > _SETTLED * max(1.0, abs(low)):
         inner = np.linspace(low, high, _PARTS + 1)
         stays = _moves_back(inner[1:], local(inner[1:]), other, way)
         first = int(np.argmin(stays)) if not np.all(stays) else _PARTS - 1
         if inner[first + 1] == high and inner[first] == low:
             break
-        low, high = float(inner[first]), float(inner[first + 1])
+        low = float(inner[first])
+        high = float(inner[first + 1])
     return low
 
 
 def _moves_back(x: Array, image: Array, other: float, way: float) -> Mask:
     """Whether the image lies between the arc's other end and x."""
-    return np.asarray((way * image < way * x) & (way * image >= way * other))
+    return (way * image < way * x) & (way * image >= way * other)
 
 
 def _all_preimages(
@@ -238,11 +243,11 @@ def _all_preimages(
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
     start = np.concatenate(immediate)
-    waiting, mark = (
-        start,
-        np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate]),
-    )
-    found, marks, covered = [start], [mark], float(np.sum(start[:, 1] - start[:, 0]))
+    waiting = start
+    mark = np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
+    found = [start]
+    marks = [mark]
+    covered = float(np.sum(start[:, 1] - start[:, 0]))
     for _ in range(_BATCHES):
         if (
             waiting.size == 0
@@ -259,24 +264,24 @@ def _all_preimages(
         edges = np.unique(np.concatenate([theta, circle_map.breaks]))
         new = np.stack([edges, np.append(edges[1:], edges[:1] + TWO_PI)], axis=1)
         holder = _holder(waiting[now], circle_map(np.mean(new, axis=1)))
-        new, new_mark = new[holder >= 0], mark[now][holder[holder >= 0]]
+        new = new[holder >= 0]
+        new_mark = mark[now][holder[holder >= 0]]
         fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (
             _holder(start, np.mean(new, axis=1)) < 0
         )
         found.append(new[fresh])
         marks.append(new_mark[fresh])
         covered += float(np.sum(new[fresh, 1] - new[fresh, 0]))
-        waiting, mark = (
-            np.concatenate([waiting[later], new[fresh]]),
-            np.append(mark[later], new_mark[fresh]),
-        )
+        waiting = np.concatenate([waiting[later], new[fresh]])
+        mark = np.append(mark[later], new_mark[fresh])
     return np.concatenate(found), np.concatenate(marks)
 
 
 def _holder(arcs: Array, theta: Array) -> Whole:
     """Index of the arc that holds each angle, or -1; the arcs are disjoint on the circle."""
     order = np.argsort(arcs[:, 0])
-    start, end = arcs[order, 0], arcs[order, 1]
+    start = arcs[order, 0]
+    end = arcs[order, 1]
     angle = np.mod(theta, TWO_PI)
     place = np.searchsorted(start, angle, side="right") - 1
     angle = np.where(place < 0, angle + TWO_PI, angle)

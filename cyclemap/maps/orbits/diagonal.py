@@ -83,16 +83,19 @@ def displacement(
     The bound adds up ``LIFT``·(2π + |F|) an iterate, and one rounding of θ itself, through the
     slopes.
     """
-    image, slope = theta, np.ones_like(theta)
+    image = theta
+    slope = np.ones_like(theta)
     turns = np.zeros(theta.shape, dtype=np.int64)
     rounding = 0.5 * np.spacing(np.abs(theta))
     for _ in range(period):
-        steepness, lifted = circle_map.derivative(image), circle_map(image)
+        steepness = circle_map.derivative(image)
+        lifted = circle_map(image)
         rounding = np.abs(steepness) * rounding + LIFT * (TWO_PI + np.abs(lifted))
         laps = np.floor(lifted / TWO_PI)
         turns = circle_map.degree * turns + laps.astype(np.int64)
-        slope, image = slope * steepness, lifted - TWO_PI * laps
-    return np.asarray(image - theta + TWO_PI * (turns - winding)), slope, rounding
+        slope = slope * steepness
+        image = lifted - TWO_PI * laps
+    return image - theta + TWO_PI * (turns - winding), slope, rounding
 
 
 def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
@@ -109,10 +112,8 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     # The lines that g crosses by a jump; those that one side of the jump merely meets are left out.
     met = dict.fromkeys(scan.border)
     for i in np.flatnonzero(~joined):
-        before, after = (
-            int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0),
-            int(scan.turn_start[i]),
-        )
+        before = int(scan.turn_end[i - 1]) - (scan.lap if i == 0 else 0)
+        after = int(scan.turn_start[i])
         theta = float(cells.start[i])
         for w in range(min(before, after) + 1, max(before, after) + 1):
             if (theta, w) not in met:
@@ -147,7 +148,6 @@ def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
 
 
 # -- cell ends that lie on the diagonal, within the tangency
-# -------------------------------------------------
 
 
 def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array, Whole]:
@@ -163,10 +163,8 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     tolerance = np.full(2 * cells.start.size, TANGENCY)
     if special.size == 0:
         return tolerance, special
-    after, before = (
-        cells.g_start[special],
-        np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0),
-    )
+    after = cells.g_start[special]
+    before = np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
     inside = cells.start[special] + INSET * cells.cut[special]
     _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
     allowed = (
@@ -178,12 +176,12 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     gap = np.minimum(_gap(after), _gap(before))
     # A touch of an iterate makes touches of the extrema next to its images: their tolerances are
     # raised.
-    touches, nodes, raised = gap <= allowed, cells.start[special], allowed.copy()
-    image, stretch, reach = (
-        nodes[touches],
-        np.ones(np.count_nonzero(touches)),
-        4.0 * (gap + allowed)[touches],
-    )
+    touches = gap <= allowed
+    nodes = cells.start[special]
+    raised = allowed.copy()
+    image = nodes[touches]
+    stretch = np.ones(np.count_nonzero(touches))
+    reach = 4.0 * (gap + allowed)[touches]
     for _ in range(cells.period - 1 if image.size else 0):
         stretch = stretch * np.abs(circle_map.derivative(image))
         image = np.mod(circle_map(image), TWO_PI)
@@ -191,7 +189,8 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
         same = (np.abs(near - image) <= _MATE) & (gap[mate] <= reach * np.maximum(stretch, 1.0))
         raised[mate[same]] = np.maximum(raised[mate[same]], 1.01 * gap[mate[same]])
     allowed = raised
-    tolerance[2 * special], tolerance[2 * special - 1] = allowed, allowed
+    tolerance[2 * special] = allowed
+    tolerance[2 * special - 1] = allowed
     ends = np.concatenate(
         [2 * special[_gap(after) <= allowed], 2 * special[_gap(before) <= allowed] - 1]
     )
@@ -199,7 +198,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
 
 
 def _gap(g: Array) -> Array:
-    return np.asarray(np.abs(g - TWO_PI * np.round(g / TWO_PI)))
+    return np.abs(g - TWO_PI * np.round(g / TWO_PI))
 
 
 def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> list[int]:
@@ -209,7 +208,8 @@ def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> l
     Ends are counted on round the circle: end e of the line is end e mod 2·size, moved on by whole
     laps.
     """
-    cells, ends = scan.cells, tolerance.size
+    cells = scan.cells
+    ends = tolerance.size
     g = np.stack([cells.g_start, cells.g_end], axis=1).ravel()
     w = round(float(g[seed]) / TWO_PI)
 
@@ -235,10 +235,9 @@ def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> l
         found.append((theta, w - scan.lap * (laps + wraps)))
 
     (low, below), (high, beyond) = reached(-1), reached(1)
-    split, sides = (
-        high + 1,
-        (below, below),
-    )  # whether g lies above the line at the ends before and from the split
+    # whether g lies above the line at the ends before and from the split
+    split = high + 1
+    sides = (below, below)
     if below is None or beyond is None:
         sides = (bool(beyond), False) if below is None else (below, False)
         record(scan.border, low if below is None else high)
@@ -251,7 +250,8 @@ def _settled(scan: DiagonalScan, joined: Mask, tolerance: Array, seed: int) -> l
         ]
         # On no kink the root is sought in the run's middle cell: where three roots merge, the
         # middle one.
-        split, sides = kinks[0] if kinks else (low + high + 1) // 2 | 1, (below, beyond)
+        split = kinks[0] if kinks else (low + high + 1) // 2 | 1
+        sides = (below, beyond)
         if kinks:
             record(scan.kink, split)
     for e in range(low, high + 1):

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Whole
-from cyclemap.checks import whole_number
+from cyclemap.checks import require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import ANGLE, Estimate
 from cyclemap.maps.lifts.branches import Branch, branches
@@ -93,7 +93,8 @@ class Folds:
 class Itinerary:
     """The branches of a fold's images; the whole turns of each image beside its branch's own turn.
 
-    closes : the fold that the last image meets to rounding. exactly : whether to the last digit.
+    closes : the fold that the last image meets to rounding.
+    exactly : whether to the last digit.
     """
 
     letters: list[int]
@@ -182,7 +183,8 @@ def topological_entropy(circle_map: CircleMap, *, iterates: int = ITERATES) -> E
     value = 0.5 * (lower + upper)
     if np.any(nearly):
         moved = bounds(known + _CLOSED * nearly)
-        lower, upper = min(lower, moved[0]), max(upper, moved[1])
+        lower = min(lower, moved[0])
+        upper = max(upper, moved[1])
     return Estimate(value, max(upper - value, value - lower) + _CLOSING)
 
 
@@ -223,7 +225,9 @@ def kneading_sequences(circle_map: CircleMap, length: int = 30) -> tuple[tuple[i
     >>> kneading_sequences(CircleMap.arnold(0.3, 3.0), 6)
     ((1, 0, 1, 0, 1, 0), (0, 1, 0, 1, 1, 1))
     """
-    count, folds = whole_number("length", length, least=1), _folds(circle_map)
+    count = whole_number("length", length, least=1)
+    require_room("the sequences", count, "give a smaller length")
+    folds = _folds(circle_map)
     if len(folds.parts) == 1:
         return ()
     return tuple(tuple(folds.itinerary(fold, count).letters) for fold in range(len(folds.parts)))
@@ -247,7 +251,8 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
     """ln of the largest eigenvalue of the graph of cells, all folds moved outward if ``up``, else
     inward.
     """
-    count, degree = len(folds.parts), folds.map.degree
+    count = len(folds.parts)
+    degree = folds.map.degree
     images: dict[
         float, tuple[int, float]
     ] = {}  # of base angles in their branch's own turn: whole turns and base angle

@@ -11,8 +11,8 @@ from math import ceil, floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array, Mask
-from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.errors import ConvergenceError
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP
 from cyclemap.maps.lifts.scan import GRAIN, INSET, bracketed_root, monotone_cells
 
@@ -129,10 +129,7 @@ def lower_envelope(circle_map: CircleMap) -> CircleMap:
 
 def _envelope(circle_map: CircleMap, mirror: float) -> CircleMap:
     """The upper envelope, or with ``mirror`` -1 the lower one."""
-    if circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
-        )
+    require_degree_one(circle_map, "rotation")
     return _with_plateaus(circle_map, *envelope_plateaus(circle_map, mirror))
 
 
@@ -149,7 +146,7 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
         end, start, level = (
             -part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
         )
-    return start, end, level, SIDE_STEP * steepest
+    return start, end, level, circle_map.max_error + SIDE_STEP * steepest
 
 
 @lru_cache(maxsize=2)  # both envelopes and the descent of one map ask for it
@@ -158,14 +155,17 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     largest |F'|.
     """
     cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
-    g_start, g_end, cut_after = cells.g_start.copy(), cells.g_end.copy(), np.roll(cells.cut, -1)
+    g_start = cells.g_start.copy()
+    g_end = cells.g_end.copy()
+    cut_after = np.roll(cells.cut, -1)
     # The limits at a break, nearer than the cells read them.
     g_start[cells.cut] = circle_map.right(cells.start[cells.cut])
     g_end[cut_after] = circle_map.left(cells.end[cut_after])
     theta = np.stack([cells.start, cells.end], axis=1).ravel()
     value = np.stack([g_start, g_end], axis=1).ravel()
     if cells.cut[0]:
-        theta, value = np.append(theta, TWO_PI), np.append(value, value[0] + cells.climb)
+        theta = np.append(theta, TWO_PI)
+        value = np.append(value, value[0] + cells.climb)
     steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
     return theta, value, steepest
 
@@ -188,13 +188,15 @@ def _plateaus(
     keep = (begins >= nodes[0]) & (begins < nodes[0] + TWO_PI)
     first, after, level = first[keep], after[keep], highest[first[keep]]
     # F climbs back to each level in the cell that ends at node ``after``, or at its upward jump.
-    low, high = theta[after - 1] + INSET, theta[after] - INSET
+    low = theta[after - 1] + INSET
+    high = theta[after] - INSET
     end = theta[after].copy()
 
     def residual(x: Array, wanted: Array) -> Array:
         return mirror * circle_map(mirror * x) - wanted
 
-    at_low, at_high = residual(low, level), residual(high, level)
+    at_low = residual(low, level)
+    at_high = residual(high, level)
     inside = (high > low) & (at_low < 0.0) & (at_high > 0.0)
     if np.any(inside):
         wanted = level[inside]
@@ -207,14 +209,18 @@ def _with_plateaus(
 ) -> CircleMap:
     """The map with F replaced by ``level`` on each [start, end], the plateaus given for one turn.
 
-    inexact : radians, what levels and ends may be off, added to the map's ``max_error``.
+    inexact : radians, what the envelope may be off.
     """
     if start.size == 0:
         return circle_map
     turns = np.floor(start / TWO_PI)
-    start, end, level = start - TWO_PI * turns, end - TWO_PI * turns, level - TWO_PI * turns
+    start = start - TWO_PI * turns
+    end = end - TWO_PI * turns
+    level = level - TWO_PI * turns
     order = np.argsort(start)
-    start, end, level = start[order], end[order], level[order]
+    start = start[order]
+    end = end[order]
+    level = level[order]
 
     def located(theta: Array) -> tuple[Array, Array, Mask]:
         turn = np.floor((theta - start[0]) / TWO_PI)
@@ -235,7 +241,10 @@ def _with_plateaus(
         return np.where(flat, 0.0, slope), np.where(flat, 0.0, error)
 
     breaks = np.concatenate([start, end, circle_map.breaks])
-    starts, ends, levels, plain = start.tolist(), end.tolist(), level.tolist(), circle_map.scalar()
+    starts = start.tolist()
+    ends = end.tolist()
+    levels = level.tolist()
+    plain = circle_map.scalar()
 
     def scalar(theta: float) -> float:
         turn = floor((theta - starts[0]) / TWO_PI)
@@ -245,6 +254,5 @@ def _with_plateaus(
             return float(levels[index] + TWO_PI * turn)
         return plain(theta)
 
-    claimed = circle_map.max_error + inexact
-    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=claimed)
+    made = CircleMap.with_scalar(lift, derivative, scalar, breaks=breaks, max_error=inexact)
     return made.with_slope_errors(slopes)

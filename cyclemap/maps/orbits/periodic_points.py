@@ -187,7 +187,8 @@ def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
     unsure = np.maximum(NEUTRAL, slope_error * (slope_error < _TRUSTED))
     neutral = np.minimum(np.abs(np.abs(left) - 1.0), np.abs(np.abs(right) - 1.0)) <= unsure
     kind = np.where(neutral, "neutral", np.where(attracts, "stable", "unstable")).astype("<U16")
-    kind[roots.role == _TOUCH], kind[roots.role == _BORDER] = "saddle-node", "border-collision"
+    kind[roots.role == _TOUCH] = "saddle-node"
+    kind[roots.role == _BORDER] = "border-collision"
     return PeriodicPoints(
         roots.theta, roots.winding, right, left, slope_error, prime, kind, bound, image, n
     )
@@ -205,7 +206,8 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     bound = np.array([point.theta.error_bound for point in points])
     winding = np.array([point.winding for point in points], dtype=np.int64)
     image = np.array([point.image for point in points], dtype=np.int64)
-    prime, reached = np.full(theta.size, n), np.arange(theta.size)
+    prime = np.full(theta.size, n)
+    reached = np.arange(theta.size)
     for d in range(1, n):
         reached = image[reached]
         prime = np.where((reached == np.arange(theta.size)) & (prime == n), d, prime)
@@ -236,7 +238,8 @@ class _Roots:
 def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots:
     """All roots, sorted."""
     cell = np.flatnonzero(scan.turn_start != scan.turn_end)
-    level, turns = np.float64(0.0), (scan.turn_start[cell], scan.turn_end[cell])
+    level = np.float64(0.0)
+    turns = (scan.turn_start[cell], scan.turn_end[cell])
     theta, whole, _ = solved(circle_map, scan.cells, cell, level, *turns)
     listed = [scan.kink, scan.touch, scan.border]
     marked = np.array([pair for pairs in listed for pair in pairs]).reshape(-1, 2)
@@ -244,7 +247,8 @@ def _all_roots(circle_map: CircleMap, scan: DiagonalScan, period: int) -> _Roots
     theta = np.concatenate([theta, marked[:, 0]])
     whole = np.concatenate([whole, np.round(marked[:, 1]).astype(np.int64)])
     beyond = theta >= TWO_PI
-    theta, whole = np.where(beyond, theta - TWO_PI, theta), whole - beyond * scan.lap
+    theta = np.where(beyond, theta - TWO_PI, theta)
+    whole = whole - beyond * scan.lap
     residual, slope, rounding = displacement(circle_map, theta, period, whole)
     order = np.argsort(theta, kind="stable")
     return _Roots(
@@ -262,11 +266,14 @@ def _error_bounds(circle_map: CircleMap, roots: _Roots, period: int) -> Array:
     half = np.maximum(half, 2.0 * np.spacing(roots.theta) + 1e-300)
     touches = roots.role >= _TOUCH
     half[touches] = np.maximum(half[touches], TANGENCY)
-    bound, left = np.full(half.shape, np.inf), np.flatnonzero(roots.role != _BORDER)
+    bound = np.full(half.shape, np.inf)
+    left = np.flatnonzero(roots.role != _BORDER)
     for _ in range(_WIDENINGS):
         if left.size == 0:
             break
-        theta, whole, touch = roots.theta[left], roots.winding[left], touches[left]
+        theta = roots.theta[left]
+        whole = roots.winding[left]
+        touch = touches[left]
         (low, _, low_noise), (high, _, high_noise) = (
             displacement(circle_map, theta + side * half[left], period, whole) for side in (-1, 1)
         )
@@ -302,8 +309,10 @@ def _prime_periods(
     """The least divisor d of n after which each root is back: by the links, or by iteration where
     they break.
     """
-    prime, own = np.full(theta.size, period), np.arange(theta.size)
-    reached, angle = own, theta
+    prime = np.full(theta.size, period)
+    own = np.arange(theta.size)
+    reached = own
+    angle = theta
     for d in range(1, period):
         reached = np.where(reached >= 0, image[reached], -1)
         angle = np.mod(circle_map(angle), TWO_PI)
@@ -323,7 +332,9 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
     expanding the map.
     """
     slopes = _slopes(circle_map, theta)
-    product, index, sides = np.ones(theta.size), np.arange(theta.size), np.full(theta.size, side)
+    product = np.ones(theta.size)
+    index = np.arange(theta.size)
+    sides = np.full(theta.size, side)
     angle = theta
     for _ in range(period):
         lost = index < 0
@@ -335,7 +346,8 @@ def _multiplier(circle_map: CircleMap, theta: Array, image: Whole, period: int, 
             angle = np.mod(circle_map(angle), TWO_PI)
         elif np.any(image < 0):
             angle = np.mod(circle_map(theta[index]), TWO_PI)
-        product, sides = product * slope, np.where(slope >= 0.0, sides, -sides)
+        product = product * slope
+        sides = np.where(slope >= 0.0, sides, -sides)
         index = np.where(lost, -1, image[index])
     return product
 
@@ -346,20 +358,19 @@ def _multiplier_error(
     """What the errors of F', and of the angles at which it is read, make of multipliers of this
     ``size``.
     """
-    product, largest, angle, off = (
-        np.ones(theta.size),
-        np.ones(theta.size),
-        theta,
-        np.minimum(bound, 1e-6),
-    )
+    product = np.ones(theta.size)
+    largest = np.ones(theta.size)
+    angle = theta
+    off = np.minimum(bound, 1e-6)
     for _ in range(period):
         slope, error = circle_map.derivative_and_error(angle)
         sides = [circle_map.derivative(angle + side * off) for side in (-1.0, 1.0)]
         smooth = distance_to_break(circle_map.breaks, angle) > off + _LINKED
         error = error + smooth * np.max([np.abs(side - slope) for side in sides], axis=0)
-        product, largest = product * np.abs(slope), largest * (np.abs(slope) + error)
+        product = product * np.abs(slope)
+        largest = largest * (np.abs(slope) + error)
         angle = np.mod(circle_map(angle), TWO_PI)
-    return np.asarray(largest - product + 4.0 * EPS * period * (largest + size))
+    return largest - product + 4.0 * EPS * period * (largest + size)
 
 
 def _slopes(circle_map: CircleMap, theta: Array) -> tuple[Array, Array]:
@@ -530,17 +541,22 @@ def periodic_orbits(
     visits = [np.arange(found.count)]
     for _ in range(found.period - 1):
         visits.append(np.where(visits[-1] >= 0, found.image[visits[-1]], -1))
-    table, orbits = np.stack(visits), []
-    broken, smallest = np.any(table < 0, axis=0), np.all(table >= table[0], axis=0)
+    table = np.stack(visits)
+    orbits = []
+    broken = np.any(table < 0, axis=0)
+    smallest = np.all(table >= table[0], axis=0)
     for i in np.flatnonzero((found.prime_period == found.period) & (broken | smallest)).tolist():
-        points, bound = found.theta[table[:, i]], float(np.max(found.error_bound[table[:, i]]))
+        points = found.theta[table[:, i]]
+        bound = float(np.max(found.error_bound[table[:, i]]))
         if broken[i]:  # an image is not in the list, at a jump: by iteration
-            points, bound = found.theta[[i]], float(found.error_bound[i])
+            points = found.theta[[i]]
+            bound = float(found.error_bound[i])
             for _ in range(found.period - 1):
                 points = np.append(points, np.mod(circle_map(points[-1]), TWO_PI))
             if np.min(points) < points[0] - _SAME:
                 continue
-        turns, kind = int(found.winding[i]), str(found.kind[i])
+        turns = int(found.winding[i])
+        kind = str(found.kind[i])
         if wanted is None or turns == wanted:
             off = float(found.multiplier_error[i])
             slopes = Estimate(found.multiplier[i], off), Estimate(found.left_multiplier[i], off)

@@ -73,8 +73,10 @@ class LockingProof:
 class ProvedPoint:
     """A point with Fⁿ(θ) = θ + 2πw that is there, alone within its error bound.
 
-    theta : radians in [0, 2π). winding : w. multiplier : (Fⁿ)' there. image : index of the point
-        that F maps it to.
+    theta : radians in [0, 2π).
+    winding : w.
+    multiplier : (Fⁿ)' there.
+    image : index of the point that F maps it to.
     """
 
     theta: Estimate
@@ -131,7 +133,8 @@ def proved_rotation(
                 "tangency, that it cannot be bounded: prove on either side of it"
             )
         for lower, upper in bounds:
-            low, high = max(low, lower), min(high, upper)
+            low = max(low, lower)
+            high = min(high, upper)
             if high - low <= width:
                 break
         return low, high
@@ -157,10 +160,8 @@ class _Proof:
     def check_lift(self) -> None:
         """Refuse constants that make F(θ + 2π) - F(θ) anything but 2π·degree."""
         for theta in _CUTS:
-            low, high = (
-                self._iterate(self.arb(theta), 1),
-                self._iterate(theta + 2 * self.arb.pi(), 1),
-            )
+            low = self._iterate(self.arb(theta), 1)
+            high = self._iterate(theta + 2 * self.arb.pi(), 1)
             climb = (high.value - low.value) / (2 * self.arb.pi())
             if not climb.overlaps(self.arb(self.degree)):
                 raise InvalidInput(
@@ -217,7 +218,8 @@ class _Proof:
             turns = theta / (2 * self.arb.pi())
             if not turns.rad() < 1:
                 return
-            lower, upper = turns.lower().floor(), turns.upper().ceil()
+            lower = turns.lower().floor()
+            upper = turns.upper().ceil()
             yield Fraction(_whole(lower), n), Fraction(_whole(upper), n)
 
     def all_turns(self) -> Iterator[tuple[Fraction, Fraction]]:
@@ -254,7 +256,8 @@ class _Proof:
 
     def _judged(self, start: float, end: float) -> _Cell | None:
         """What is proved on [start, end], by the mean value theorem; None where nothing is."""
-        middle, cell = self.arb(0.5 * (start + end)), self.arb(start).union(self.arb(end))
+        middle = self.arb(0.5 * (start + end))
+        cell = self.arb(start).union(self.arb(end))
         slope = self._displacement(cell).slope
         value = self._displacement(middle).value + slope * (cell - middle)
         if not value.contains_integer():
@@ -307,7 +310,8 @@ class _Proof:
         """The one crossing of ``level`` in a monotone run: angle, winding, multiplier, and the ball
         that holds it.
         """
-        low, high = self.arb(run.start), self.arb(run.end)
+        low = self.arb(run.start)
+        high = self.arb(run.end)
         theta = (low + high).mid() / 2
         tolerance = self.arb(2) ** (-_BITS // 2)
         for _ in range(_NEWTON_STEPS):
@@ -320,13 +324,15 @@ class _Proof:
             moved = (theta - residual / jet.slope.mid()).mid()
             if not (low < moved and moved < high):
                 moved = ((low + high) / 2).mid()
-            step, theta = abs(moved - theta), moved
+            step = abs(moved - theta)
+            theta = moved
             if step < tolerance:
                 break
         # Widened until the two sides are proved to differ; the ends of the run are known to.
         half = tolerance
         while True:
-            left, right = (theta - half).mid(), (theta + half).mid()
+            left = (theta - half).mid()
+            right = (theta + half).mid()
             below = left <= run.start or run.sign * (self._displacement(left).value - level) < 0
             above = right >= run.end or run.sign * (self._displacement(right).value - level) > 0
             if below and above:
@@ -351,10 +357,8 @@ class _Proof:
         points.
         """
         image = self._iterate(ball, 1).value
-        centre, radius = (
-            float(image.mid()),
-            float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid()))),
-        )
+        centre = float(image.mid())
+        radius = float(image.rad()) + 1e-14 * (1.0 + abs(float(image.mid())))
         gaps = shorter_way(angles - centre)
         near = np.flatnonzero(np.abs(gaps) <= radius + bounds)
         if near.size != 1:

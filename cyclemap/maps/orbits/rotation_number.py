@@ -11,10 +11,16 @@ from math import ceil, floor
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, non_negative_number, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    non_negative_number,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT, MEAN, Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap, require_map
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one, require_map
 from cyclemap.maps.lifts.lift_checks import Lift
 from cyclemap.maps.orbits.envelopes import SLACK, largest_descent, lower_envelope, upper_envelope
 from cyclemap.maps.orbits.proofs import LockingProof, proved_rotation
@@ -74,10 +80,8 @@ def birkhoff_average(
     (True, True)
     """
     require_map(circle_map)
-    if function is None and circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: its turn has a mean only for degree 1"
-        )
+    if function is None:
+        require_degree_one(circle_map, "a mean turn")
     count = whole_number("iterates", iterates, least=16)
     skipped = whole_number("transient", transient, least=0)
     visited = orbit_angles(circle_map, finite_number("start", start), skipped + count)[skipped:]
@@ -100,6 +104,7 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
     """The same of several starts, shape (m,): (m, count); together where the lift knows arrays
     only.
     """
+    require_room("the orbit", starts.size * count, "follow it for fewer cycles")
     visited = np.empty((starts.size, count))
     if not circle_map.has_scalar:
         theta = starts - TWO_PI * np.floor(starts / TWO_PI)
@@ -110,7 +115,8 @@ def orbits_angles(circle_map: CircleMap, starts: Array, count: int) -> Array:
         return visited
     lift = circle_map.scalar()
     for row, start in zip(visited, starts.tolist(), strict=True):
-        angle, passed = start - TWO_PI * floor(start / TWO_PI), []
+        angle = start - TWO_PI * floor(start / TWO_PI)
+        passed = []
         for _ in range(count):
             passed.append(angle)
             moved = lift(angle)
@@ -295,7 +301,8 @@ def rotation_number(
     interval = rotation_interval(
         circle_map, iterates=iterates, max_period=max_period, tolerance=tolerance
     )
-    low, high = interval.lower_number, interval.upper_number
+    low = interval.lower_number
+    high = interval.upper_number
     if low.proof and high.proof and low.locked == high.locked:
         proof = LockingProof(low.proof.ratio, high.proof.below, low.proof.above)
         return RotationNumber(low.value, low.lower, high.upper, low.locked, proof)
@@ -359,7 +366,8 @@ def rotation_interval(
     (Fraction(1, 6), Fraction(5, 6))
     """
     budget = _budget(circle_map, iterates, max_period, tolerance)
-    low_map, high_map = lower_envelope(circle_map), upper_envelope(circle_map)
+    low_map = lower_envelope(circle_map)
+    high_map = upper_envelope(circle_map)
     # Envelopes fall by no more than was left of a descent.
     low = _monotone_rotation(low_map, budget, SLACK)
     high = low if high_map is low_map else _monotone_rotation(high_map, budget, SLACK)
@@ -373,14 +381,10 @@ _Budget = tuple[
 
 def _budget(circle_map: CircleMap, iterates: int, max_period: int, tolerance: float) -> _Budget:
     require_map(circle_map)
-    if circle_map.degree != 1:
-        raise InvalidInput(
-            f"the map has degree {circle_map.degree}: rotation is defined for degree 1"
-        )
-    count, longest = (
-        whole_number("iterates", iterates, least=16),
-        whole_number("max_period", max_period, least=1),
-    )
+    require_degree_one(circle_map, "rotation")
+    count = whole_number("iterates", iterates, least=16)
+    require_room("the orbit", count, "give fewer iterates")
+    longest = whole_number("max_period", max_period, least=1)
     return count, longest, non_negative_number("tolerance", tolerance)
 
 
@@ -391,14 +395,16 @@ def _monotone_rotation(
     # A computed image is F to a few roundings; a nondecreasing F stays near F(0) on [0, 2π].
     push = float(circle_map.max_error + LIFT * (2.0 * TWO_PI + abs(float(circle_map(0.0)))))
     push += largest_descent(circle_map) if descent is None else descent
-    under, over = _PushedOrbit(circle_map, -push), _PushedOrbit(circle_map, push)
+    under = _PushedOrbit(circle_map, -push)
+    over = _PushedOrbit(circle_map, push)
     # Where the bounds may be wide enough soon, they are looked at more often.
     factor = 2 if tolerance > 0.0 else 8
     looks = [look for look in (_FIRST_LOOK * factor**k for k in range(60)) if look < iterates]
     for count in [*looks, iterates]:
         under.run_to(count)
         over.run_to(count)
-        low, high = under.best_ratio(), over.best_ratio()
+        low = under.best_ratio()
+        high = over.best_ratio()
         if low > high:
             raise ConvergenceError(
                 f"the iterates prove ρ ≥ {low} and ρ ≤ {high}: the lift is computed with errors "
@@ -442,13 +448,19 @@ class _PushedOrbit:
     """The orbit of θ = 0 under F + push, kept in [0, 2π] with its whole turns counted apart."""
 
     def __init__(self, circle_map: CircleMap, push: float) -> None:
-        self._lift, self._push = circle_map.scalar(), push
-        self.visited, self.laps = [0.0], [0]
+        self._lift = circle_map.scalar()
+        self._push = push
+        self.visited = [0.0]
+        self.laps = [0]
 
     def run_to(self, count: int) -> None:
         """Go on to the iterate of that number."""
-        lift, push, laps, visited = self._lift, self._push, self.laps, self.visited
-        theta, turns = visited[-1], laps[-1]
+        lift = self._lift
+        push = self._push
+        laps = self.laps
+        visited = self.visited
+        theta = visited[-1]
+        turns = laps[-1]
         for _ in range(len(laps), count + 1):
             image = lift(theta) + push
             lap = floor(image / TWO_PI)
@@ -461,13 +473,12 @@ class _PushedOrbit:
         """Whether F^q - id - 2πp kept shrinking along the last half of the orbit: else q is no
         period of it.
         """
-        period, last = ratio.denominator, max(2 * ratio.denominator, len(self.laps) // 2)
+        period = ratio.denominator
+        last = max(2 * ratio.denominator, len(self.laps) // 2)
         if period + last > len(self.laps):
             return False
-        theta, turns = (
-            np.array(self.visited[-last - period :]),
-            np.array(self.laps[-last - period :], dtype=float),
-        )
+        theta = np.array(self.visited[-last - period :])
+        turns = np.array(self.laps[-last - period :], dtype=float)
         gap = np.abs(
             theta[period:]
             - theta[:-period]
@@ -496,21 +507,26 @@ def _locking_proof(
     """
     side = np.array([[1.0], [-1.0]])
     beside = np.concatenate([-_REACH, [0.0], _REACH])
-    start, before = np.array([near]).T + beside, np.full(2, -1e9)
+    start = np.array([near]).T + beside
+    before = np.full(2, -1e9)
     for _ in range(_ZOOMS):
-        theta, turns = start, np.zeros(start.shape)
+        theta = start
+        turns = np.zeros(start.shape)
         for _ in range(ratio.denominator):
             image = circle_map(theta) - side * push
             lap = np.floor(image / TWO_PI)
-            theta, turns = image - TWO_PI * lap, turns + lap
+            theta = image - TWO_PI * lap
+            turns = turns + lap
         wanted = side * ((theta - start) + TWO_PI * (turns - ratio.numerator))
-        best, most = np.argmax(wanted, axis=1), np.max(wanted, axis=1)
+        best = np.argmax(wanted, axis=1)
+        most = np.max(wanted, axis=1)
         if np.all(most > _MARGIN):
             above, below = start[[0, 1], best].tolist()
             return LockingProof(ratio, below, above)
         if np.any((most <= _MARGIN) & (most <= before + 0.1 * np.abs(before))):
             return None
-        low, high = np.maximum(best - 1, 0), np.minimum(best + 1, beside.size - 1)
+        low = np.maximum(best - 1, 0)
+        high = np.minimum(best + 1, beside.size - 1)
         start = np.linspace(start[[0, 1], low], start[[0, 1], high], beside.size, axis=1)
         before = most
     return None
@@ -536,6 +552,7 @@ def simplest_between(low: Fraction, high: Fraction) -> Fraction:
 
 def _floats(low: Fraction, high: Fraction) -> tuple[float, float]:
     """The two as floats, rounded outward."""
-    lower, upper = float(low), float(high)
+    lower = float(low)
+    upper = float(high)
     lower = lower if Fraction(lower) <= low else float(np.nextafter(lower, -np.inf))
     return lower, upper if Fraction(upper) >= high else float(np.nextafter(upper, np.inf))

@@ -13,6 +13,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.noise.bounded_noise import wrapped_window
 from cyclemap.maps.passages.killed_chain import Arc, eliminated
 
 _POINT = 1e-7  # radians: images shorter than this are points
@@ -73,17 +74,21 @@ class Cells:
         """
         if lifted:
             return _without_rounding(self.below(end) - self.below(start))
-        shift = TWO_PI * np.floor(self.low / TWO_PI)
-        low, high = self.low - shift, self.high - shift
         if start.size == 0:
-            return np.zeros((low.size, 0))
-        first = int(np.floor((-self.halfwidth - np.max(end)) / TWO_PI))
-        last = int(np.ceil((np.max(high) + self.halfwidth - np.min(start)) / TWO_PI))
+            return np.zeros((self.width.size, 0))
+        share, window, centre = wrapped_window(self.halfwidth)
+        shift = TWO_PI * np.floor(self.low / TWO_PI) - centre
+        low = self.low - shift
+        high = self.high - shift
+        begin = start - TWO_PI * np.floor(start / TWO_PI)
+        laps = np.floor((end - start) / TWO_PI)  # of the arc
+        rest = end - start - TWO_PI * laps
+        most = int(np.ceil((np.max(high) + window) / TWO_PI))
         total = np.zeros((low.size, start.size))
-        for turn in TWO_PI * np.arange(first, last + 1):
-            total += _chance_below(low, high, self.halfwidth, end + turn)
-            total -= _chance_below(low, high, self.halfwidth, start + turn)
-        return _without_rounding(total)
+        for turn in TWO_PI * np.arange(-2, most + 1):
+            total += _chance_below(low, high, window, begin + rest + turn)
+            total -= _chance_below(low, high, window, begin + turn)
+        return _without_rounding(laps + share * rest / TWO_PI + (1.0 - share) * total)
 
 
 def cells_between(
@@ -114,7 +119,8 @@ def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Ar
     """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform on [-h,
     h]."""
     length = (high - low)[:, None]
-    over, under = lines - low[:, None], lines - high[:, None]
+    over = lines - low[:, None]
+    under = lines - high[:, None]
     middle = 0.5 * (over + under)
     if halfwidth == 0.0:
         rising = np.maximum(over, 0.0) - np.maximum(under, 0.0)
@@ -124,7 +130,7 @@ def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Ar
         rising = (inner - outer) * (inner + outer) / (4.0 * halfwidth)
         rising += np.maximum(over - halfwidth, 0.0) - np.maximum(under - halfwidth, 0.0)
         point = np.clip((middle + halfwidth) / (2.0 * halfwidth), 0.0, 1.0)
-    return np.asarray(np.where(length > _POINT, rising / np.maximum(length, _POINT), point))
+    return np.where(length > _POINT, rising / np.maximum(length, _POINT), point)
 
 
 _CELLS = 256  # of the arcs together, and twice as many for the error

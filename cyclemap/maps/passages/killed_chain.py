@@ -27,7 +27,8 @@ def arc_ends(arc: Arc, name: str, whole: bool = False) -> tuple[float, float]:
     ends = finite_array(name, arc)
     if ends.shape != (2,):
         raise InvalidInput(f"{name} is {arc!r}: give a pair (start, end) in radians")
-    start, end = float(ends[0]), float(ends[1])
+    start = float(ends[0])
+    end = float(ends[1])
     if -TWO_PI < end - start < 0.0:
         end += TWO_PI
     length = end - start
@@ -110,11 +111,6 @@ class Elimination:
         change = before[:, 0] - values[0] * before[:, 1]
         return self._restored(values), float(values[0]), self._restored(np.append(0.0, change))
 
-    def returns(self) -> Array:
-        """The chance of visiting the most visited state before leaving; 1 for that state itself."""
-        before = _triangular(self.packed[1:, 1:], -self.packed[1:, 0])
-        return self._restored(np.append(1.0, before))
-
     def _restored(self, ordered: Array) -> Array:
         values = np.empty_like(ordered)
         values[self.order] = ordered
@@ -135,17 +131,20 @@ def eliminated(q: Array, out: Array) -> Elimination:
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
     order = np.argsort(-mass, kind="stable")
-    work, left = q[np.ix_(order, order)], out[order]
+    work = q[np.ix_(order, order)]
+    left = out[order]
     for high in range(left.size, 0, -_BLOCK):
         low = max(0, high - _BLOCK)
         inside = slice(low, high)
         # The states of a block among themselves, then towards those before it; all sums are of >=
         # 0.
-        block, away = work[inside, inside], left[inside] + work[inside, :low].sum(axis=1)
+        block = work[inside, inside]
+        away = left[inside] + work[inside, :low].sum(axis=1)
         for k in range(high - low - 1, -1, -1):
             pivot = away[k] + np.sum(block[k, :k])
             share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
-            block[k, k], block[:k, k] = pivot, share
+            block[k, k] = pivot
+            block[:k, k] = share
             block[:k, :k] += np.multiply.outer(share, block[k, :k])
             away[:k] += share * away[k]
         pivots = np.diag(block)
@@ -203,10 +202,9 @@ def killed_chain(
     """The chain on the nodes of ``arcs``, killed where it enters one of ``exits``: together they
     fill the space.
 
-    lifted : the space is the real line, and an exit may reach to
-        ±inf; else the circle. every_sample : panels of nodes end at every sample of a sampled map.
-        stretch : factor on the
-        nodes' bandwidth.
+    lifted : the space is the real line, and an exit may reach to ±inf; else the circle.
+    every_sample : panels of nodes end at every sample of a sampled map.
+    stretch : factor on the nodes' bandwidth.
 
     Raises InvalidInput where more than ``most`` nodes would be needed, and for noise whose density
     jumps.
@@ -327,7 +325,8 @@ class Expectation:
 
     def values_at(self, images: Array) -> tuple[Array, Array]:
         """X, and X - top, at points whose images are given: Nyström's interpolant."""
-        moves, gone = self.chain.transitions(images), self.chain.departures(images)
+        moves = self.chain.transitions(images)
+        gone = self.chain.departures(images)
         share = 1.0 / (gone.sum(axis=0) + moves.sum(axis=1))
         value = self.each + self.at @ gone + moves @ self.values
         change = self.each + (self.at - self.top) @ gone + moves @ self.change
@@ -344,7 +343,7 @@ class Expectation:
         around = self.values_at(chain.images)[1]
         gap = chain.theta - images[:, None]
         pushed = chain.noise.slope(gap, chain.lifted) * chain.weight @ around
-        return np.asarray((self.at - self.top) @ chain.departure_slopes(images) - pushed)
+        return (self.at - self.top) @ chain.departure_slopes(images) - pushed
 
     def error_bounds(self, theta: float) -> tuple[float, float]:
         """Bounds on the error of X(θ): of the discretisation with rounding, and from the map's
@@ -353,26 +352,24 @@ class Expectation:
         The operator I - K is monotone: if (I - K)Φ >= |r|, r the residual of the interpolant on a
         finer rule, then Φ bounds the error everywhere. Φ is solved for on the chain's own nodes.
         """
-        chain, fine = self.chain, self.chain.finer()
+        chain = self.chain
+        fine = self.chain.finer()
         images = np.append(chain.images, chain.map(theta))
         on_fine = self.values_at(fine.images)
         # X - c - ∫ g X dy at the images, and the sum of its terms' sizes: of the two forms the
         # better. A constant part of X, however large, drops out of the second one exactly.
-        moves, gone, here, forms = (
-            fine.transitions(images),
-            fine.departures(images),
-            self.values_at(images),
-            [],
-        )
+        moves = fine.transitions(images)
+        gone = fine.departures(images)
+        here = self.values_at(images)
+        forms = []
         for value, around, top in zip(here, on_fine, (0.0, self.top), strict=True):
-            stay, lost = (
-                value * moves.sum(axis=1),
-                value * gone.sum(axis=0) - (self.at - top) @ gone,
-            )
+            stay = value * moves.sum(axis=1)
+            lost = value * gone.sum(axis=0) - (self.at - top) @ gone
             terms = np.abs(lost) + np.abs(stay) + moves @ np.abs(around) + self.each
             forms.append((terms, lost + stay - moves @ around - self.each))
         (size, residual), (other_size, other) = forms
-        residual, size = np.where(size <= other_size, residual, other), np.minimum(size, other_size)
+        residual = np.where(size <= other_size, residual, other)
+        size = np.minimum(size, other_size)
         padded = np.abs(np.concatenate([residual[:1], residual, residual[-1:]]))
         widened = np.maximum(
             np.maximum(padded[:-2], padded[2:]), padded[1:-1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solve_triangular
 from scipy.sparse import csr_array
 from scipy.special import log_ndtr
 
@@ -33,7 +32,6 @@ _BLOCK = 16  # neighbouring nodes that are left out together
 _ENTRIES = 4_000_000
 _SWEEPS = 4_000
 _STEADY = 1e-13  # relative change a sweep that ends it
-_TOGETHER = 48  # unknowns eliminated together
 _ROUNDS = 5_000  # of the iteration for h
 _SETTLED = 1.0  # change of ln h a round that ends it: h need not be exact
 _TURNS = TWO_PI * np.arange(-2.0, 2.0)  # images of a gap in [0, 2π) that may count
@@ -75,8 +73,8 @@ def log10_passage_time(
         As ``mean_passage_time``, and beyond 1e300 cycles for other noise or where more than
         60,000 nodes are needed.
     ConvergenceError
-        When the bound of ln T exceeds 1e-6, or two parts of the arc are each left less than
-        once in 1e300 cycles.
+        When the bound of ln T exceeds 1e-6, or the path may stay in several parts of the arc for
+        thousands of cycles.
 
     Notes
     -----
@@ -86,9 +84,7 @@ def log10_passage_time(
     first. The chance of leaving is sought from transitions multiplied by h(y)/h(x), h(x) nearly the
     chance of leaving from x before the next visit (Doob's transform): along the likely ways out
     they are of order one. Sparse sweeps over the few dozen moves that count solve it; a first h
-    comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations). Where the
-    path may stay elsewhere for thousands of cycles, up to 6000 nodes are eliminated without
-    subtraction instead.
+    comes from twice as wide a noise, where σ² ln h is nearly the same (large deviations).
 
     ``error_bound`` beyond 1e300: three times the difference from a solution on other nodes and
     2e-14 of ln T for rounding; measured, and without the map's ``max_error``.
@@ -130,80 +126,54 @@ def log10_passage_time(
 
 
 def _log_time(chain: KilledChain, start: float) -> float:
-    """ln T(start) for a long passage under normal noise: by sweeps, or by elimination where they do
-    not end.
-    """
-    out, size = _log_departures(chain), chain.theta.size
-    chances, mass = _moves(chain, np.zeros(size), out), np.ones(size)
+    """ln T(start) for a long passage under normal noise."""
+    out = _log_departures(chain)
+    size = chain.theta.size
+    chances = _moves(chain, np.zeros(size), out)
+    mass = np.ones(size)
     for _ in range(64):
         mass = mass @ chances
         mass /= max(mass.sum(), np.finfo(float).tiny)
     first = int(np.argmax(mass))
     away = _without(chances, first)
-    excursion, returns = (
-        _fixed(away, np.ones(size)),
-        _fixed(away, chances[:, [first]].toarray().ravel()),
-    )
-    log_h = None if excursion is None or returns is None else _log_chance(chain, first, out)
-    if log_h is not None and excursion is not None and returns is not None:
-        returns[first] = 1.0
-        return float(
-            np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns))
-        )
-    if size > MAX_UNKNOWNS:
-        raise ConvergenceError(
-            f"the path stays for too long in several parts of the arc for {size} nodes: raise "
-            "the noise"
-        )
-    return _eliminated(chain, start)
+    excursion = _fixed(away, np.ones(size))
+    returns = _fixed(away, chances[:, [first]].toarray().ravel())
+    returns[first] = 1.0
+    log_h = _log_chance(chain, first, out)
+    return float(np.log(excursion[first]) - log_h[first] + np.log(_reaching(chain, start, returns)))
 
 
-# -- sweeps over the moves that count
-# ------------------------------------------------------------------------
-
-
-def _log_chance(chain: KilledChain, first: int, out: Array) -> Array | None:
-    """ln h, h the chance of leaving before the next visit of node ``first``; None where the sweeps
-    do not end.
-    """
-    if chain.theta.size <= _FEW:
-        moves = _log_transitions(chain)
-        moves[:, first] = -np.inf
-        log_h = _log_leaving(moves, out)
-    else:
-        noise, most = (
-            WrappedNormal(2.0 * chain.noise.variance**0.5),
-            max(MAX_UNKNOWNS, chain.theta.size),
-        )
+def _log_chance(chain: KilledChain, first: int, out: Array) -> Array:
+    """ln h, h the chance of leaving before the next visit of node ``first``."""
+    wider = chain
+    if chain.theta.size > _FEW:
+        noise = WrappedNormal(2.0 * chain.noise.variance**0.5)
         settings = chain.map, noise, chain.arcs, chain.exits, chain.lifted
-        wider = killed_chain(*settings, every_sample=chain.every_sample, most=most)
-        if wider.theta.size >= chain.theta.size:  # as coarse as the map allows, and still too fine
-            return None
+        wider = killed_chain(*settings, every_sample=chain.every_sample, most=_MOST_NODES)
+    if wider.theta.size < chain.theta.size:
         at = int(np.argmin(np.abs(wider.theta - chain.theta[first])))
         coarse = _log_chance(wider, at, _log_departures(wider))
-        if coarse is None:
-            return None
         log_h = np.interp(chain.theta, wider.theta, 4.0 * coarse)
+    else:  # few nodes, or as coarse as the map allows
+        log_h = _log_leaving(chain, first, out)
     for _ in range(2):  # the second time with the moves that count for h itself
         tilted = _without(_moves(chain, log_h, out), first)
-        share = _fixed(tilted, np.exp(out - log_h))
-        if share is None:
-            return None
-        log_h = log_h + np.log(share)
+        log_h = log_h + np.log(_fixed(tilted, np.exp(out - log_h)))
     return log_h
 
 
-def _fixed(moves: csr_array, source: Array) -> Array | None:
-    """x = source + moves x by iteration, all >= 0; None where it does not settle."""
+def _fixed(moves: csr_array, source: Array) -> Array:
+    """x = source + moves x by iteration, all >= 0."""
     x = np.ones_like(source)
     for _ in range(_SWEEPS):
         after = source + moves @ x
-        if not np.all(np.isfinite(after)):
-            return None
         if np.all(np.abs(after - x) <= _STEADY * after):
             return np.asarray(after)
         x = after
-    return None
+    raise ConvergenceError(
+        "the path stays for thousands of cycles in several parts of the arc: take a shorter arc, "
+        "or raise the noise"
+    )
 
 
 def _without(moves: csr_array, column: int) -> csr_array:
@@ -219,22 +189,21 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
     Blocks of neighbouring nodes are ruled out together, by their largest h and their smallest
     distance.
     """
-    theta, images, sigma, size = (
-        chain.theta,
-        chain.images,
-        chain.noise.variance**0.5,
-        chain.theta.size,
-    )
+    theta = chain.theta
+    images = chain.images
+    sigma = chain.noise.variance**0.5
+    size = chain.theta.size
     value = log_h + np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     begin = np.arange(0, size, _BLOCK)
     last = np.minimum(begin + _BLOCK, size) - 1
-    middle, half, best = (
-        0.5 * (theta[begin] + theta[last]),
-        0.5 * (theta[last] - theta[begin]),
-        begin + _BLOCK // 2,
-    )
-    best, top = np.minimum(best, last), np.maximum.reduceat(value, begin)
-    rows, columns, entries = [], [], []
+    middle = 0.5 * (theta[begin] + theta[last])
+    half = 0.5 * (theta[last] - theta[begin])
+    best = begin + _BLOCK // 2
+    best = np.minimum(best, last)
+    top = np.maximum.reduceat(value, begin)
+    rows = []
+    columns = []
+    entries = []
     step = max(1, _ENTRIES // begin.size)
     for at in range(0, size, step):
         image = images[at : at + step, None]
@@ -257,66 +226,29 @@ def _moves(chain: KilledChain, log_h: Array, out: Array) -> csr_array:
     return csr_array((np.concatenate(entries), place), shape=(size, size))
 
 
-# -- elimination of every move
-# -------------------------------------------------------------------------------
-
-
-def _eliminated(chain: KilledChain, start: float) -> float:
-    """ln T(start) from the whole chain, eliminated without subtraction: excursions may last 1e300
-    cycles.
-    """
-    elimination, order = chain.elimination, chain.elimination.order
-    pivot = np.diag(elimination.packed)
-    if not np.all(pivot[1:] > 0.0):
-        raise ConvergenceError(
-            "two parts of the arc are each left less than once in 1e300 cycles: take a shorter arc"
-        )
-
-    def collected(shares: Array, reward: Array) -> float:
-        """Mean reward of an excursion from the first state: its entry of (I - U)⁻¹ reward, U =
-        ``shares``.
-        """
-        left = np.eye(reward.size) - shares
-        return float(solve_triangular(left, reward, unit_diagonal=True, check_finite=False)[0])
-
-    excursion = collected(-np.triu(elimination.packed, 1), np.ones(order.size))
-    moves = _log_transitions(chain)[np.ix_(order, order)]
-    moves[:, 0] = -np.inf  # excursions end on their return
-    out = _log_departures(chain)[order]
-    log_h = _log_leaving(moves, out)
-    tilted = np.exp(moves + log_h - log_h[:, None])
-    for high in range(
-        pivot.size, 0, -_TOGETHER
-    ):  # with known pivots: U stands above the diagonal afterwards
-        low = max(0, high - _TOGETHER)
-        for k in range(high - 1, low - 1, -1):
-            tilted[:k, k] /= pivot[k]
-            tilted[:k, low:k] += np.multiply.outer(tilted[:k, k], tilted[k, low:k])
-            tilted[low:k, :low] += np.multiply.outer(tilted[low:k, k], tilted[k, :low])
-        tilted[:low, :low] += tilted[:low, low:high] @ tilted[low:high, :low]
-    leaving = np.log(collected(np.triu(tilted, 1), np.exp(out - log_h))) + log_h[0]
-    return float(
-        np.log(excursion) - leaving + np.log(_reaching(chain, start, elimination.returns()))
-    )
-
-
 def _reaching(chain: KilledChain, start: float, returns: Array) -> float:
     """The chance that the path from ``start`` visits the first state before it leaves."""
     image = chain.map(np.array([start]))
-    step, left = chain.transitions(image)[0], float(np.sum(chain.departures(image)))
+    step = chain.transitions(image)[0]
+    left = float(np.sum(chain.departures(image)))
     return float(step @ returns / (step.sum() + left))
 
 
-def _log_leaving(moves: Array, out: Array) -> Array:
-    """ln of the chance h of leaving before the next visit of the first state: h = out + K h,
-    iterated from out.
-    """
+def _log_leaving(chain: KilledChain, first: int, out: Array) -> Array:
+    """Nearly ln h, h as of ``_log_chance``, by all moves: h = out + K h, iterated from out."""
+    if out.size > MAX_UNKNOWNS:
+        raise ConvergenceError(
+            f"the map is too fine for {out.size} nodes: raise the noise, or smooth the map"
+        )
+    moves = _log_transitions(chain)
+    moves[:, first] = -np.inf
     value: Array = out
     for _ in range(_ROUNDS):
         terms = moves + value
         most = np.maximum(terms.max(axis=1), out)
         after = most + np.log(np.exp(terms - most[:, None]).sum(axis=1) + np.exp(out - most))
-        change, value = float(np.max(after - value)), after
+        change = float(np.max(after - value))
+        value = after
         if change < _SETTLED:
             return value
     raise ConvergenceError(
@@ -327,7 +259,8 @@ def _log_leaving(moves: Array, out: Array) -> Array:
 
 def _log_transitions(chain: KilledChain) -> Array:
     """(n, n): ln of the chances of going from node to node."""
-    sigma, gap = chain.noise.variance**0.5, chain.theta - chain.images[:, None]
+    sigma = chain.noise.variance**0.5
+    gap = chain.theta - chain.images[:, None]
     height = np.log(chain.weight / (sigma * np.sqrt(TWO_PI)))
     if chain.lifted:
         return np.asarray(height - 0.5 * (gap / sigma) ** 2)
@@ -351,7 +284,8 @@ def _log_departures(chain: KilledChain) -> Array:
     high = low + start + TWO_PI - end
     # P(low < ξ < high) for each turn, without cancellation where it is small.
     mirrored = low + high < 0.0
-    near, far = np.where(mirrored, -high, low), np.where(mirrored, -low, high)
+    near = np.where(mirrored, -high, low)
+    far = np.where(mirrored, -low, high)
     most = log_ndtr(-near / sigma)
     return np.asarray(
         np.logaddexp.reduce(most + np.log1p(-np.exp(log_ndtr(-far / sigma) - most)), axis=0)

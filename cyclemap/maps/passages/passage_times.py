@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import finite_number, whole_number
+from cyclemap.checks import finite_number, require_room, whole_number
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import ELIMINATION, SOLUTION, Estimate
 from cyclemap.maps.lifts.circle_map import CircleMap
@@ -153,7 +153,8 @@ def hitting_probability(
     >>> round(even, 9), even.holds(0.5)
     (0.5, True)
     """
-    a, b = arc_ends(arc_a, "arc_a"), arc_ends(arc_b, "arc_b")
+    a = arc_ends(arc_a, "arc_a")
+    b = arc_ends(arc_b, "arc_b")
     rest = arcs_between(a, b)
     theta = finite_number("start", start)
     for ends, answer in ((a, 1.0), (b, 0.0)):
@@ -182,7 +183,8 @@ def _certified(
         expected = chain.expected(each, at)
         if not abs(expected.top) < LONGEST:
             return Estimate(np.inf, np.inf)
-        value, (own, from_map) = expected.value_at(start), expected.error_bounds(start)
+        value = expected.value_at(start)
+        (own, from_map) = expected.error_bounds(start)
         own += SOLUTION * abs(value)
         if own <= max(_GOOD * abs(value), min(_ACCEPTED * abs(value), _BESIDE * from_map)):
             return Estimate(value, own + from_map)
@@ -242,14 +244,18 @@ def survival_probabilities(
     >>> bool(chances[0] == 1.0 and chances[0] > chances[1] > chances[2])
     True
     """
-    count, ends = whole_number("cycles", cycles, least=0), arc_ends(arc, "arc", whole=lifted)
+    count = whole_number("cycles", cycles, least=0)
+    require_room("the chances", count, "give fewer cycles")
+    ends = arc_ends(arc, "arc", whole=lifted)
     inside = required_inside(start, ends)
     chain = killed_chain(circle_map, noise, (ends,), outside_of(ends, lifted), lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
-    staying, chances = np.ones(chain.theta.size), np.ones(count + 1)
+    staying = np.ones(chain.theta.size)
+    chances = np.ones(count + 1)
     for n in range(1, count + 1):
         after = moves @ staying
-        staying, chances[n] = after[:-1], after[-1]
+        staying = after[:-1]
+        chances[n] = after[-1]
     return chances

@@ -149,8 +149,10 @@ def quasi_stationary(circle_map: CircleMap, noise: Noise, arc: Arc) -> QuasiStat
 def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float, float]:
     """How much the escape rate and the shares of the exits may change by the map's
     ``max_error``."""
-    epsilon, total = chain.map.max_error, rates.sum()
-    slopes, shares = _slopes(chain, mass, rates), rates / total
+    epsilon = chain.map.max_error
+    total = rates.sum()
+    slopes = _slopes(chain, mass, rates)
+    shares = rates / total
 
     def change(slope: Array, quantity: Callable[[Array], Array]) -> float:
         """To first order, or where maps lead that are off by the signs of ``slope``: whichever is
@@ -165,7 +167,7 @@ def _moved_by_map(chain: KilledChain, mass: Array, rates: Array) -> tuple[float,
     of_rate = change(slopes.sum(axis=0), lambda after: after.sum(keepdims=True))
     of_share = change(
         (slopes[0] * shares[1] - slopes[1] * shares[0]) / total,
-        lambda after: np.asarray(after / after.sum()),
+        lambda after: after / after.sum(),
     )
     return of_rate, of_share
 
@@ -175,11 +177,13 @@ def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
     exit; F at the nodes.
     """
     moves = chain.transitions(images)
-    power, mass = moves, np.full(chain.theta.size, 1.0 / chain.theta.size)
+    power = moves
+    mass = np.full(chain.theta.size, 1.0 / chain.theta.size)
     for _ in range(_SQUARINGS):
         after = mass @ power
         after /= after.sum()
-        settled, mass = np.abs(after - mass).sum() <= _NEARLY, after
+        settled = np.abs(after - mass).sum() <= _NEARLY
+        mass = after
         if settled:
             break
         power = power @ power
@@ -189,7 +193,8 @@ def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
     for _ in range(_CYCLES):
         after = mass @ moves
         after /= after.sum()
-        settled, mass = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING), after
+        settled = np.all(np.abs(after - mass) <= _SETTLED * after + _NOTHING)
+        mass = after
         if settled:
             return mass, chain.departures(images) @ mass
     raise ConvergenceError(
@@ -199,7 +204,8 @@ def _lasting(chain: KilledChain, images: Array) -> tuple[Array, Array]:
 
 def _slopes(chain: KilledChain, mass: Array, rates: Array) -> Array:
     """(exits, n): how fast each exit's rate grows with F at the nodes, per unit of ν."""
-    moves, gone = chain.transitions(chain.images), chain.departures(chain.images)
+    moves = chain.transitions(chain.images)
+    gone = chain.departures(chain.images)
     # (λ - K) w = gone - rate·u with ν w = 0, u the right eigenvector: bordered, so that it is
     # regular.
     size = mass.size

@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import read_only, whole_number
+from cyclemap.checks import read_only, require_room, whole_number
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import Estimate
-from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
@@ -29,8 +29,11 @@ _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
 _FLAT = 1e-9  # radians: a turn that varies by less has no slow zone
 _CORE = 0.5  # a visit must come this much nearer the centre than the arc's ends are
-_FINE, _COARSE = 1e-10, 1e-6  # noise coefficients neglected by the visits' law and by its check
-_MAX_BANDWIDTH, _MAX_NODES = 4_000.0, 2_000
+# noise coefficients neglected by the visits' law and by its check
+_FINE = 1e-10
+_COARSE = 1e-6
+_MAX_BANDWIDTH = 4_000.0
+_MAX_NODES = 2_000
 _LONGEST_VISIT = (
     1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
 )
@@ -183,8 +186,7 @@ def predict_staircase(
     (['ghost'], 6.283185)
     """
     known = transfer_operator(circle_map, noise) if operator is None else operator
-    if circle_map.degree != 1:
-        raise InvalidInput(f"the map has degree {circle_map.degree}: a staircase needs degree 1")
+    require_degree_one(circle_map, "a staircase")
     mean_turn = Estimate(TWO_PI * known.rotation_number, TWO_PI * known.rotation_number.error_bound)
     grid = TWO_PI * np.arange(_GRID) / _GRID
     turn = circle_map.turn(grid)
@@ -207,11 +209,13 @@ def predict_staircase(
 
 
 def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
-    points, jumps = fixed_points(circle_map), crossings_by_jump(circle_map)
+    points = fixed_points(circle_map)
+    jumps = crossings_by_jump(circle_map)
     centres = [(float(p.points[0]), p.winding, "stable") for p in points if p.stable]
     centres += [(j.theta, j.winding, "jump") for j in jumps if j.attracting]
     parting = [float(p.points[0]) for p in points if p.kind in ("unstable", "saddle-node")]
-    edges, zones = np.array(parting + [j.theta for j in jumps if not j.attracting]), []
+    edges = np.array(parting + [j.theta for j in jumps if not j.attracting])
+    zones = []
     for centre, winding, kind in sorted(centres) if edges.size else []:
         above = centre + float(np.min(np.mod(edges - centre, TWO_PI)))
         below = centre - float(np.min(np.mod(centre - edges, TWO_PI)))
@@ -226,23 +230,27 @@ def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
 
 def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> list[SlowZone]:
     winding = round(float(np.mean(turn)) / TWO_PI)
-    still, turn = shifted(circle_map, -winding), turn - TWO_PI * winding
+    still = shifted(circle_map, -winding)
+    turn = turn - TWO_PI * winding
     slowness = np.abs(turn)
     level = 0.5 * float(np.mean(slowness))
     slow = slowness < level
     if not np.any(slow) or np.all(slow):
         return []
-    zones, step = [], grid[1]
+    zones = []
+    step = grid[1]
     for first in np.flatnonzero(slow & ~np.roll(slow, 1)).tolist():
         # The slow arc begins at this grid point and ends where |turn| crosses the level.
         ahead = np.roll(turn, -first)
         slowness = np.abs(ahead)
-        length, begin = int(np.argmax(slowness >= level)), float(grid[first])
+        length = int(np.argmax(slowness >= level))
+        begin = float(grid[first])
         before, after = (
             (level - slowness[inside]) / (slowness[outside] - slowness[inside])
             for inside, outside in ((0, -1), (length - 1, length))
         )
-        start, end = float(begin - step * before), float(begin + step * (length - 1) + step * after)
+        start = float(begin - step * before)
+        end = float(begin + step * (length - 1) + step * after)
         slowest = int(np.argmin(slowness[:length]))
         residence = mean_passage_time(
             still, noise, start if ahead[slowest] >= 0.0 else end, (start, end)
@@ -263,7 +271,8 @@ def _with_visits(
     from coarser nodes. Beyond 1e5 cycles visits are exponential with the residence as mean and
     spread, with a bound of inf: a few relaxation times are not computed.
     """
-    residence, still = float(zone.residence_cycles), shifted(circle_map, -zone.winding)
+    residence = float(zone.residence_cycles)
+    still = shifted(circle_map, -zone.winding)
     if residence > _LONGEST_VISIT:
         bound = np.inf if np.isfinite(residence) else 0.0
         return replace(zone, visit_cycles=Estimate(residence, bound), visit_spread=residence)
@@ -406,7 +415,9 @@ def predict_drift(
         raise InvalidInput(
             f"the map is {drifting!r}: give a DriftingMap, or use predict_staircase for a fixed map"
         )
-    count, many = whole_number("cycles", cycles, least=2), whole_number("points", points, least=2)
+    count = whole_number("cycles", cycles, least=2)
+    many = whole_number("points", points, least=2)
+    require_room("the frozen maps", many, "give fewer points")
     chosen = np.linspace(0.0, count - 1.0, many)
     operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
     summaries = tuple(predict_staircase(one.map, noise, one) for one in operators)
@@ -419,7 +430,9 @@ def predict_drift(
 
     # The sum over n as the integral from -½ to count - ½ (midpoint rule read backwards), by
     # Simpson's rule.
-    low, high, rho = -0.5, count - 0.5, winding
+    low = -0.5
+    high = count - 0.5
+    rho = winding
     inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
     edges = (
         np.concatenate([[low], inner, [high]])
@@ -457,8 +470,10 @@ def _simpson(
     """The integral over [a, b] and how much the last halving changed it; ``at``: values at a, the
     middle and b.
     """
-    middle, width = 0.5 * (a + b), b - a
-    left, right = rho(0.5 * (a + middle)), rho(0.5 * (middle + b))
+    middle = 0.5 * (a + b)
+    width = b - a
+    left = rho(0.5 * (a + middle))
+    right = rho(0.5 * (middle + b))
     once = width / 6.0 * (at[0] + 4.0 * at[1] + at[2])
     twice = width / 12.0 * (at[0] + 4.0 * left + 2.0 * at[1] + 4.0 * right + at[2])
     if abs(twice - once) <= allowed * width or depth >= 12:

@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cyclemap.arrays import TWO_PI, Array
-from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
+from cyclemap.checks import (
+    finite_array,
+    finite_number,
+    positive_number,
+    read_only,
+    require_room,
+    whole_number,
+)
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
@@ -176,7 +183,8 @@ class DriftingMap:
             return self.maps[-1]
         if after == 0 or self.cycles[after] == now:
             return self.maps[after]
-        a, b = self.cycles[after - 1], self.cycles[after]
+        a = self.cycles[after - 1]
+        b = self.cycles[after]
         return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
 
     def images(self, theta: Array, cycle: Array) -> Array:
@@ -186,10 +194,8 @@ class DriftingMap:
         found = np.empty_like(theta)
         for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
             here = (cycle >= part.first) & (cycle < part.last)
-            before, share = (
-                part.before(theta[..., here]),
-                part.share[cycle[here].astype(np.int64) - part.first],
-            )
+            before = part.before(theta[..., here])
+            share = part.share[cycle[here].astype(np.int64) - part.first]
             found[..., here] = before + share * (part.after(theta[..., here]) - before)
         return found
 
@@ -200,10 +206,8 @@ class DriftingMap:
         for low, high in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
             after = min(int(np.searchsorted(self.cycles, low, side="right")), self.cycles.size - 1)
             before = max(after - 1, 0) if low < self.cycles[after] else after
-            a, width = (
-                self.cycles[before],
-                self.cycles[after] - self.cycles[before] if after > before else 1.0,
-            )
+            a = self.cycles[before]
+            width = self.cycles[after] - self.cycles[before] if after > before else 1.0
             share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
@@ -213,7 +217,9 @@ def _fitted(
 ) -> tuple[dict[int, CircleMap], float]:
     """The maps at the chosen cycles, and the largest difference that was accepted."""
     ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
-    knots, worst, waiting = {n: at(n) for n in ends}, 0.0, list(pairwise(ends))
+    knots = {n: at(n) for n in ends}
+    worst = 0.0
+    waiting = list(pairwise(ends))
     while waiting:
         a, b = waiting.pop()
         tried = {n: at(n) for n in {(3 * a + b) // 4, (a + b) // 2, (a + 3 * b) // 4} - {a, b}}
@@ -242,7 +248,8 @@ def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
     if before.pieces is not None and after.pieces is not None:
         cubics = before.pieces.blended(after.pieces, share)
         return CircleMap.from_pieces(cubics, breaks, before.samples + after.samples, error)
-    first, last = before.scalar(), after.scalar()
+    first = before.scalar()
+    last = after.scalar()
     return CircleMap.with_scalar(
         lambda theta: rest * before(theta) + share * after(theta),
         lambda theta: rest * before.derivative(theta) + share * after.derivative(theta),
@@ -324,7 +331,8 @@ class LocalNoise:
         """Return z, shape (cycles, paths), of the next cycles; before : (paths,), that of the last
         one.
         """
-        rho, fresh = self.correlation, rng.standard_normal(shape)
+        rho = self.correlation
+        fresh = rng.standard_normal(shape)
         z = np.empty_like(fresh)
         last = rng.standard_normal(shape[1]) if before is None else before
         for n in range(shape[0]):
@@ -411,14 +419,17 @@ def sample_staircase(
     if isinstance(noise, LocalNoise):
         path = sample_staircases(circle_map, noise, count, [theta], seed)[0]
         return Staircase(path, seed, begin)
+    require_room("the path", count, "give fewer cycles")
     path = np.empty(count + 1)
     path[0] = theta
     for at in range(0, count, _CHUNK):
         size = min(_CHUNK, count - at)
         kicks = np.zeros(size) if noise is None else noise.sample(rng, size)
         for part in _stretches(circle_map, at, at + size):
-            visited, given = [], kicks[part.first - at : part.last - at].tolist()
-            before, after = part.before.scalar(), part.after.scalar()
+            visited = []
+            given = kicks[part.first - at : part.last - at].tolist()
+            before = part.before.scalar()
+            after = part.after.scalar()
             if part.before is part.after:
                 for kick in given:
                     theta = before(theta) + kick
@@ -474,6 +485,7 @@ def sample_staircases(
     _check(circle_map, noise)
     if begin.size == 0:
         raise InvalidInput("starts is empty: give one angle a path")
+    require_room("the paths", begin.size * count, "give fewer cycles or starts")
     paths = np.empty((begin.size, count + 1))
     paths[:, 0] = theta = begin
     block = max(1, min(count, _DRAWS // begin.size))

@@ -159,7 +159,8 @@ def compare_steps(steps: Steps, prediction: StaircaseSummary) -> StepComparison:
     net = expected = error = pace = None
     if prediction.step is not None:
         turn = prediction.mean_turn - TWO_PI * (steps.zones[0].winding if steps.zones else 0)
-        net, expected = steps.climb / prediction.step, turn * steps.cycles / prediction.step
+        net = steps.climb / prediction.step
+        expected = turn * steps.cycles / prediction.step
         if steps.count >= 2:
             periods = np.diff(steps.start)
             surplus = steps.heights - turn * periods
@@ -195,7 +196,8 @@ def kaplan_meier_mean(
         longest is censored the mean is too small. (None, None) where every length is censored; the
         error is None for one alone.
     """
-    values, open_ended = finite_array("lengths", lengths, ndim=1), np.asarray(censored, dtype=bool)
+    values = finite_array("lengths", lengths, ndim=1)
+    open_ended = np.asarray(censored, dtype=bool)
     if values.size == 0 or values.shape != open_ended.shape or np.any(values < 0.0):
         raise InvalidInput(
             f"lengths has shape {values.shape}, censored {open_ended.shape}: give n ≥ 1 of each, "
@@ -230,11 +232,14 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
     mine = (steps.visit_zone == index) & (escaped | (steps.visit_start > 0))
     lengths = (steps.visit_end - steps.visit_start + 1)[mine].astype(float)
     closed = steps.visit_end[mine] < steps.cycles
-    exits, exposure = int(np.sum(closed)), float(np.sum(lengths))
+    exits = int(np.sum(closed))
+    exposure = float(np.sum(lengths))
     mean, error = (exposure / exits, exposure / exits**1.5) if escaped and exits else (None, None)
     if not escaped and lengths.size:
         mean, error = kaplan_meier_mean(lengths, ~closed)
-    expected, spread, chance = zone.visit_cycles, zone.visit_spread, None
+    expected = zone.visit_cycles
+    spread = zone.visit_spread
+    chance = None
     if (
         expected is not None
         and spread is not None
@@ -246,7 +251,8 @@ def _compared(steps: Steps, index: int, zone: SlowZone) -> VisitComparison:
 
         # P(at least so many exits) = P(that many visits take less than the exposure), with
         # gamma-distributed sums.
-        shape, scale = (expected / spread) ** 2, spread * (spread / expected)
+        shape = (expected / spread) ** 2
+        scale = spread * (spread / expected)
         as_many = float(gammainc(shape * exits, exposure / scale)) if exits else 1.0
         middle = 0.5 * (as_many + float(gammainc(shape * (exits + 1), exposure / scale)))
         chance = min(1.0, 2.0 * min(middle, 1.0 - middle))

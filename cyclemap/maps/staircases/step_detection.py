@@ -187,10 +187,8 @@ def _best_window(path: Array) -> Steps:
             if steps.start.size
             else [0.0]
         )
-        travelled, covered = (
-            float(np.sum(np.abs(steps.heights)) + np.sum(ends)),
-            _SPAN * float(np.sum(steps.scatter)),
-        )
+        travelled = float(np.sum(np.abs(steps.heights)) + np.sum(ends))
+        covered = _SPAN * float(np.sum(steps.scatter))
         share = float(np.sum(steps.visit_end - steps.visit_start + 1)) / path.size
         contrast.append(
             share - min(1.0, covered / travelled if travelled > 0.0 else 1.0)
@@ -206,22 +204,23 @@ def _within(path: Array, window: float) -> Steps:
     """Dwells for one window."""
     reach = _reach(path, 2.0 * window * (1.0 + STAIRCASE))
     cycle = np.arange(path.size)
-    length, back = reach - cycle + 1, cycle - np.searchsorted(reach, cycle) + 1
+    length = reach - cycle + 1
+    back = cycle - np.searchsorted(reach, cycle) + 1
     # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height
     # they cover.
-    whole, shortest = (
-        np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float),
-        _SHORTEST,
-    )
+    whole = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float)
+    shortest = _SHORTEST
     if whole.size:
         shortest = max(
             _SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2)))
         )
     # Runs of cycles in which each neighbouring pair lies in one of the long windows.
-    long, cover = np.flatnonzero(length >= shortest), np.zeros(path.size + 1)
+    long = np.flatnonzero(length >= shortest)
+    cover = np.zeros(path.size + 1)
     np.add.at(cover, long, 1.0)
     np.add.at(cover, reach[long], -1.0)
-    edges, runs = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False])), []
+    edges = np.flatnonzero(np.diff(np.r_[False, np.cumsum(cover[:-1]) > 0.5, False]))
+    runs = []
     for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
         # Without the ends that already lead away.
         away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
@@ -233,7 +232,8 @@ def _within(path: Array, window: float) -> Steps:
 
 def _reach(path: Array, span: float) -> Whole:
     """For each cycle n the last cycle m for which the angles n, ..., m span at most ``span``."""
-    values, reach = path.tolist(), np.empty(path.size, dtype=np.int64)
+    values = path.tolist()
+    reach = np.empty(path.size, dtype=np.int64)
     high: deque[int] = deque()
     low: deque[int] = deque()
     first = 0
@@ -280,9 +280,11 @@ def _in_zones(path: Array, zones: tuple[SlowZone, ...]) -> Steps:
         inside = place < zone.arc[1]
         deep = np.r_[0, np.cumsum((place >= zone.core[0]) & (place <= zone.core[1]))]
         breaks = np.flatnonzero((np.diff(inside.astype(np.int8)) != 0) | (np.diff(copy) != 0)) + 1
-        first, last = np.r_[0, breaks], np.r_[breaks, path.size] - 1
+        first = np.r_[0, breaks]
+        last = np.r_[breaks, path.size] - 1
         kept = inside[first] & (deep[last + 1] > deep[first])
-        first, last = first[kept], last[kept]
+        first = first[kept]
+        last = last[kept]
         found.append(np.stack([first, last, copy[first], np.full(first.size, i)], axis=1))
     visits = np.concatenate(found)
     start, end, copy, index = visits[np.argsort(visits[:, 0], kind="stable")].T
@@ -296,10 +298,8 @@ def _gathered(
 ) -> Steps:
     """Steps from visits and the dwell each belongs to."""
     many = int(dwell[-1]) + 1 if dwell.size else 0
-    first, last = (
-        np.searchsorted(dwell, np.arange(many)),
-        np.searchsorted(dwell, np.arange(many), side="right") - 1,
-    )
+    first = np.searchsorted(dwell, np.arange(many))
+    last = np.searchsorted(dwell, np.arange(many), side="right") - 1
     stays = [
         np.concatenate([path[start[v] : end[v] + 1] for v in range(a, b + 1)])
         for a, b in zip(first, last, strict=True)

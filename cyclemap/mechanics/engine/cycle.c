@@ -83,7 +83,7 @@ static int push_object(const Loop *loop, Body *body, double *result, const volat
     const double ahead[] = {cos(direction), sin(direction)};
     for (int c = 0; c < 2; ++c)
         place[c] = body->place[c] + centre[c] + PUSH_SHARE * loop->length * ahead[c];
-    if (!stand(&loop->object, place, &standing)) return UNSOLVED;
+    stand(&loop->object, place, &standing);
     Stroke r = {
         .object = &standing.object,
         .pressed = &standing.pressed,
@@ -201,7 +201,7 @@ static int drag_object(const Loop *loop, Body *body, double *way, double *by_way
         double centre[2], place[2];
         turned(body->theta, own, centre);
         for (int c = 0; c < 2; ++c) place[c] = 0.5 * (ring[c] + goal[c]) + centre[c];
-        if (!stand(o, place, &standing)) return UNSOLVED;
+        stand(o, place, &standing);
         Stroke r = {
             .object = &standing.object,
             .pressed = &standing.pressed,

@@ -20,6 +20,8 @@ static const double STRAIGHT_TURN = 1e-13;
 static const double NEARLY_DOUBLE = 1e-7;
 /* An arc of an ellipse's rim goes no farther around it. */
 static const double WIDEST_RIM = 1.6;
+/* Steps along the rim that are this short and no longer shrink are rounding's. */
+static const double ROUNDED = 1e-13;
 /* Conics that bend by less than this share of their slope are taken for straight where their arcs
    are sorted. */
 static const double STRAIGHT = 1e-9;
@@ -30,7 +32,7 @@ enum { MOST_CORRECTIONS = 200 };
 static const double SHORTEST_STEP = 1e-6;
 /* The table serves as it is where it is off by less than this share of a motion's tolerance. */
 static const double LEAN_SHARE = 0.1;
-/* A correction by less leaves nothing. */
+/* A correction by less leaves nothing, whatever the tolerance. */
 static const double WELL_CORRECTED = 3e-8;
 enum { MOST_REPEATS = 3 };
 /* The classes of digits serve motions of tolerances above these. */
@@ -50,12 +52,12 @@ typedef struct {
 } Boundary;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
-   the contact on the left. */
+   the contact on the left. is_alone: no table knows the pressure where the object stands. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
     double tolerance;
-    int is_known, has_moments, has_slopes, digits, side_count, arc_count;
+    int is_alone, is_known, has_moments, has_slopes, digits, side_count, arc_count;
     double sides[MOST_SIDES][EDGE_SIZE];
     Arc arcs[MOST_ARCS];
 } Pressed;
@@ -68,7 +70,7 @@ static int digits_for(double tolerance) {
 }
 
 static void begin_pressed(Pressed *at, double tolerance) {
-    at->is_known = 0;
+    at->is_alone = at->is_known = 0;
     at->tolerance = tolerance;
     at->digits = digits_for(tolerance);
 }
@@ -208,25 +210,35 @@ static double around_slope(const Around *e, double x, double y) {
     return x * e->slope[Y] - y * e->slope[X] + 2.0 * bent;
 }
 
-/* Where a function along the rim changes its sign between two angles. */
-static double zero_between(double (*of)(const Around *, double, double), const Around *e,
+static double around_bend(const Around *e, double x, double y) {
+    double bent = (e->yy - e->xx) * (x * x - y * y) - 4.0 * e->xy * x * y;
+    return 2.0 * bent - x * e->slope[X] - y * e->slope[Y];
+}
+
+/* Where a function along the rim, of the derivative `by`, changes its sign between two angles:
+   by Newton's method inside the bracket, which is halved where that gains little. */
+static double zero_between(double (*of)(const Around *, double, double),
+                           double (*by)(const Around *, double, double), const Around *e,
                            double low, double high) {
-    double at_low = of(e, cos(low), sin(low)), at_high = of(e, cos(high), sin(high));
-    enum { MOST_TRIALS = 100, HALVED_AT = 3 };
-    for (int i = 1; i <= MOST_TRIALS && high - low > 4e-16 * fmax(1.0, fabs(high)); ++i) {
-        double t = low - at_low * (high - low) / (at_high - at_low);
-        if (i % HALVED_AT == 0 || !(low < t && t < high)) t = 0.5 * (low + high);
-        double value = of(e, cos(t), sin(t));
-        if (value == 0.0) return t;
-        if ((value > 0.0) == (at_low > 0.0)) {
-            low = t;
-            at_low = value;
-        } else {
+    enum { MOST_TRIALS = 100 };
+    double x = cos(low), y = sin(low), t = 0.5 * (low + high), before = high - low;
+    int is_rising = !(of(e, x, y) > 0.0);
+    for (int i = 0; i < MOST_TRIALS; ++i) {
+        x = cos(t);
+        y = sin(t);
+        double value = of(e, x, y), step = -value / by(e, x, y);
+        if ((value > 0.0) == is_rising)
             high = t;
-            at_high = value;
-        }
+        else
+            low = t;
+        int is_less = fabs(step) < 0.5 * before;
+        if (fabs(step) <= 4e-16 * fmax(1.0, fabs(t)) || (!is_less && fabs(step) < ROUNDED))
+            return t;
+        if (!is_less || !(low < t + step && t + step < high)) step = 0.5 * (low + high) - t;
+        t += step;
+        before = fabs(step);
     }
-    return 0.5 * (low + high);
+    return t;
 }
 
 static void put_arc(Pressed *at, const Arc *arc) {
@@ -263,25 +275,31 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     int kinds[MOST_CUTS];
     Around e = around_of(at->pressure, semi);
     double stops[MOST + 1], values[MOST + 1], cuts[MOST_CUTS + 1], step = 2.0 * M_PI / RIM_SAMPLES;
-    double slope = around_slope(&e, 1.0, 0.0);
+    double slope = around_slope(&e, 1.0, 0.0), value = around_at(&e, 1.0, 0.0);
+    /* between samples of one sign P vanishes only where it is less than it can bend by */
+    double most_bend = size_of(e.slope[X], e.slope[Y]) + 2.0 * fabs(e.yy - e.xx) + 4.0 * fabs(e.xy);
+    double least = 0.125 * step * step * most_bend;
     int count = 0, cut_count = 0;
     for (int i = 0; i < RIM_SAMPLES; ++i) {
-        double x = RIM_COSINES[i + 1], y = RIM_SINES[i + 1], next = around_slope(&e, x, y);
+        double x = RIM_COSINES[i + 1], y = RIM_SINES[i + 1];
+        double next = around_slope(&e, x, y), after = around_at(&e, x, y);
         stops[count] = i * step;
-        values[count++] = around_at(&e, RIM_COSINES[i], RIM_SINES[i]);
-        if ((slope > 0.0) != (next > 0.0)) {
-            double t = zero_between(around_slope, &e, i * step, (i + 1) * step);
+        values[count++] = value;
+        int may_vanish = fmin(fabs(value), fabs(after)) <= least;
+        if (may_vanish && (slope > 0.0) != (next > 0.0)) {
+            double t = zero_between(around_slope, around_bend, &e, i * step, (i + 1) * step);
             stops[count] = t;
             values[count++] = around_at(&e, cos(t), sin(t));
         }
         slope = next;
+        value = after;
     }
     stops[count] = 2.0 * M_PI;
     values[count] = values[0];
     for (int i = 0; i < count; ++i)
         if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < MOST_CUTS) {
             kinds[cut_count] = values[i + 1] > 0.0 ? IS_END : IS_START;
-            cuts[cut_count++] = zero_between(around_at, &e, stops[i], stops[i + 1]);
+            cuts[cut_count++] = zero_between(around_at, around_slope, &e, stops[i], stops[i + 1]);
         }
     if (!cut_count) {
         if (values[0] > 0.0) add_rims(at, semi, 0.0, 2.0 * M_PI);
@@ -503,7 +521,7 @@ static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
     const double *outline = pressure->outline;
-    at->side_count = at->arc_count = 0;
+    at->has_moments = at->has_slopes = at->side_count = at->arc_count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
     double first = pressure_at(at->pressure, outline[X], outline[Y]);
     for (int64_t i = 0; i < pressure->side_count; ++i) {
@@ -708,39 +726,51 @@ static double lean_between(const Pressure *pressure, double theta, double *p) {
    stays: P vanishes on it, so that it counts by squares. */
 static double correct(const Pressure *pressure, Pressed *at) {
     double step[BALANCE_SIZE], most = 0.0;
-    take_moments(at);
+    if (!at->has_moments) take_moments(at);
     lacking(pressure, at, step);
     for (int k = 0; k < BALANCE_SIZE; ++k) {
         at->pressure[k] += step[k];
-        if (fabs(step[k]) > most) most = fabs(step[k]);
+        if (!(fabs(step[k]) <= most)) most = fabs(step[k]);
     }
     return most;
+}
+
+/* c and l to begin with where nothing is known: corrected once as if all of the outline were in
+   contact; whether there was room. */
+static int begin_balance(const Pressure *pressure, const double *shape, Pressed *at) {
+    memset(at->pressure, 0, sizeof at->pressure);
+    at->pressure[Q_LEVEL] = 1.0;
+    if (!cut(pressure, at)) return 0;
+    at->pressure[Q_LEVEL] = 0.0;
+    bend(at->pressure, shape);
+    correct(pressure, at);
+    return 1;
+}
+
+/* Derivatives of c and l by theta. */
+static void lean_by_theta(const Pressure *pressure, const Pressed *at, double *to) {
+    double by[SHAPE_SIZE];
+    shapes_by_theta(pressure, at, by);
+    for (int k = 0; k < BALANCE_SIZE; ++k)
+        to[k] = by[SHAPE_BOW_X] * at->by_shape[SHAPE_BOW_X][k]
+                + by[SHAPE_BOW_Y] * at->by_shape[SHAPE_BOW_Y][k];
 }
 
 /* A table over half a turn, rows of BALANCE; returns the rows that could be found. pressure: has
    its address already. */
 EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     Pressed at;
-    double shape[SHAPE_SIZE], by[SHAPE_SIZE];
+    double shape[SHAPE_SIZE];
     int64_t count = pressure->table_count;
-    /* the first correction is made as if all of the outline were in contact */
-    memset(at.pressure, 0, sizeof at.pressure);
-    at.pressure[Q_LEVEL] = 1.0;
-    if (!cut(pressure, &at)) return 0;
-    at.pressure[Q_LEVEL] = 0.0;
     for (int64_t i = 0; i < count; ++i) {
         double *row = table + BALANCE_COLUMNS * i;
         shapes_at(pressure, M_PI * (double)i / (double)count, shape);
+        if (i == 0 && !begin_balance(pressure, shape, &at)) return 0;
         bend(at.pressure, shape);
-        if (i == 0) correct(pressure, &at);
         if (!balance(pressure, &at)) return i;
         slopes_of(&at);
-        shapes_by_theta(pressure, &at, by);
-        for (int k = 0; k < BALANCE_SIZE; ++k) {
-            row[BALANCE_LEAN + k] = at.pressure[k];
-            row[BALANCE_SLOPE + k] = by[SHAPE_BOW_X] * at.by_shape[SHAPE_BOW_X][k]
-                                     + by[SHAPE_BOW_Y] * at.by_shape[SHAPE_BOW_Y][k];
-        }
+        memcpy(row + BALANCE_LEAN, at.pressure, BALANCE_SIZE * sizeof(double));
+        lean_by_theta(pressure, &at, row + BALANCE_SLOPE);
     }
     for (int64_t i = 0; i < count; ++i) {
         lean_between(pressure, M_PI * ((double)i + 0.5) / (double)count, at.pressure);
@@ -750,17 +780,46 @@ EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     return count;
 }
 
-/* The pressure at an orientation, from the table, corrected where that may be too far off. */
+/* Corrects the pressure in few steps; whether the last one was so short that its square is less
+   than the tolerance. */
+static int settle(const Pressure *pressure, Pressed *at) {
+    double enough = fmax(0.1 * sqrt(at->tolerance), WELL_CORRECTED);
+    for (int i = 0; i < MOST_REPEATS; ++i) {
+        if (correct(pressure, at) <= enough) return 1;
+        cut(pressure, at);
+    }
+    return 0;
+}
+
+/* The pressure at an orientation from that at the last one, or else anew. Not a number where the
+   load cannot be balanced. */
+static void press_alone(const Pressure *pressure, double theta, Pressed *at) {
+    double shape[SHAPE_SIZE], slope[BALANCE_SIZE];
+    shapes_at(pressure, theta, shape);
+    if (at->is_known) {
+        if (!at->has_slopes) slopes_of(at);
+        lean_by_theta(pressure, at, slope);
+        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] += (theta - at->theta) * slope[k];
+        bend(at->pressure, shape);
+        cut(pressure, at);
+        if (settle(pressure, at)) return;
+    }
+    if (!begin_balance(pressure, shape, at) || !balance(pressure, at))
+        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+}
+
+/* The pressure at an orientation: from the table, corrected where that may be too far off. */
 static void press(const Pressure *pressure, double theta, Pressed *at) {
     if (at->is_known && at->theta == theta) return;
-    double error = lean_between(pressure, theta, at->pressure);
-    cut(pressure, at);
+    if (at->is_alone)
+        press_alone(pressure, theta, at);
+    else {
+        double error = lean_between(pressure, theta, at->pressure);
+        cut(pressure, at);
+        if (error > LEAN_SHARE * at->tolerance) settle(pressure, at);
+    }
     at->theta = theta;
     at->is_known = 1;
-    at->has_moments = at->has_slopes = 0;
-    if (error <= LEAN_SHARE * at->tolerance) return;
-    double enough = fmax(at->tolerance, WELL_CORRECTED);
-    for (int i = 0; i < MOST_REPEATS && correct(pressure, at) > enough; ++i) cut(pressure, at);
 }
 
 /* The floor's shape at a place, and its derivatives by the place. Beyond the reach it stays what it
@@ -782,30 +841,21 @@ static void floor_at(const Pressure *pressure, const double *place, double *shap
     }
 }
 
-/* Rows of a table that is made for one stroke: of rough to fine motions. */
-static const int64_t STROKE_ROWS[] = {24, 48, 96, 360};
-enum { MOST_STROKE_ROWS = 360 };
-
-/* An object where it is: where the floor's shape varies with the place, with that and a table of
-   its own. */
+/* An object where it is: where the floor's shape varies with the place, with that. */
 typedef struct {
     Object object;
     Pressed pressed;
-    double by[SHAPE_SIZE][2], table[MOST_STROKE_ROWS * BALANCE_COLUMNS];
+    double by[SHAPE_SIZE][2];
 } Standing;
 
 static int varies(const Object *object) { return object->pressure.field_reach > 0.0; }
 
-/* Whether the load could be balanced there. */
-static int stand(const Object *object, const double *place, Standing *standing) {
+static void stand(const Object *object, const double *place, Standing *standing) {
     standing->object = *object;
     begin_pressed(&standing->pressed, object->tolerance);
-    if (!varies(object)) return 1;
-    Pressure *pressure = &standing->object.pressure;
-    floor_at(&object->pressure, place, pressure->floor, standing->by);
-    pressure->table = standing->table;
-    pressure->table_count = STROKE_ROWS[standing->pressed.digits];
-    return cm_balance(pressure, standing->table) == pressure->table_count;
+    standing->pressed.is_alone = varies(object);
+    if (varies(object))
+        floor_at(&object->pressure, place, standing->object.pressure.floor, standing->by);
 }
 
 /* For drawings and tests: the pressure at an orientation. */

@@ -114,10 +114,10 @@ class Strokes:
     """What is done with an object: a push from a place of its contact curve, a drag through goals,
     or both.
 
-    friction : numbers of LAW. pieces : of the contact curve, table as `piece_table` makes it, the
-        ring last. direction : of the push, from the object's x axis if `with_object`, else from
-        the world's. length : of the push, 0: none. Lengths in extents, friction in mean
-        coefficients.
+    friction : numbers of LAW.
+    pieces : of the contact curve, table as `piece_table` makes it, the ring last.
+    direction : of the push, from the object's x axis if `with_object`, else from the world's.
+    length : of the push, 0: none. Lengths in extents, friction in mean coefficients.
     """
 
     pressure: PressureTables
@@ -205,8 +205,9 @@ def run(
 def record(strokes: Strokes, pose: tuple[float, float, float], longest: float) -> Array:
     """Return the course of one task, rows (n, RECORD.size), from a pose in extents and rad.
 
-    longest : bound on the spacing of rows, extents. Raises ConvergenceError where the motion cannot
-        be followed in steps so short.
+    longest : bound on the spacing of rows, extents.
+
+    Raises ConvergenceError where the motion cannot be followed in steps so short.
     """
     loops, held = _packed([strokes])
     task, room = np.array([0.0, *pose]), 512

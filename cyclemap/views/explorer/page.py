@@ -90,10 +90,12 @@ def page_html(
 ) -> str:
     """The page of a portrait as HTML.
 
-    start : rad, of the animated cycles and the staircase. words, settings : what a command line
-        that gives the same loop names, for the one that the page offers. pairs
-        : measured orientations. sections, downloads, provenance : what a report tells beneath, in order. The
-        portrait as a picture is shown where scripts do not run.
+    start : rad, of the animated cycles and the staircase.
+    words, settings : what a command line that gives the same loop names, for the one that the page
+        offers.
+    pairs : measured orientations.
+    sections, downloads, provenance : what a report tells beneath, in order. The portrait as a
+        picture is shown where scripts do not run.
     """
     loop, sigma = found.loop, found.noise.sigma
     values, tables = slider_values(loop, sigma), browser_tables(loop.model, loop.reset)

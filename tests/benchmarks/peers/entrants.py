@@ -32,8 +32,9 @@ EVEN_ACCURACY = 1e-3
 
 @dataclass(frozen=True)
 class Entrant:
-    """name : with its version. run : does its pushes, so many. note : what is to be known of their
-    ends.
+    """name : with its version.
+    run : does its pushes, so many.
+    note : what is to be known of their ends.
     """
 
     name: str

@@ -33,8 +33,10 @@ def numpy_push(
     """Nothing but NumPy: Runge-Kutta's fourth-order steps of one length, and Newton's on the
     balance of forces.
 
-    steps : of a push. softness : see `SupportPoints`. balance : what may be left of the balance of
-        forces.
+    steps : of a push.
+    softness : see `SupportPoints`.
+    balance : what may be left of the balance of forces.
+
     The pushes raise ArithmeticError where no balance is found.
     """
 
@@ -72,9 +74,10 @@ def scipy_push(
 ) -> EndPose:
     """Integrated by `solve_ivp`, the balance of forces found by `root` at every evaluation.
 
-    tolerance : relative, and a tenth of it absolute, in m and rad. balance : tolerance of
-        `root`. softness : see `SupportPoints`. longest : step, m, so that no trial puts the rod inside the
-        object.
+    tolerance : relative, and a tenth of it absolute, in m and rad.
+    balance : tolerance of `root`.
+    softness : see `SupportPoints`.
+    longest : step, m, so that no trial puts the rod inside the object.
     """
 
     def moved(velocity: Velocity, state: Array, distance: float) -> Array:

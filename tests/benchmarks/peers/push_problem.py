@@ -57,8 +57,8 @@ class Distance:
 class PushProblem:
     """An object that stands on points, the rod that pushes it, and twelve pushes of 150 mm.
 
-    name : what the tables call it. slider, friction, footprint, pusher : as `QuasiStaticModel`
-        takes them.
+    name : what the tables call it.
+    slider, friction, footprint, pusher : as `QuasiStaticModel` takes them.
     """
 
     name: str
@@ -112,8 +112,8 @@ class Simulator:
     """One simulator.
 
     build : from a problem, and whether its results are to stand for its limit of ever finer steps,
-        all else being the same; gives where a push from a pose ends. problems : the names of those
-        in which it takes part.
+        all else being the same; gives where a push from a pose ends.
+    problems : the names of those in which it takes part.
     """
 
     name: str

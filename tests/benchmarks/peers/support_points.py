@@ -38,8 +38,9 @@ class Balance:
     """The balance of forces at one instant, for a contact that sticks (cone 0) or slides on an edge
     of its cone (+-1).
 
-    spun : (k, 2), m, how the points move as the object turns about the contact. rod : (2,),
-        velocity of the rod.
+    spun : (k, 2), m, how the points move as the object turns about the contact.
+    rod : (2,), velocity of the rod.
+
     The unknown is (omega, slip): the object turns by omega (rad/m) a unit of travel, and its
     contact point moves along the tangent by slip, past the rod.
     """

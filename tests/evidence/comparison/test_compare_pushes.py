@@ -186,9 +186,7 @@ def test_the_error_of_a_mean_allows_for_correlation() -> None:
     assert mean_error(independent[:2]) is None and within_error(0.1, None, 2) is None
 
 
-def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_few_and_correlated_the_values() -> (
-    None
-):
+def test_a_mean_of_nought_is_refused_in_one_case_in_twenty_however_correlated_the_values() -> None:
     """Seeds 0 to 599; the error's own uncertainty counts: with 1.96 errors it would be refused in
     one case in eight.
     """

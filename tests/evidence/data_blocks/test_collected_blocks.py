@@ -20,7 +20,8 @@ from cyclemap.evidence import (
 )
 from cyclemap.evidence.data_blocks.collected_blocks import CollectedBlocks, telling_parameters
 from cyclemap.evidence.identification.data_block import usual_beliefs
-from cyclemap.evidence.identification.surface_parameters import starting_space
+from cyclemap.evidence.identification.known_floor import FLOOR_TOLD, held_values
+from cyclemap.evidence.identification.surface_parameters import SURFACE, starting_space
 from cyclemap.mechanics import (
     EllipseFriction,
     FoundWith,
@@ -124,10 +125,13 @@ def test_every_sort_of_table_is_recognised_by_its_columns_alone_or_in_a_folder(t
     blocks = [collected_blocks([path], LOOP).blocks[0] for path in every_sort(tmp_path)]
     assert {block.name: telling_parameters([block]) for block in blocks} == {
         "push ends": (*ELLIPSE, "pusher_friction", *SHAPES, *FRAME),
-        "drag-backs": (*ELLIPSE, "pin_friction_radius", *SHAPES),
+        "drag-backs": (*ELLIPSE, *SHAPES),
         "wrenches": ("friction_scale", "floor_dome", *SHAPES[3:]),
         "cycles": (*ELLIPSE, "pusher_friction", "pin_friction_radius", *SHAPES),
     }
+    (drags,) = [block for block in blocks if block.name == "drag-backs"]
+    assert held_values([drags], SURFACE, ELLIPSE)["pin_friction_radius"] == pytest.approx(0.8e-3)
+    assert "pin_friction_radius" in telling_parameters([drags], FLOOR_TOLD)
     write(tmp_path / "budget.csv", "euro\n", ["3\n"])
     write(tmp_path / "notes.txt", "rod bent on tuesday", [])
     folder = collected_blocks([tmp_path], LOOP)

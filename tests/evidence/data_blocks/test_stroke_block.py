@@ -32,7 +32,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.measured_strokes import read_measured_drags
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, known_columns
+from cyclemap.evidence.pushes.measured_strokes import measured_drags
 from cyclemap.mechanics import Pose, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 
@@ -55,6 +56,7 @@ LATE = {"ellipticity_x": 0.05, "ellipticity_y": -0.1, "offset_x": 0.01, "offset_
 LATE |= {"floor_dome": 2.5, "floor_bow_x": -1.0, "floor_bow_y": 0.2}
 OFFSET = np.array([8e-4, -5e-4])
 SHIFTS = {"tip_offset_x": 8e-4, "tip_offset_y": -5e-4, "rod_off_x": 3e-4, "rod_off_y": -2e-4}
+SHIFTS |= {"rod_off_turn": 0.01}
 VALUES = {**TRUTH.values(), **SHIFTS}
 WORN = VALUES | {f"worn_{name}": value for name, value in LATE.items()}
 PLAIN = {**SurfaceParameters().values(), **dict.fromkeys(SHIFTS, 0.0)}
@@ -62,7 +64,7 @@ OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
 # What a stroke itself may be off by, rad, and steps wide enough that it counts for little.
 STROKE_ERROR = 3e-4
 STEPS = {**dict.fromkeys((*FLOOR_NAMES, *PLATE_NAMES), 0.12), "pin_friction_radius": 1.6e-5}
-STEPS |= dict.fromkeys(SHIFTS, 1.6e-4)
+STEPS |= dict.fromkeys(SHIFTS, 1.6e-4) | {"rod_off_turn": 3e-3}
 THETA = np.random.default_rng(0).uniform(-3.0, 9.0, 12)
 
 
@@ -120,8 +122,8 @@ KINDS = {
         (24, 13),
         1e-4,
     ),
-    # Eight rods, each off its mark by itself: two unknowns a push.
-    "pushes by hand": (lambda: push_end_block(made_pushes(8), RECT1, None, 3), (24, 27), math.inf),
+    # Eight rods, each off its mark by itself, and as many objects turned: three unknowns a push.
+    "pushes by hand": (lambda: push_end_block(made_pushes(8), RECT1, None, 3), (24, 35), math.inf),
     "drags": (lambda: drag_turn_block(made_drags(8), RECT1), (8, 11), 3e-4),
     "cycles": (made_cycles, (12, 12), 5e-3),
     "worn cycles": (lambda: made_cycles(np.linspace(0.0, 1.0, 12)), (12, 19), math.inf),
@@ -211,13 +213,28 @@ def test_a_rod_that_starts_inside_is_drawn_back_and_one_that_misses_moves_nothin
     inside = MeasuredPush(Pose(), Pose(), (-0.018, 0.0495), (-0.018, -0.0005))
     whole = model.push(Pose(), WorldPush((-0.018, 0.06), -math.pi / 2.0, 0.0605)).end
     missing = MeasuredPush(Pose(), Pose(), (0.2, 0.2), (0.2, 0.3))
-    ends, by_shift, stayed = predicted_push_ends(model, [inside, missing])
+    ends, by, stayed = predicted_push_ends(model, [inside, missing])
     assert stayed.tolist() == [False, True]
     assert ends[0, 2] == pytest.approx(whole.theta, abs=1e-4)
-    assert not ends[1].any() and not by_shift[1].any() and by_shift[0].any()
+    assert not ends[1].any() and by[0].any()
+    # It stays turned as it lay.
+    assert by[1].tolist() == [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
     assert not predicted_push_ends(model, [missing])[0].any()
     deep = replace(inside, tip_start=(0.0, 0.0), tip_end=(0.001, 0.0))
     refused(predicted_push_ends, model, [deep], told="deep inside")
+
+
+def test_an_object_that_lay_turned_from_what_was_read_is_one_that_was_read_so() -> None:
+    pushes = made_pushes(4)
+    turned = [
+        replace(push, start=replace(push.start, theta=push.start.theta + 0.02)) for push in pushes
+    ]
+    by_hand, plain = push_end_block(pushes, RECT1, None, 1), push_end_block(turned, RECT1)
+    off = {row.name: 0.02 * ("turn" in row.name) for row in by_hand.own_parameters}
+    rods = dict.fromkeys((row.name for row in TIP_OFFSET), 0.0)
+    told, expected = by_hand.residuals(VALUES | off)[0], plain.residuals(VALUES | rods)[0]
+    assert told == pytest.approx(expected, abs=1e-12)
+    assert np.abs(told - by_hand.residuals(VALUES | dict.fromkeys(off, 0.0))[0]).max() > 0.02
 
 
 def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> None:
@@ -255,9 +272,8 @@ def test_measured_drags_turn_less_than_by_even_pressure_and_a_free_ring(
     ring help.
     """
     table = read_csv_table(measured_data / "mit_rect1_dragback_v10.csv")
-    drags = read_measured_drags(
-        table, [row for row in table.rows if table.text(row, "surface") == surface]
-    )
+    rows = known_columns(table, DRAG_ENDS)
+    drags = measured_drags(rows[rows["surface"] == surface])
     block = drag_turn_block(drags, RECT1)
     measured, ideal = block.motions[:, 1], block.residuals(PLAIN)[0]
     predicted = measured + ideal
@@ -273,4 +289,4 @@ def test_an_object_that_no_rod_touches_stays_with_all_columns_there() -> None:
     for target, heights in ((None, 0), ((0.0, 0.0), 9)):
         ends, by, stayed = predicted_push_ends(loop.model, [missing], (0.0, 0.0), ("mu_a",), target)
         assert ends.tolist() == [[0.0, 0.0, 0.0]] and stayed.tolist() == [True]
-        assert by.shape == (1, 3, 1 + heights + 2) and not by.any()
+        assert by.shape == (1, 3, 1 + heights + 3) and not by[..., :-1].any()

@@ -11,6 +11,7 @@ from refusals import refused
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import WrenchTwists, identify, wrench_twist_block
 from cyclemap.evidence.data_blocks.force_blocks import read_wrench_twists
+from cyclemap.evidence.pushes.columns import TWIST_COLUMNS, WRENCH_COLUMNS, known_columns
 from cyclemap.mechanics import EllipseFriction, LimitSurface, PressedFootprint, Slider, SurfaceShape
 from cyclemap.text_files import read_csv_table
 
@@ -49,9 +50,7 @@ def test_without_noise_friction_and_dome_come_back_exactly() -> None:
     assert found.values == pytest.approx({**PARTS, **TRUTH}, abs=1e-6)
 
 
-def test_the_derivatives_are_slopes_and_the_prediction_is_that_of_the_limit_surface_at_any_shape() -> (
-    None
-):
+def test_derivatives_are_slopes_and_the_prediction_the_limit_surfaces_at_any_shape() -> None:
     block, step = made_block(), 1e-3
     values = {
         "friction_scale": -1.3,
@@ -104,16 +103,10 @@ def test_anisotropy_seen_from_all_around_hardly_moves_the_dome() -> None:
 
 def pairs_in(path, rho, **wanted):
     """The pairs of the rows that have these texts."""
-    table = read_csv_table(path)
-    return read_wrench_twists(
-        table,
-        [
-            row
-            for row in table.rows
-            if all(table.text(row, key) == text for key, text in wanted.items())
-        ],
-        rho,
-    )
+    rows = known_columns(read_csv_table(path), (*WRENCH_COLUMNS, *TWIST_COLUMNS))
+    for key, text in wanted.items():
+        rows = rows[rows[key] == text]
+    return read_wrench_twists(rows, rho)
 
 
 def test_rows_of_a_table_are_read_as_they_were_scaled(tmp_path) -> None:

@@ -2,6 +2,7 @@
 carry the spread.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,10 @@ from cyclemap.evidence import (
     identify,
 )
 from cyclemap.evidence.data_blocks.collected_blocks import telling_parameters
-from cyclemap.evidence.data_blocks.session_blocks import SESSION_OWNED
-from cyclemap.evidence.identification.data_block import session_block, usual_beliefs
+from cyclemap.evidence.data_blocks.session_blocks import PLATE_OWNED, SESSION_OWNED
+from cyclemap.evidence.identification.data_block import linear_block, session_block, usual_beliefs
 from cyclemap.evidence.identification.known_floor import known_beliefs, known_shapes, known_spread
-from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES
+from cyclemap.evidence.identification.surface_parameters import FLOOR_NAMES, PLATE_NAMES
 from cyclemap.mechanics import Material, PlatePressure, SurfaceShape, load_material, material_toml
 
 MEAN, SPREAD = np.array([5.0, -4.0, 1.0]), np.array([2.5, 1.5, 1.5])
@@ -62,6 +63,24 @@ def test_mean_and_spread_of_sessions_come_back_and_each_has_its_own() -> None:
     )
     for name, spread in zip(FLOOR_NAMES, SPREAD, strict=True):
         assert found[name].standard_error == pytest.approx(spread / np.sqrt(24), rel=0.35)
+
+
+def test_plates_unlike_what_is_believed_do_not_let_sessions_drift_apart() -> None:
+    """Of a plate that was pushed in one session data tell the sum of its shape and the floor's."""
+    rng, blocks = np.random.default_rng(1), []
+    names = [f"plate{number}" for number in range(7)]
+    both = (*FLOOR_NAMES, *PLATE_NAMES)
+    jacobian = np.tile(np.eye(3), (12, 2))
+    for name in names:
+        seen = np.tile(MEAN + 12.0 * rng.standard_normal(3), 12) + 0.3 * rng.standard_normal(36)
+        block = linear_block("ends", both, jacobian, seen, np.arange(36) // 3, "seen (kPa)")
+        owned = block.of_owner(name, SESSION_OWNED).of_owner(name, PLATE_OWNED)
+        blocks.append(replace(owned, name=name))
+    blocks.append(session_block(names))
+    free = telling_parameters(blocks)
+    found = identify(blocks, free, priors=usual_beliefs(free), starts=1)
+    assert found.fit.converged and min(found.session_spread) > 1.0
+    assert max(found.session_spread) < 4.0
 
 
 @pytest.mark.slow
@@ -135,6 +154,18 @@ def test_known_shapes_of_plates_are_told_by_the_names_that_blocks_ask_for() -> N
         known, ["floor_dome", "floor_dome[hex]", "plate_dome[hex]", "plate_dome[tri1]"]
     )
     assert believed == {"floor_dome": (0.0, 2.0), "plate_dome[hex]": (1.0, 0.5)}
+
+
+def test_what_is_alike_in_all_samples_is_known_as_well_as_without_any() -> None:
+    """All samples of this floor have the ring's lever alike but for rounding: no data could move
+    it.
+    """
+    floor = load_material("plywood-floor")
+    place = floor.posterior.parameters.index("pin_friction_mm")
+    assert len({row[place] for row in floor.posterior.samples}) == 1
+    believed = known_beliefs(floor, ["pin_friction_radius", "pusher_friction", "offset_x"])
+    assert believed["pin_friction_radius"] == (pytest.approx(8e-4), 5e-4)
+    assert believed["pusher_friction"][1] > 1e-3 and "offset_x" not in believed
 
 
 def rows(plate: str, speed: int, tip_error: float) -> list[str]:

@@ -163,6 +163,7 @@ def test_the_correlation_of_successive_residuals_is_told() -> None:
     assert fit_periodic_law(theta, smeared, harmonics=3).lag_correlation == pytest.approx(
         0.5, abs=0.06
     )
+    assert fit_periodic_law(theta, truth(theta)).lag_correlation == 0.0
 
 
 def test_scatter_that_depends_on_the_angle_is_recovered_with_its_order() -> None:

@@ -25,10 +25,10 @@ from cyclemap.evidence.push_plan.sensitivity import (
     push_sensitivity,
     target_of,
 )
-from cyclemap.evidence.pushes.measured_strokes import SET_OFF, push_noise
+from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
 from cyclemap.mechanics import Pose, Slider
 
-NOISE = push_noise((1e-3, math.radians(1.0)))
+NOISE = push_noise(READ)
 PLATE = replace(Slider.mit("rect1"), name="plate")
 PLYWOOD = cm.CollectionLoop.mit("plywood", slider=PLATE)
 TRUTH = SurfaceParameters.from_friction(
@@ -54,7 +54,7 @@ def planned(target: str = "direction") -> PushPlan:
 def design(target: str) -> Design:
     known = believed()
     _, by, told = push_sensitivity(
-        known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), NOISE
+        known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), READ
     )
     return Design(known.covariance, told, target_of(known, target, by, NOISE))
 
@@ -183,6 +183,8 @@ def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
         told="width and depth of a room must be a finite number",
     )
     refused(plan_pushes, unknown, seed=-1, told="seed must be at least 0")
+    refused(plan_pushes, unknown, candidates=10**12, told="3e\\+13, of at most 5e\\+04")
+    refused(plan_pushes, unknown, samples=400, told="samples times candidates: 6.4e\\+04")
     refused(
         plan_pushes,
         unknown,
@@ -199,10 +201,8 @@ def test_a_push_that_depends_on_where_the_rod_is_set_tells_less() -> None:
     own.
     """
     noise, by = np.array([1e-3, 1e-3, 0.02]), np.ones((1, 3, 1))
-    assert over_noise(by, np.zeros((1, 3, 2)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
-    turning = np.zeros((1, 3, 2))
-    turning[0, 2, 0] = 10.0
+    assert over_noise(by, np.zeros((1, 3, 3)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
+    turning = np.zeros((1, 3, 3))
+    turning[0, 2, 0] = 0.03
     told = over_noise(by, turning, noise)[0, :, 0]
-    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(
-        1.0 / math.hypot(0.02, 10.0 * SET_OFF)
-    )
+    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(1.0 / math.hypot(0.02, 0.03))

@@ -212,6 +212,35 @@ def test_a_zero_of_angles_anywhere_is_found(tmp_path) -> None:
     assert check_pushes(cm.load_pushes(path, offset_deg=37.0), loop())
 
 
+def test_places_of_a_corner_and_lengths_in_pixels_are_told_as_what_they_are(tmp_path) -> None:
+    """Neither is taken for another zero of angles, which would fit them better than nothing."""
+    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.3, True, 3)
+    frame = pandas.read_csv(table.made(tmp_path, with_collection=False))
+    corner, path = complex(*foreign_tables.VERTICES[0]), tmp_path / "other.csv"
+    at_corner, pixels = frame.copy(), frame.copy()
+    for end in ("0", "1"):
+        moved = corner * np.exp(1j * frame[f"th{end}"])
+        at_corner[f"x{end}"] += moved.to_numpy().real
+        at_corner[f"y{end}"] += moved.to_numpy().imag
+        pixels[[f"x{end}", f"y{end}"]] *= 1.8
+    for written, told in (
+        (at_corner, r"of a point of the object \((4|5)\d?[\d.]*, -3[\d.]+\) mm from its origin"),
+        (pixels, r"were its lengths 0\.5\d+ times as long, [\d.]+ mm: are they pixels"),
+    ):
+        written.to_csv(path, index=False)
+        refused(check_pushes, cm.load_pushes(path), loop(), told=told, kind=OtherConvention)
+
+
+@pytest.mark.filterwarnings("ignore:pushes end")
+def test_sides_without_a_place_on_them_are_doubted(tmp_path) -> None:
+    table = foreign_tables.Foreign("made", foreign_tables.canonical, ".csv", "ours", 0.3, True, 3)
+    path = table.made(tmp_path, with_collection=False)
+    frame = pandas.read_csv(path)
+    frame.assign(side=np.arange(len(frame)) % 2 + 4).to_csv(path, index=False)
+    with pytest.warns(cm.errors.DoubtfulInput, match="no column tells where on them: add fraction"):
+        check_pushes(cm.load_pushes(path), loop())
+
+
 def test_a_collection_file_says_it_for_all_data_beside_it(tmp_path) -> None:
     table = foreign_tables.Foreign(
         "made", foreign_tables.canonical, ".csv", "picture", 0.0, True, 3

@@ -7,12 +7,13 @@ import pytest
 from refusals import refused
 
 from cyclemap.errors import DataFileError
+from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
-    read_measured_drags,
-    read_measured_pushes,
-    selected_rows,
+    measured_drags,
+    measured_pushes,
+    selected,
 )
 from cyclemap.mechanics import Pose
 from cyclemap.text_files import read_csv_table
@@ -34,9 +35,9 @@ def written(folder: Path, *rows: str, header: str = HEADER) -> Path:
 
 def pushes_in(path: Path, **chosen: str) -> tuple[MeasuredPush, ...]:
     """The pushes of the rows whose facts are these."""
-    table = read_csv_table(path)
+    rows = known_columns(read_csv_table(path), (*ENDS, *RODS))
     objects = (chosen["object"],) if "object" in chosen else ()
-    return read_measured_pushes(table, selected_rows(table, RowSelection(objects, chosen))[0])
+    return measured_pushes(selected(rows, RowSelection(objects, chosen))[0])
 
 
 def test_rows_of_other_objects_and_of_missed_pushes_are_left_out(tmp_path: Path) -> None:
@@ -55,7 +56,7 @@ def test_drags_are_read_with_a_group_each(tmp_path: Path) -> None:
     table = read_csv_table(
         written(tmp_path, "abs,0.3,0,-3.1,0.35,0,3.1", "abs,0.3,0,1.0,0.35,0,1.2", header=header)
     )
-    drags = read_measured_drags(table, table.rows)
+    drags = measured_drags(known_columns(table, DRAG_ENDS))
     assert [drag.contact for drag in drags] == [0, 1]
     assert drags[0].end.theta == pytest.approx(3.1 - 2.0 * math.pi)
 

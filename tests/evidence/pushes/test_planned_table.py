@@ -17,7 +17,7 @@ from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_table import empty_table
-from cyclemap.evidence.pushes.measured_strokes import push_noise
+from cyclemap.evidence.pushes.measured_strokes import push_noise, set_up_errors
 from cyclemap.evidence.pushes.planned_table import (
     filled_text,
     is_planned,
@@ -80,7 +80,9 @@ def test_poses_and_rods_come_back_whichever_way_they_were_measured(
     )
     for row, poses, planned in zip(table.to_dict("records"), STATES, PUSHES, strict=True):
         for names, pose in zip(
-            (("x0", "y0", "th0"), ("x1", "y1", "th1"), ("x0n", "y0n", "th0n")), poses, strict=True
+            (("x0", "y0", "theta0"), ("x1", "y1", "theta1"), ("x0n", "y0n", "theta_next")),
+            poses,
+            strict=True,
         ):
             x, y, theta = (row[name] for name in names)
             assert (x, y) == pytest.approx((pose.x, pose.y), abs=5e-6)
@@ -229,7 +231,7 @@ def test_a_robot_that_tells_its_rod_is_believed_and_its_frame_may_be_shifted(
     assert len(as_read(path)) == len(PUSHES)
 
 
-def test_identification_takes_the_errors_that_the_table_tells_and_frees_each_rods_own_shift(
+def test_identification_takes_the_errors_that_the_table_tells_and_frees_how_each_push_was_set_up(
     tmp_path: Path,
 ) -> None:
     path = tmp_path / "read.csv"
@@ -240,8 +242,17 @@ def test_identification_takes_the_errors_that_the_table_tells_and_frees_each_rod
     assert data.noise == pytest.approx(sizes)
     shifts = [name for block in data.blocks for name in block.parameters if "_off" in name[:10]]
     assert shifts == [
-        f"rod_off_{axis}[push {number}]" for number in range(1, len(PUSHES) + 1) for axis in "xy"
+        f"rod_off_{way}[push {number}]"
+        for number in range(1, len(PUSHES) + 1)
+        for way in ("x", "y", "turn")
     ]
+    off, _, turned = set_up_errors(READ).tolist()
+    beliefs = data.beliefs(["rod_off_y[push 2]", "rod_off_turn[push 5]", "pusher_friction"])
+    assert beliefs == {
+        "rod_off_y[push 2]": (0.0, off),
+        "rod_off_turn[push 5]": (0.0, turned),
+        "pusher_friction": (0.15, 0.05),
+    }
     table = pd.read_csv(path).drop(columns=["error_mm", "error_deg", "frames_agree"])
     table.to_csv(tmp_path / "plain.csv", index=False)
     plain = collected_blocks([tmp_path / "plain.csv"], LOOP)

@@ -43,8 +43,8 @@ def elapsed(rows):
 
 
 def in_object_frame(record):
-    """The tip's places (n, 2) in the object's frame,
-    at the object's times from the tip's first on."""
+    """The tip's places (n, 2) in the object's frame, at the object's times from the tip's first
+    on."""
     time = record.object_pose[3:-3, 0]
     tip = np.stack(
         [np.interp(time, record.tip_pose[:, 0], record.tip_pose[:, k]) for k in (1, 2)], axis=-1

@@ -14,6 +14,7 @@ import cyclemap as cm
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, UnsupportedContact
 from cyclemap.evidence import simulated_collection as module
+from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.push_table import load_pushes
 from cyclemap.evidence.recorded_push import RecordingNoise
 from cyclemap.evidence.simulated_collection import (
@@ -75,6 +76,16 @@ def test_files_lie_where_the_dataset_has_them_under_its_names(tmp_path) -> None:
 
 
 @pytest.mark.slow
+def test_its_motions_are_read_as_they_were_made(tmp_path) -> None:
+    """On a floor that moves the object otherwise than isotropic friction: pushes that are alike
+    are off alike, which tells no other point of the object.
+    """
+    loop = CollectionLoop.mit("abs", accuracy=1e-6)
+    made = simulate_collection(loop, tmp_path, CYCLES, noise=SILENT, suffix=".json")
+    (words,) = check_pushes(load_pushes(made.folder), loop)
+    assert words.startswith("read with axes right-handed, angles counter-clockwise")
+
+
 def test_cycles_scatter_about_the_map_as_asked(tmp_path) -> None:
     """θ_{n+1} - F(θ_n) is normal noise: mean, deviation and correlation within three standard
     errors.

@@ -76,7 +76,7 @@ def test_a_loop_of_period_doublings_closes():
     assert abs(abs(angle[-1] - angle[0]) - TWO_PI) < 1e-12
 
 
-def test_cusps_and_generalised_flips_of_random_families_lie_within_their_bounds_of_their_equations_roots():
+def test_cusps_and_flips_of_random_families_lie_within_their_bounds_of_their_equations_roots():
     """The equations of each point, written out for two waves with phases,
     are solved by themselves."""
     rng, counts = np.random.default_rng(4), {"cusp": 0, "generalised flip": 0}

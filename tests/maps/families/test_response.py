@@ -127,6 +127,27 @@ def test_windings_of_random_families_move_as_their_differences_and_where_a_jump_
         assert found.error_bound < 1e-6 and doubt < 1e-6
 
 
+def test_families_known_to_an_error_only_answer_within_their_bounds():
+    """Every map of the family off by so much, each in its own way: the bounds hold the exact one's
+    answers.
+    """
+    rng, noise, off, within = np.random.default_rng(3), WrappedNormal(SIGMA), 1e-6, (0.0, 0.2)
+
+    def nearly(omega):
+        phase = rng.uniform(0.0, TWO_PI)
+        return CircleMap(lambda x: sine(omega)(x) + off * np.sin(x + phase), max_error=off)
+
+    exact, found = (response(family, 0.1, noise, within) for family in (sine, nearly))
+    pairs = [(exact.rotation_number, found.rotation_number)]
+    pairs += [(exact.expectation(f), found.expectation(f)) for f in (np.cos, np.sin)]
+    pairs += [(exact.stable_points[0][1], found.stable_points[0][1])]
+    times = [answer.mean_passage_time(0.77, (0.0, 1.6)) for answer in (exact, found)]
+    for truth, value in [*pairs, times]:
+        assert value.holds(float(truth))
+        assert 1e3 * truth.error_bound < value.error_bound < 0.05 * (1.0 + abs(truth))
+    assert max(abs(value - truth) / value.error_bound for truth, value in pairs) > 0.05
+
+
 def test_what_has_no_response_is_refused():
     refused(response, sine, 0.3, WrappedNormal(SIGMA), (0.0, 0.2), told="outside the parameters")
     refused(response, sine, 0.1, UniformNoise(1.0), (0.0, 0.2), told="smooth density")

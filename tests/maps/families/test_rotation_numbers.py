@@ -1,7 +1,6 @@
 """Rotation numbers of many maps at once, and over planes of parameters: phase diagrams."""
 
 import threading
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -91,20 +90,6 @@ def test_many_at_once_and_map_by_map_agree():
     assert np.all(
         (together.winding == singly.winding)[both] & (together.period == singly.period)[both]
     )
-
-
-@pytest.mark.parametrize("kind", [ThreadPoolExecutor, ProcessPoolExecutor])
-def test_an_executor_gives_the_same_plane(kind):
-    told = []
-    first, second = np.linspace(0.1, 0.9, 5), np.array([0.5, 1.5])
-    plain = rotation_plane(one_by_one, first, second, tolerance=1e-2)
-    with kind(2) as executor:
-        spread = rotation_plane(
-            one_by_one, first, second, 1e-2, progress=told.append, executor=executor
-        )
-    for name in ("value", "lower", "upper", "period", "winding", "folded"):
-        np.testing.assert_array_equal(getattr(spread, name), getattr(plain, name))
-    assert told == sorted(told) and told[-1] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def test_at_a_jump_the_value_from_the_right_is_taken_and_the_one_from_the_left_i
     assert preimages(made, 0.5).tolist() == [1.0]
 
 
-def test_each_preimage_counts_once_where_a_kink_of_a_monotone_map_or_the_end_of_the_turn_lies_on_the_level():
+def test_each_preimage_counts_once_where_a_kink_or_the_end_of_the_turn_lies_on_the_level():
     bent = CircleMap.from_branches(
         [(0, 2, lambda x: x, None), (2, TWO_PI, lambda x: x + 0.2 * (x - 2) * (TWO_PI - x), None)]
     )

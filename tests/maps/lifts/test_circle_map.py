@@ -154,6 +154,7 @@ NOT_A_LIFT = {
     "theta decreases after": lambda: CircleMap.from_samples([0, 2, 1], [0, 1, 2]),
     "must cover one turn": lambda: CircleMap.from_samples([0, 3, 7], [0, 3, 7]),
     "three times": lambda: CircleMap.from_samples([0, 1, 1, 1, 2], [0, 1, 1, 1, 2]),
+    "radians apart": lambda: CircleMap.from_samples([0, 1e-300, 1, 2], [0, 1e-300, 1, 2.1]),
     "must have as many": lambda: CircleMap.from_samples([0, 1, 2], [0, 1]),
     "at least 3": lambda: CircleMap.from_samples([0, 1], [0, 1]),
     "must have 1 axes": lambda: CircleMap.from_samples([[0, 1, 2]], [[0, 1, 2]]),

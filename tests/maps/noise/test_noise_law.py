@@ -2,8 +2,18 @@
 
 import numpy as np
 import pytest
+from refusals import refused
 
-from cyclemap.maps import Noise, UniformNoise, VonMises, WrappedCauchy, WrappedNormal
+from cyclemap.maps import (
+    CircleMap,
+    Noise,
+    UniformNoise,
+    VonMises,
+    WrappedCauchy,
+    WrappedNormal,
+    mean_passage_time,
+    transfer_operator,
+)
 
 TWO_PI = 2 * np.pi
 SMOOTH = [
@@ -135,6 +145,37 @@ def test_concentrated_von_mises_noise_becomes_normal_without_a_seam():
         x = np.array([0.0, 1.0, 4.0]) * normal.sigma
         np.testing.assert_allclose(law.density(x), normal.density(x), rtol=30 / kappa + 1e-14)
         np.testing.assert_allclose(law.exceedance(x), normal.exceedance(x), rtol=30 / kappa + 1e-13)
+
+
+@pytest.mark.parametrize(
+    "law", [WrappedNormal(2.6), WrappedNormal(9.0), UniformNoise(7.5), UniformNoise(40.0)]
+)
+def test_arcs_under_wide_noise_are_what_all_their_images_hold(law):
+    low = np.linspace(-9.0, 9.0, 37)
+    for length in (1e-9, 0.3, 3.0, 6.2):
+        images = low[:, None] + TWO_PI * np.arange(-30, 31)
+        held = law.exceedance(images) - law.exceedance(images + length)
+        off = np.abs(law.arc_probability(low, low + length) - held.sum(axis=1))
+        assert np.max(off) < 1e-14 * (1 + np.max(images) / law.variance**0.5)
+
+
+@pytest.mark.parametrize("law", [WrappedNormal(1e9), UniformNoise(1e9), VonMises(1e-9)])
+def test_the_widest_noise_makes_every_angle_alike_in_no_time(law):
+    """Chances by the arc's length alone, and a passage that is left with the same chance each
+    cycle.
+    """
+    map_there = CircleMap.arnold(0.1, 0.9)
+    assert abs(law.arc_probability(0.5, 2.0) - 1.5 / TWO_PI) < 1e-8
+    operator = transfer_operator(map_there, law)
+    assert np.max(np.abs(operator.density(np.linspace(0.0, 6.0, 7)) - 1.0 / TWO_PI)) < 1e-8
+    time = mean_passage_time(map_there, law, 1.0, (0.5, 2.0))
+    assert abs(time - 1.0 / (1.0 - 1.5 / TWO_PI)) < 1e-7
+
+
+@pytest.mark.parametrize("kind", [WrappedNormal, UniformNoise, VonMises])
+def test_widths_whose_squares_leave_the_floats_are_refused(kind):
+    for width in (0.0, -1.0, 1e-200, 1e200):
+        refused(kind, width, told="from 1e-100 to 1e100")
 
 
 def test_cauchy_arcs_far_from_a_narrow_law_keep_their_digits():

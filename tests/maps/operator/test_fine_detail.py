@@ -1,5 +1,5 @@
-"""Lifts with fine detail: the operator against dense sums,
-and against ten million steps of a path."""
+"""Lifts with fine detail: the operator against dense sums, and against ten million steps of a
+path."""
 
 import numpy as np
 import pytest

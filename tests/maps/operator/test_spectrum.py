@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from cyclemap.maps import CircleMap, UniformNoise, WrappedCauchy, WrappedNormal, transfer_operator
+from cyclemap.maps import (
+    CircleMap,
+    UniformNoise,
+    WrappedCauchy,
+    WrappedNormal,
+    mean_passage_time,
+    transfer_operator,
+)
 from tests.maps.known_maps import TWIN_WELLS
 
 TWO_PI = 2 * np.pi
@@ -11,8 +18,8 @@ Z_STAR = 0.2550616828143848456 - 0.2049307699033403712j
 
 
 def test_moebius_with_cauchy_noise_has_powers_of_its_multiplier_and_their_conjugates():
-    """With g = rB, B the Möbius map of the disc,
-    the eigenvalues are g'(z*)^n and their conjugates."""
+    """With g = rB, B the Möbius map of the disc, the eigenvalues are g'(z*)^n and their
+    conjugates."""
     a, omega, r = 0.5, 0.3, 0.9
     multiplier = r * np.exp(2j * np.pi * omega) * (1 - a * a) / (1 - a * Z_STAR) ** 2
     known = np.array([multiplier**n for n in range(1, 5)])
@@ -131,8 +138,9 @@ def test_slow_mixing_between_wells_is_the_rate_of_escape():
     """For two equal wells 1 - λ₂ = 2/T, T the mean time from one well to the bottom of the other
     (Kramers 1940).
     """
-    law = transfer_operator(TWIN_WELLS, WrappedNormal(0.28))
-    hop = law.mean_passage_time(0.0, (0.5 - np.pi, np.pi - 0.5))
+    noise = WrappedNormal(0.28)
+    law = transfer_operator(TWIN_WELLS, noise)
+    hop = mean_passage_time(TWIN_WELLS, noise, 0.0, (0.5 - np.pi, np.pi - 0.5))
     assert law.spectral_gap == pytest.approx(2.0 / hop, rel=1e-3)
     assert 1e-6 < law.spectral_gap < 1e-4
 

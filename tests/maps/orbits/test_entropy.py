@@ -81,8 +81,8 @@ def test_without_folds_it_is_the_logarithm_of_the_degree():
 
 
 def test_a_lift_whose_rotation_interval_is_one_fraction_may_have_none_and_wide_ones_have_much():
-    """An interval of rotation numbers [0,
-    1/2] or wider means positive entropy (Misiurewicz 1986)."""
+    """An interval of rotation numbers [0, 1/2] or wider means positive entropy (Misiurewicz
+    1986)."""
     rng, wide = np.random.default_rng(2), 0
     for _ in range(8):
         circle_map = CircleMap.arnold(rng.uniform(0, 1), rng.uniform(1.2, 4.0))

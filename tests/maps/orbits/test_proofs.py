@@ -157,7 +157,7 @@ def test_a_pair_born_where_another_vanishes_is_no_theorem():
 
 
 def test_rotation_numbers_lie_within_bounds_that_are_theorems():
-    """Those of Möbius maps in closed form, of a lock exactly, of folded lifts the whole interval."""
+    """Möbius maps' in closed form, that of a lock exactly, of folded lifts the whole interval."""
     for circle_map, turns in KNOWN_TURNS:
         found = rotation_number(circle_map, iterates=1500, proved=True)
         assert found.lower <= turns <= found.upper and found.locked is None

@@ -57,7 +57,7 @@ def test_counted_iterates_across_the_bottleneck_confirm_the_relative_error_at_ev
         parabola = 2 * atan(REACH) / sqrt(found.curvature * found.gap)
         # The share of the last step is itself good to (slope of the move)/8 of a cycle.
         slack = found.curvature * reach / parabola
-        assert abs(abs(counted / parabola - 1) - found.relative_error) <= slack
+        assert abs(abs(counted / parabola - 1) - found.relative_error) <= 1.01 * slack
 
 
 def exact_cycles(a, omega, low, high):
@@ -84,7 +84,10 @@ def test_what_the_parabola_misses_and_what_rounding_hides_is_in_the_relative_err
         exact = exact_cycles(0.5, omega, found.theta - reach, found.theta + reach)
         parabola = 2 * atan(REACH) / sqrt(found.curvature * found.gap)
         off = abs(float(exact / parabola - 1))
-        assert off <= found.relative_error * (1 + 1e-5) <= 1.01 * off + 1e-14 / found.gap
+        slack = found.curvature * reach / parabola
+        assert (
+            off <= found.relative_error * (1 + 1e-5) <= 1.01 * off + 2 * slack + 1e-14 / found.gap
+        )
 
 
 def test_a_tongue_of_period_two_leaves_one_passage_at_each_point():

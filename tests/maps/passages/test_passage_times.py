@@ -15,7 +15,6 @@ from cyclemap.maps import (
     hitting_probability,
     mean_passage_time,
     survival_probabilities,
-    transfer_operator,
 )
 from cyclemap.maps.passages.killed_chain import eliminated, killed_chain
 from tests.maps.known_maps import DROPPING, reset, simulated, within
@@ -40,7 +39,6 @@ def test_the_known_passage_out_of_a_quarter_turn():
     assert isinstance(found, Estimate)
     assert abs(found - KNOWN) < found.error_bound + 5e-12  # all the digits that are known
     assert found.error_bound < 1e-12
-    assert found == transfer_operator(STICKY, noise).mean_passage_time(STABLE, (0.0, np.pi / 2))
     moved = mean_passage_time(STICKY, noise, STABLE + TWO_PI, (-TWO_PI, -1.5 * np.pi))
     assert abs(moved - found) < moved.error_bound + found.error_bound
 
@@ -142,7 +140,7 @@ def test_elimination_agrees_with_plain_solutions_and_blocks_change_nothing():
 def test_hitting_probability_against_monte_carlo():
     noise, a, b = WrappedNormal(0.4), (2.2, 3.0), (5.0, 6.0)
     _, last = simulated(STICKY, noise, STABLE, lambda x: within(x, a) | within(x, b), 100_000)
-    found = transfer_operator(STICKY, noise).hitting_probability(STABLE, a, b)
+    found = hitting_probability(STICKY, noise, STABLE, a, b)
     assert abs(found - np.mean(within(last, a))) < 4 * np.sqrt(found * (1 - found) / last.size)
 
 

@@ -1,0 +1,336 @@
+"""A collection's pushes, parted into the sets that were pushed alike, and how much equal pushes
+differ.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cyclemap.arrays import Array, shorter_way
+from cyclemap.errors import InvalidInput, unknown_name
+from cyclemap.evidence.pushes.columns import Row, Selection
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+
+if TYPE_CHECKING:
+    import pandas
+
+
+# The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
+FEWEST = 20
+SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
+_LETTERS = {
+    "acceleration": ("a", 1e3),
+    "speed": ("v", 1e3),
+    "side": ("i", 1.0),
+    "fraction": ("s", 1.0),
+    "angle": ("t", 1.0),
+}
+QUANTITIES = ("dtheta", "dx", "dy")
+# Two values have a spread; nobody should quote that of fewer than this many.
+_FEWEST_FOR_SPREAD = 5
+
+
+@dataclass(frozen=True, eq=False)
+class PushSet:
+    """The pushes of one surface, object and protocol, from one folder or CSV table, in order of
+    recording.
+
+    Attributes
+    ----------
+    name : str
+        Short, unlike that of any other set of the collection.
+    source : Path
+        The folder or the table.
+    facts : mapping
+        What all its pushes share, SI units and radians: the columns of ``SURROUNDINGS`` and
+        ``CONTACT`` that are known.
+    contacts : int
+        How many places and directions of pushing it pools; 1 for repeated pushes.
+    theta : ndarray, shape (n,)
+        Orientation before each push, rad.
+    dtheta : ndarray, shape (n,)
+        Turn of the push, rad; NaN where unknown.
+    dx, dy : ndarray, shape (n,)
+        Displacement in the object's initial frame, m; NaN where unknown.
+    pairs : Theta0Pairs or None
+        The steps of the cycle map, where orientations before successive pushes are known, else
+        None.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
+    >>> slate = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> slate.count, slate.has_motion
+    (30, True)
+    """
+
+    name: str
+    source: Path
+    facts: Row
+    contacts: int
+    theta: Array
+    dtheta: Array
+    dx: Array
+    dy: Array
+    pairs: Theta0Pairs | None
+
+    @property
+    def count(self) -> int:
+        """How many pushes it has."""
+        return self.theta.size
+
+    @property
+    def has_motion(self) -> bool:
+        """Whether any push has its turn and displacement, and not its first orientation alone."""
+        return bool(np.isfinite(self.dtheta).any())
+
+
+def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushSet, ...]:
+    """Part the pushes into sets pushed alike: same folder (or CSV table), surface, object, speed
+    and contact.
+
+    Parameters
+    ----------
+    pushes : PushTable
+        A table of pushes.
+    select : mapping of str to str or float or None, optional
+        Columns of ``SURROUNDINGS`` and ``CONTACT`` with the one value to keep, SI units and
+        radians; None: all are kept.
+
+    Returns
+    -------
+    tuple of PushSet
+        In the order in which they were recorded.
+
+    Raises
+    ------
+    InvalidInput
+        For a column of another name, and where nothing is selected.
+
+    Notes
+    -----
+    Where no set of a folder has 20 pushes, no push was repeated there often enough: its sets
+    are then pooled over the contacts, and say so in ``contacts``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from cyclemap.evidence import load_pushes, push_sets
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     text = "theta0_deg\\n" + "".join(f"{8 * push}\\n" for push in range(25))
+    ...     count = Path(place, "slate.csv").write_text(text)
+    ...     (pushes,) = push_sets(load_pushes(f"{place}/slate.csv"))
+    >>> pushes.name, pushes.count, pushes.has_motion
+    ('slate', 24, False)
+    """
+    table = selected_pushes(pushes.table, select or {})
+    gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
+    for home, rows in table.groupby(homes(table), sort=False):
+        for columns in (SET_FACTS, SURROUNDINGS):
+            sets = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
+            if any(len(own) >= FEWEST for own in sets):
+                break
+        gathered += [(Path(home), _shared(own), own) for own in sets]
+    names = _names([(home, facts) for home, facts, _ in gathered])
+    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
+
+
+def _shared(rows: pandas.DataFrame) -> Row:
+    """The facts that are known and the same for all rows."""
+    facts = rows[[*SET_FACTS]]
+    alike = facts.nunique(dropna=False) == 1
+    return dict(facts.iloc[0][alike & facts.iloc[0].notna()])
+
+
+def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFrame:
+    """Return the rows whose columns of ``SURROUNDINGS`` and ``CONTACT`` have these values, SI units
+    and radians.
+
+    Raises InvalidInput, telling what there is, for a column of another name and where no push has a
+    value.
+    """
+    kept = np.ones(len(table), dtype=bool)
+    for column, value in select.items():
+        if column not in SET_FACTS:
+            raise unknown_name("column", column, SET_FACTS)
+        cells = table[column]
+        same = (
+            cells == value
+            if column in _TEXT
+            else np.isclose(cells.to_numpy(), value, rtol=1e-6, atol=1e-9)
+        )
+        if not np.any(same):
+            there = ", ".join(
+                sorted({f"{cell:g}" if isinstance(cell, float) else str(cell) for cell in cells})
+            )
+            raise InvalidInput(
+                f"no such {column}: {value}; the data have {there or 'no push at all'}"
+            )
+        kept &= np.asarray(same, dtype=bool)
+    if select and not kept.any():
+        raise InvalidInput(
+            f"no push has {', '.join(f'{key} {value}' for key, value in select.items())} at once"
+        )
+    return table[kept]
+
+
+def _push_set(name: str, home: Path, facts: Row, rows: pandas.DataFrame) -> PushSet:
+    contacts = rows.groupby([*CONTACT], dropna=False).ngroups
+    ordered = contacts == 1 and rows["repetition"].notna().all() and rows["repetition"].is_unique
+    if ordered:
+        rows = rows.sort_values("repetition", kind="stable")
+    theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
+    if home.suffix.lower() == CSV_SUFFIX and not np.isfinite(dtheta).any():
+        pairs: Theta0Pairs | None = read_theta0_pairs(home)
+    else:
+        pairs = _pairs(
+            theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
+        )
+    return PushSet(name, home, facts, contacts, theta, dtheta, dx, dy, pairs)
+
+
+def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) -> Theta0Pairs | None:
+    """The steps of pushes, in order where they are numbered; None without any."""
+    known = np.isfinite(theta_next)
+    if not known.any():
+        return None
+    if repetition is None:
+        return Theta0Pairs(theta[known], theta_next[known])
+    # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
+    number = repetition.to_numpy()
+    turn = theta_next - theta
+    follows = known[:-1] & (np.diff(number) == 1.0)
+    steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
+    path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
+    return Theta0Pairs.along(path, turn, known, number)
+
+
+def _names(sets: list[tuple[Path, Row]]) -> list[str]:
+    """The shortest names that tell the sets apart: surface and object, then all facts, then the
+    source too.
+
+    Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
+    """
+    known = []
+    for number, (home, facts) in enumerate(sets, 1):
+        short = " ".join(facts[key] for key in _TEXT if key in facts) or home.stem
+        told = [
+            f"{letter}={facts[key] * unit:g}"
+            for key, (letter, unit) in _LETTERS.items()
+            if key in facts and (letter != "a" or facts[key])
+        ]
+        long = " ".join([short, *told])
+        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}"))
+    alike = [Counter(names) for names in zip(*known, strict=True)]
+    return [
+        next(name for name, counts in zip(names, alike, strict=True) if counts[name] == 1)
+        for names in known
+    ]
+
+
+@dataclass(frozen=True)
+class MotionStatistics:
+    """Mean and standard deviation of one quantity: Δθ in rad, Δx or Δy in m.
+
+    Attributes
+    ----------
+    count : int
+        How many pushes.
+    mean : float
+        Of the quantity.
+    std : float
+        Standard deviation, n - 1 in its divisor.
+    """
+
+    count: int
+    mean: float
+    std: float
+
+    @property
+    def percent(self) -> float:
+        """The standard deviation in per cent of the mean's size; inf for a mean of 0."""
+        return 100.0 * self.std / abs(self.mean) if self.mean != 0.0 else float("inf")
+
+
+@dataclass(frozen=True)
+class PushStatistics:
+    """A row of the table of what pushes did.
+
+    Attributes
+    ----------
+    name : str
+        That of the set.
+    count : int
+        How many pushes it has.
+    dtheta : MotionStatistics or None
+        Mean and standard deviation of Δθ, rad.
+    dx, dy : MotionStatistics or None
+        Mean and standard deviation of Δx and Δy, m.
+    problem : str or None
+        What is wrong with it; None where nothing is.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, push_statistics
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.full(30, 0.04), np.full(30, -0.07)
+    >>> row = push_statistics(PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, None))
+    >>> round(row.dtheta.mean, 3), round(row.dtheta.percent, 1), row.problem
+    (1.199, 6.0, None)
+    """
+
+    name: str
+    count: int
+    dtheta: MotionStatistics | None
+    dx: MotionStatistics | None
+    dy: MotionStatistics | None
+    problem: str | None = None
+
+
+def push_statistics(pushes: PushSet) -> PushStatistics:
+    """Return the mean and the standard deviation of what the pushes of a set did.
+
+    Parameters
+    ----------
+    pushes : PushSet
+        The set.
+
+    Returns
+    -------
+    PushStatistics
+        The set's row of the table; with fewer than five pushes of known motion it has a problem
+        and no numbers.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, push_statistics
+    >>> few = np.zeros(3)
+    >>> row = push_statistics(PushSet("few", Path("few.csv"), {}, 1, few, few, few, few, None))
+    >>> row.dtheta is None, row.count
+    (True, 3)
+    """
+    known = np.isfinite(pushes.dtheta)
+    count = int(np.sum(known))
+    if count < _FEWEST_FOR_SPREAD:
+        reason = f"too few pushes with a known end for a spread: {count} of {_FEWEST_FOR_SPREAD}"
+        return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
+    dtheta, dx, dy = (
+        MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))
+        for one in (pushes.dtheta, pushes.dx, pushes.dy)
+    )
+    return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

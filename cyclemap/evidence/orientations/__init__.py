@@ -1,2 +1,0 @@
-"""Measured orientations against a predicted law: distances, tests,
-p-values that hold for chains."""

@@ -1,0 +1,16 @@
+"""How far a long computation is: what it reports to, and what its parts do."""
+
+from collections.abc import Callable
+
+# Called with the fraction done, in (0, 1].
+Progress = Callable[[float], None]
+
+
+def part_of(progress: Progress | None, number: float, count: float) -> Progress:
+    """Return the function to which part `number` of `count` (from 0) reports the fraction of it
+    that is done; to None nothing is reported.
+
+    >>> part_of(print, 1, 4)(0.5)
+    0.375
+    """
+    return lambda fraction: None if progress is None else progress((number + fraction) / count)

@@ -1,0 +1,545 @@
+"""The design of a reset: what to do, what that leaves and what it costs, beside a few others to ask
+about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from cyclemap.arrays import Array
+from cyclemap.checks import positive_number
+from cyclemap.collection.loop import CollectionLoop
+from cyclemap.mechanics import Material
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
+from cyclemap.resets.action_cycles import (
+    SampledTurns,
+    contact_lengths,
+    room_needed,
+    sample_turns,
+    seconds,
+)
+from cyclemap.resets.material_range import MaterialRange, material_range
+from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
+from cyclemap.resets.reset_ranking import (
+    AFTER,
+    AS_IT_IS,
+    CHOSEN,
+    CONTACT,
+    CONTACTS,
+    DRAG,
+    FIRM,
+    GIVEN,
+    OWN,
+    REACH,
+    RESET,
+    SECONDS,
+    SIMPLEST,
+    TV,
+    WITH_GRIPPER,
+    Limit,
+    Pool,
+    ResetDemands,
+    gathered,
+    picked,
+)
+from cyclemap.resets.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
+from cyclemap.resets.strategy_run import (
+    histogram_distances,
+    histogram_shares,
+    independent_distance,
+    sampled_orientations,
+    steered_orientations,
+)
+
+STEERED = "steered"
+# The chosen one, and six to compare it with.
+MOST_ROWS = 7
+_SAMPLES, _REFINED = 48, 720
+# Fourier modes at most of the laws on materials that are not nominal.
+_ENOUGH_MODES = 96
+# Collections simulated for a histogram, and cycles of them all at most.
+_RUNS, _MOST_SIMULATED = 200, 4_000_000
+# Those by which the material is found where a histogram is worst.
+_ROUGH_RUNS = 20
+_RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
+# Strategies by what they are told for.
+Picks = list[tuple[str, ResetStrategy]]
+
+
+@dataclass(frozen=True, eq=False)
+class ResetRow:
+    """A strategy with what it leaves and costs.
+
+    Attributes
+    ----------
+    roles : tuple of str
+        Why it is told.
+    strategy : ResetStrategy
+        What the robot does.
+    nominal : OrientationLaw
+        Law on the nominal material.
+    worst, worst_after : float
+        Total variation in the long run, and after some pushes from the worst start, each at the
+        worst of the materials, as `MaterialRange.worst` takes it.
+    worst_material : Material
+        That of the latter.
+    drag : float
+        Mean drag of a cycle, m.
+    seconds : float
+        Mean time of a cycle, s.
+    room : float
+        Farthest distance of rod or object from the target, m.
+    contact : float
+        Least way of the rod in contact, m.
+    histogram : tuple[float, float]
+        Mean and standard deviation over 200 runs of the histogram distance of the pushes to be
+        collected, nominal.
+    worst_histogram : tuple[float, float]
+        The same where that is worst.
+    misses : tuple of str
+        Demands missed; a histogram that lies no further from uniform at worst than that of
+        independent pushes misses none about uniformity.
+    lacking : tuple of str
+        Abilities that it needs and the robot has not.
+
+    Examples
+    --------
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
+    >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
+    >>> demands = ResetDemands(pushes=50, within=10)
+    >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP
+    >>> round(design.chosen.drag, 4), round(design.chosen.seconds, 1)  # doctest: +SKIP
+    (0.0979, 22.4)
+    """
+
+    roles: tuple[str, ...]
+    strategy: ResetStrategy
+    nominal: OrientationLaw
+    worst: float
+    worst_after: float
+    worst_material: Material
+    drag: float
+    seconds: float
+    room: float
+    contact: float
+    histogram: tuple[float, float]
+    worst_histogram: tuple[float, float]
+    misses: tuple[str, ...]
+    lacking: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ResetDesign:
+    """The answer of `design_reset`.
+
+    Attributes
+    ----------
+    loop : CollectionLoop
+        The loop as it is.
+    sigma : float
+        Noise of a cycle, rad.
+    demands : ResetDemands
+        What was asked for.
+    about : MaterialRange
+        The range of materials.
+    rows : tuple of ResetRow
+        The chosen one first, the loop as it is last where it is not chosen, seven at most.
+    met : bool
+        Whether the chosen one meets every demand.
+    binding : tuple of Limit
+        Where not, what the demands it misses could be at least.
+    independent : float
+        Mean histogram distance of independent uniform pushes.
+    orders : dict of str to float
+        Histogram distance of the chosen actions by order, and "steered" by the monitor.
+    ratio_errors : ndarray, shape (n,)
+        By how much the ratio of the axes is off.
+    ratio_tv : ndarray, shape (2, n) or (1, n)
+        Total variation in the long run there, of the chosen row and of the simplest.
+    before, after : ndarray, shape (runs, 36)
+        Histograms of the pushes as shares, of the loop as it is and of the chosen one.
+
+    Examples
+    --------
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
+    >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
+    >>> demands = ResetDemands(pushes=50, within=10)
+    >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP
+    >>> design.met, design.chosen is design.own  # doctest: +SKIP
+    (True, True)
+    """
+
+    loop: CollectionLoop
+    sigma: float
+    demands: ResetDemands
+    about: MaterialRange
+    rows: tuple[ResetRow, ...]
+    met: bool
+    binding: tuple[Limit, ...]
+    independent: float
+    orders: dict[str, float]
+    ratio_errors: Array
+    ratio_tv: Array
+    before: Array
+    after: Array
+
+    @property
+    def chosen(self) -> ResetRow:
+        """The first row."""
+        return self.rows[0]
+
+    @property
+    def own(self) -> ResetRow:
+        """The row of the loop as it is."""
+        return next(row for row in self.rows if AS_IT_IS in row.roles)
+
+
+def design_reset(
+    loop: CollectionLoop,
+    demands: ResetDemands | None = None,
+    *,
+    sigma: float = math.radians(1.1),
+    materials: Sequence[Material] | MaterialRange | None = None,
+    given: ResetStrategy | None = None,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+) -> ResetDesign:
+    """Return the reset to use: the most uniform at the worst of a range of materials, then cheap,
+    then simple.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop as it is.
+    demands : ResetDemands or None, optional
+        What the reset must keep to; None: `ResetDemands()`.
+    sigma : float, optional
+        Noise of a cycle, rad.
+    materials : sequence of Material or MaterialRange or None, optional
+        The range, or materials that are as likely as the loop's own, such as draws from an
+        identification; None: `material_range`.
+    given : ResetStrategy or None, optional
+        A strategy to rank with them.
+    seed : int, default 0
+        Of the runs whose histograms are told.
+    progress : callable or None, optional
+        Called with the fraction done.
+
+    Returns
+    -------
+    ResetDesign
+        The chosen reset, what else was considered, and what binds.
+
+    Raises
+    ------
+    InvalidInput
+        For values that make no sense.
+    CycleMapError
+        What a cycle raises that leads out of the mechanics.
+
+    Notes
+    -----
+    Candidates are pushes on any side at several places and slants, in every mixture of up to four;
+    the loop's own push dragged back by a leg in a random direction, or followed by a gripper's
+    turn; the ring elsewhere, where the robot can put it there. Those whose total variations differ
+    by less than a fifth of `independent_distance` are equally uniform: `demands.pushes` pushes
+    cannot tell them apart. Of those the cheapest (time) within 5 %, of those the one of the fewest
+    actions, equal weights, and pushes most like the loop's own. Where the loop as it is leaves, at
+    the worst of the range, a histogram of `demands.pushes` pushes nearer to uniform than that, it
+    is left as it is.
+
+    Examples
+    --------
+    An isotropic floor turns the object on by 8 degrees a cycle, which is even enough as it is; the
+    search takes a minute and a half:
+
+    >>> from cyclemap import CollectionLoop, design_reset
+    >>> from cyclemap.resets import ResetDemands
+    >>> loop = CollectionLoop.mit("isotropic", accuracy=1e-5)
+    >>> demands = ResetDemands(pushes=50, within=10)
+    >>> design = design_reset(loop, demands, materials=[loop.material])  # doctest: +SKIP
+    >>> design.met, design.chosen.roles, len(design.rows)  # doctest: +SKIP
+    (True, ('chosen', 'as it is'), 7)
+    >>> design_reset(loop, sigma=-1.0)
+    Traceback (most recent call last):
+        ...
+    cyclemap.errors.InvalidInput: sigma must be positive, not -1.0
+    """
+    wanted, report = demands or ResetDemands(), progress or (lambda done: None)
+    report(0.0)
+    about = _range_of(loop, materials)
+    nominal = replace(loop, material=about.nominal)
+    positive_number("sigma", sigma)
+    pool = _pool(nominal, wanted, about, sigma, report)
+    judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
+    picks, binding = _closely_picked(pool, judge)
+    rows, course = _assessed(judge, _roles(picks, given), report)
+    binding = binding if rows[0].misses else ()
+    return ResetDesign(
+        loop,
+        sigma,
+        wanted,
+        about,
+        rows,
+        not binding and not rows[0].misses,
+        binding,
+        independent_distance(wanted.pushes),
+        **course,
+    )
+
+
+def _range_of(
+    loop: CollectionLoop, materials: Sequence[Material] | MaterialRange | None
+) -> MaterialRange:
+    if materials is None:
+        return material_range(loop.material)
+    if isinstance(materials, MaterialRange):
+        return materials
+    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
+
+
+def _closely_picked(pool: Pool, judge: _Judge) -> tuple[Picks, tuple[Limit, ...]]:
+    """What is picked, so far within the demands that the best keeps them on a closer look, too."""
+    for firm in FIRM:
+        picks, binding = picked(pool, judge.demands, firm)
+        if binding or judge.is_kept_by(picks[0][1]):
+            break
+    return picks, binding
+
+
+def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, list[str]]:
+    """The strategies that are told, each once, with all that it is."""
+    own = () if given is None else ((GIVEN, given),)
+    roles: dict[ResetStrategy, list[str]] = {}
+    for role, strategy in (*picks, *own, (AS_IT_IS, OWN)):
+        roles.setdefault(strategy, []).append(role)
+    if len(roles) > MOST_ROWS:
+        # One's own strategy is told in place of what a gripper could do.
+        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
+    return roles
+
+
+def _pool(
+    loop: CollectionLoop,
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    report: Callable[[float], None],
+) -> Pool:
+    """Every candidate, those that need what the robot cannot do included, for they are told too."""
+    parts = own_pushes(loop, about, sigma, demands.within)
+    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
+    if RING in demands.abilities and not demands.keep_push:
+        x, y = loop.slider.hitch
+        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
+    # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
+    least = (
+        [demands.contact] * 2
+        if demands.contact
+        else [share * loop.push.distance for share in CONTACTS]
+    )
+    for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
+        if hitch == places[0]:
+            pool = gathered(loop, demands, tuple(parts))
+            if (pool.able & (pool.missed == 0.0)).any():
+                break
+        source = push_set(loop, about, sigma, contact, slants, hitch)
+        if source is not None:
+            parts.append(searched(source, demands.within, lambda done: report(0.4 * done)))
+    return gathered(loop, demands, tuple(parts))
+
+
+def _assessed(
+    judge: _Judge, roles: dict[ResetStrategy, list[str]], report: Callable[[float], None]
+) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
+    """The rows, from more samples and on all materials of the range, and what is drawn beside
+    them.
+    """
+    cycles: dict[ResetStrategy, SampledTurns] = {}
+    for strategy in roles:
+        report(0.4 + 0.4 * len(cycles) / len(roles))
+        cycles[strategy] = judge.sampled(strategy)
+    rows: list[ResetRow] = []
+    for strategy, told in roles.items():
+        report(0.8 + 0.1 * len(rows) / len(roles))
+        rows.append(judge.row(strategy, told, cycles[strategy]))
+    rows = _best_first(rows)
+    own, chosen = next(row for row in rows if AS_IT_IS in row.roles), rows[0]
+    turns = {row: cycles[row.strategy].refined(_REFINED)[0] for row in (own, chosen)}
+    simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
+    return tuple(rows), {
+        "orders": judge.distances_by_order(chosen, turns[chosen]),
+        "ratio_errors": np.array(_RATIO_STEPS),
+        "ratio_tv": np.array(list(map(judge.off_ratio, [chosen.strategy, *simplest]))),
+        "before": judge.histograms(own.strategy, turns[own]),
+        "after": judge.histograms(chosen.strategy, turns[chosen]),
+    }
+
+
+def _best_first(rows: list[ResetRow]) -> list[ResetRow]:
+    """The rows, the loop as it is chosen where it is as uniform as can be told."""
+    own = next(row for row in rows if AS_IT_IS in row.roles)
+    if (
+        own is not rows[0]
+        and not own.misses
+        and own.worst_histogram[0] <= rows[0].worst_histogram[0]
+    ):
+        best = tuple(role for role in rows[0].roles if role != CHOSEN) or (RESET,)
+        leave = replace(own, roles=(CHOSEN, *own.roles))
+        return [leave, replace(rows[0], roles=best), *(row for row in rows[1:] if row is not own)]
+    return rows
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Looks at strategies more closely than the search did: on all materials of the range."""
+
+    loop: CollectionLoop
+    limits: dict[str, float]
+    demands: ResetDemands
+    about: MaterialRange
+    sigma: float
+    seed: int
+
+    def sampled(self, strategy: ResetStrategy) -> SampledTurns:
+        """What its actions do on every material."""
+        prepared = strategy.prepared(self.loop)
+        return sample_turns(prepared, strategy.actions, self.about.materials, _SAMPLES)
+
+    def is_kept_by(self, strategy: ResetStrategy) -> bool:
+        """Whether it is as uniform as is demanded."""
+        within, turns = self.demands.within, self.sampled(strategy).refined(_REFINED)
+        laws = [
+            orientation_law(turn, strategy, self.sigma, within, _ENOUGH_MODES // 2)
+            for turn in turns
+        ]
+        (tv, _), (after, _) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        return tv <= self.demands.allow_tv and after <= self.demands.allow_after
+
+    def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
+        """What it leaves and costs."""
+        turns, demands = cycles.refined(_REFINED), self.demands
+        nominal = orientation_law(turns[0], strategy, self.sigma, demands.within)
+        modes = min(nominal.modes, _ENOUGH_MODES)
+        others = (
+            orientation_law(turn, strategy, self.sigma, demands.within, modes) for turn in turns[1:]
+        )
+        laws = [nominal, *others]
+        (worst, _), (worst_after, where) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        values = {TV: worst, AFTER: worst_after, **self.costs(strategy, cycles)}
+        histogram, worst_histogram = self.distances(strategy, turns)
+        is_seen = worst_histogram[0] > independent_distance(demands.pushes)
+        return ResetRow(
+            tuple(roles),
+            strategy,
+            nominal,
+            worst,
+            worst_after,
+            self.about.materials[where],
+            values[DRAG],
+            values[SECONDS],
+            values[REACH],
+            values[CONTACT],
+            histogram,
+            worst_histogram,
+            self.misses(values, () if is_seen else (TV, AFTER)),
+            tuple(need for need in strategy.needs if need not in demands.abilities),
+        )
+
+    def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
+        """Drag, m, the time of a cycle, s, room and shortest contact, m."""
+        lengths, actions = cycles.drag_length[0], strategy.actions
+        pushes = np.array([(action.push or self.loop.push).distance for action in actions])
+        turned = np.array([action.turn != 0.0 for action in actions])
+        prepared = strategy.prepared(self.loop)
+        still = list(dict.fromkeys(replace(action, turn=0.0) for action in actions))
+        return {
+            DRAG: float(strategy.shares @ lengths),
+            SECONDS: float(strategy.shares @ seconds(lengths + pushes, turned)),
+            REACH: max(room_needed(prepared, action) for action in still),
+            CONTACT: float(contact_lengths(prepared, still).min()),
+        }
+
+    def misses(self, values: dict[str, float], unseen: tuple[str, ...]) -> tuple[str, ...]:
+        """The demands that are missed, of those that can be seen: contact is demanded at least,
+        all else at most.
+        """
+        sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}
+        return tuple(
+            name
+            for name, limit in self.limits.items()
+            if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
+        )
+
+    def distances(
+        self, strategy: ResetStrategy, turns: Array
+    ) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Mean and deviation of histograms' distances from uniform, nominal and where worst."""
+        rough = [self.histograms(strategy, turn, _ROUGH_RUNS) for turn in turns]
+        peak = self.about.worst(np.array([histogram_distances(shares).mean() for shares in rough]))
+        nominal, worst = (
+            histogram_distances(self.histograms(strategy, turns[material]))
+            for material in (0, peak)
+        )
+        return _spread(nominal), _spread(worst)
+
+    def histograms(self, strategy: ResetStrategy, turn: Array, most: int = _RUNS) -> Array:
+        """The histograms (runs, 36) of simulated collections."""
+        pushes = self.demands.pushes
+        runs = _runs(pushes, most)
+        found = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
+        return histogram_shares(found)
+
+    def distances_by_order(self, row: ResetRow, turn: Array) -> dict[str, float]:
+        """The mean histogram distance of the same actions in other orders, and chosen from the
+        orientation seen.
+        """
+        told, strategy = {RANDOM: row.histogram[0]}, row.strategy
+        if len(strategy.actions) == 1:
+            return told
+        found = {}
+        for order in (IN_TURN, SHUFFLED):
+            if order == SHUFFLED or strategy.weights is None:
+                found[order] = self.histograms(replace(strategy, order=order), turn)
+        pushes = self.demands.pushes
+        steered = steered_orientations(turn, pushes, _runs(pushes, _RUNS), self.sigma, self.seed)
+        found[STEERED] = histogram_shares(steered)
+        means = {
+            order: float(histogram_distances(shares).mean()) for order, shares in found.items()
+        }
+        return {**told, **means}
+
+    def off_ratio(self, strategy: ResetStrategy) -> list[float]:
+        """The total variation where the ratio of the friction's axes is off by shares of it, their
+        geometric mean kept.
+        """
+        nominal, law = self.about.nominal, self.about.nominal.friction
+        roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
+        bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
+        stretched = [replace(nominal, friction=friction) for friction in bent]
+        prepared = strategy.prepared(self.loop)
+        turns = sample_turns(prepared, strategy.actions, stretched, _SAMPLES).refined(_REFINED)
+        return [orientation_law(turn, strategy, self.sigma, 1).total_variation for turn in turns]
+
+
+def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:
+    """The worst total variation of laws on all materials, and of which it is."""
+    values = np.array([law.total_variation if of == TV else law.after for law in laws])
+    where = about.worst(values)
+    return float(values[where]), where
+
+
+def _spread(distances: Array) -> tuple[float, float]:
+    return float(distances.mean()), float(distances.std(ddof=1))
+
+
+def _runs(pushes: int, most: int) -> int:
+    return max(2, min(most, _MOST_SIMULATED // pushes))

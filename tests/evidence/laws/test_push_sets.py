@@ -1,0 +1,139 @@
+"""Pushes are parted into sets made alike, and the spread of each set is told."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_sets import HEADER, TURN, made_set, noisy_set, true_turn, worn_pairs, write_collection
+from refusals import refused
+
+from cyclemap.evidence.laws.push_sets import push_sets, push_statistics
+from cyclemap.evidence.pushes.push_table import load_pushes
+
+PUSH = "0.35,-0.03,0.1,0.37,-0.05,0.4"
+
+
+def rows(surface: str, count: int, fraction: float = 0.7) -> list[str]:
+    return [f"{surface},rect1,20,0,{fraction},0,{n},{PUSH}" for n in range(count)]
+
+
+def write(file: Path, lines: list[str]) -> Path:
+    file.write_text("\n".join([HEADER, *lines]) + "\n")
+    return file
+
+
+@pytest.mark.parametrize("missing", [[], [30]])
+def test_repeated_pushes_in_any_order_give_their_path_and_pairs_but_across_gaps(
+    tmp_path, missing
+) -> None:
+    true, kept = worn_pairs(60), np.delete(np.arange(61), missing)
+    file = write_collection(tmp_path / "poses.csv", true.path, true_turn(true.path))
+    header, *lines = file.read_text().splitlines()
+    file.write_text("\n".join([header, *(lines[n] for n in reversed(kept))]) + "\n")
+    (found,) = push_sets(load_pushes(file))
+    assert (found.name, found.count, found.contacts, found.has_motion) == (
+        "plywood rect1",
+        kept.size,
+        1,
+        True,
+    )
+    assert np.allclose(found.dtheta, true_turn(true.path[kept]), atol=1e-8)
+    assert np.allclose(np.diff(found.pairs.path), np.diff(true.path[kept]), atol=1e-8)
+    assert found.pairs.path_cycle.tolist() == kept.tolist()
+    paired = np.setdiff1d(np.arange(60), [[n - 1, n] for n in missing])
+    assert found.pairs.cycle.tolist() == paired.tolist()
+    assert np.allclose(found.pairs.turn, true.turn[paired], atol=1e-8)
+
+
+def test_sets_are_told_apart_by_surface_and_contact_and_named_as_shortly_as_can_be(
+    tmp_path,
+) -> None:
+    lines = rows("plywood", 25) + rows("abs", 30) + rows("abs", 22, fraction=0.5)
+    sets = push_sets(load_pushes(write(tmp_path / "poses.csv", lines)))
+    assert {found.name: found.count for found in sets} == {
+        "plywood rect1": 25,
+        "abs rect1 v=20 i=0 s=0.7 t=0": 30,
+        "abs rect1 v=20 i=0 s=0.5 t=0": 22,
+    }
+    assert all(found.contacts == 1 for found in sets)
+    assert sets[0].facts["speed"] == pytest.approx(0.02)
+
+
+def test_pushes_that_were_never_repeated_are_pooled_over_contacts_and_say_so(tmp_path) -> None:
+    lines = [f"plywood,rect1,20,0,{k / 100:g},0,,{PUSH}" for k in range(40)]
+    (found,) = push_sets(load_pushes(write(tmp_path / "poses.csv", lines)))
+    assert (found.count, found.contacts, found.pairs) == (
+        40,
+        40,
+        None,
+    ) and "fraction" not in found.facts
+
+
+def test_two_tables_alike_stay_two_sets_with_two_names(tmp_path) -> None:
+    for name in ("one.csv", "two.csv"):
+        write(tmp_path / name, rows("abs", 20))
+    sets = push_sets(load_pushes(tmp_path))
+    assert [found.count for found in sets] == [20, 20] and len({found.name for found in sets}) == 2
+    assert all(Path(found.source).stem in found.name for found in sets)
+
+
+def test_a_table_of_theta0_has_pairs_and_path_but_no_motion(tmp_path) -> None:
+    (tmp_path / "angles.csv").write_text(
+        "theta0_deg\n" + "".join(f"{10 * k % 360}\n" for k in range(50))
+    )
+    (found,) = push_sets(load_pushes(tmp_path / "angles.csv"))
+    assert (found.name, found.has_motion) == ("angles", False)
+    assert found.pairs.path[-1] == pytest.approx(490 / 360 * TURN)
+    assert found.pairs.cycle.tolist() == list(range(49))
+
+
+def test_select_keeps_one_value_and_refuses_what_is_not_there(tmp_path) -> None:
+    table = load_pushes(
+        write(tmp_path / "poses.csv", rows("plywood", 20) + rows("abs", 20, fraction=0.5))
+    )
+    assert [found.name for found in push_sets(table, {"surface": "abs"})] == ["abs rect1"]
+    assert [found.name for found in push_sets(table, {"fraction": 0.7, "speed": 0.02})] == [
+        "plywood rect1"
+    ]
+    refused(
+        push_sets, table, {"surface": "pu"}, told="no such surface: pu; the data have abs, plywood"
+    )
+    refused(
+        push_sets,
+        table,
+        {"surface": "abs", "fraction": 0.7},
+        told=r"no push has surface abs, fraction 0\.7 at once",
+    )
+    refused(push_sets, table, {"surfaces": "abs"}, told="unknown column 'surfaces'")
+
+
+def test_a_row_tells_mean_and_spread_of_the_pushes_that_are_known() -> None:
+    value = np.random.default_rng(1).standard_normal(50)
+    row = push_statistics(
+        made_set(
+            np.zeros(51), *(np.append(one, np.nan) for one in (value, value + 3.0, -2.0 * value))
+        )
+    )
+    one, moved, larger = row.dtheta, row.dx, row.dy
+    assert (row.count, one.count) == (51, 50)
+    assert (one.mean, one.std) == (
+        pytest.approx(np.mean(value)),
+        pytest.approx(np.std(value, ddof=1)),
+    )
+    assert (moved.mean, moved.std) == (pytest.approx(one.mean + 3.0), pytest.approx(one.std))
+    assert (larger.mean, larger.std) == (
+        pytest.approx(-2.0 * one.mean),
+        pytest.approx(2.0 * one.std),
+    )
+    assert (
+        larger.percent
+        == pytest.approx(one.percent)
+        == pytest.approx(100.0 * one.std / abs(one.mean))
+    )
+
+
+def test_a_set_with_too_few_pushes_says_so_in_its_row() -> None:
+    row = push_statistics(made_set([0.0, 1.0, 2.0], [1.0, np.nan, np.nan]))
+    assert (row.dtheta, row.dx, row.dy) == (None, None, None)
+    assert row.problem == "too few pushes with a known end for a spread: 1 of 5"
+    assert push_statistics(noisy_set(0, 20)).problem is None
