@@ -81,8 +81,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         settings: tuple[str, ...],
         **others: object,
     ) -> None:
-        one = (material is None) != (material_file is None)
-        if not one and (needs_material or material is not None):
+        has_one = (material is None) != (material_file is None)
+        if not has_one and (needs_material or material is not None):
             raise click.UsageError(
                 "give one material: a name or a TOML file, as MATERIAL or with --material"
             )

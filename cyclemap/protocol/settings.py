@@ -234,8 +234,8 @@ def _blaming(settings: Settings, part: str) -> Iterator[None]:
     except InvalidInput as cause:
         keys = [
             key
-            for key, one in SETTINGS.items()
-            if key in settings and one.place.split(".")[0] == part
+            for key, setting in SETTINGS.items()
+            if key in settings and setting.place.split(".")[0] == part
         ]
         given = ", ".join(f"{key}={settings[key]}" for key in keys)
         if not given or given.partition("=")[0] in str(cause):

@@ -6,7 +6,7 @@ import re
 import struct
 from pathlib import PurePath
 
-ROWS, CURVES, DEPTH = 200_000, 20_000, 3_000
+ROWS, CURVES, DEPTH = 50_000, 20_000, 3_000
 _NUMBER = re.compile(rb"(?<![\w.#])\d+(?:\.\d+)?(?![\w.])")
 _ENTITIES = "".join(f'<!ENTITY e{n} "{f"&e{n - 1};" * 10}">' for n in range(1, 10))
 _LISTED = ", ".join(f"[{n % 977}, {n % 631}]" for n in range(ROWS))

@@ -340,14 +340,16 @@ def measured_cycle_map(
     off = pairs.turn - fitted.law(pairs.theta)
     if worn is not None and pairs.cycle is not None:
         off = pairs.turn - worn.turns(pairs.theta, pairs.cycle)
-    near = np.abs(shorter_way(_AROUND[:, np.newaxis] - pairs.theta)) <= _MISFIT_REACH
-    crowd = near.sum(axis=1)
-    bias = near @ off / np.maximum(crowd, 1)
+    # Place by place: all at once takes gigabytes of a long log.
+    near = (off[np.abs(shorter_way(place - pairs.theta)) <= _MISFIT_REACH] for place in _AROUND)
+    sums = np.array([(about.size, np.sum(about), np.dot(about, about)) for about in near])
+    crowd = sums[:, 0].astype(np.int64)
+    bias = sums[:, 1] / np.maximum(crowd, 1)
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
     told = np.flatnonzero(seen & (crowd > 0))
     told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
-    size = np.sqrt(near[told] @ off**2 / crowd[told])
+    size = np.sqrt(sums[told, 2] / crowd[told])
     quietest, loudest = (
         ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
         for k in (np.argmin(size), np.argmax(size))

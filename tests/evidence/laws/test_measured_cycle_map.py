@@ -1,5 +1,6 @@
 """The measured cycle map, its wear, its pace, and what it foretells of its own path."""
 
+import tracemalloc
 from functools import cache
 from pathlib import Path
 
@@ -285,3 +286,15 @@ def test_how_the_plywood_wears_does_not_depend_on_how_the_folds_are_dealt(measur
         == 1
     )
     assert other.degree == plywood(measured_data).fitted.wear.degree == 2
+
+
+def test_a_long_log_is_fitted_in_memory_that_grows_with_its_pairs_alone() -> None:
+    theta = np.cumsum(np.full(30_001, 1.9))
+    pairs = Theta0Pairs(theta[:-1], theta[1:])
+    tracemalloc.start()
+    try:
+        measured_cycle_map(pairs, harmonics=2, wear=False, runs=2)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 500 * pairs.theta.nbytes
