@@ -26,7 +26,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     session_name,
 )
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import UnreadableFile
+from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -319,7 +319,12 @@ class _Replayer:
         """Return the row of a push, a row of `PushTable.table`, and its replay; raises
         CycleMapError where there is none.
         """
-        name, material = push["object"], self.loop.material
+        own, material = file_stem(self.loop.slider.name), self.loop.material
+        is_table = str(push["path"]).lower().endswith(CSV_SUFFIX)
+        if is_table and not isinstance(push["object"], str) and own not in dataset_sliders():
+            # A table of one's own object need not name it.
+            push = {**push, "object": own}
+        name = push["object"]
         if not isinstance(name, str):
             raise InvalidInput(
                 "its name does not say which object was pushed: it is not of the MIT layout"

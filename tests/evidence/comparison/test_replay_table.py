@@ -183,6 +183,12 @@ def test_a_table_of_tips_is_replayed_with_the_shift_of_its_frames(tmp_path) -> N
     with pytest.warns(DoubtfulInput, match="1 of 6 rows left out for want of a pose"):
         again = replay_pushes(path, shifted, select={"surface": "abs"})
     assert again.table["error"].tolist() == found.table["error"].tolist()
+    # A table that names no object is of the loop's, where that is one's own.
+    bare = [",".join(map(str, row[3:-1])) for row in rows[2:4]]
+    path.write_text("\n".join(["x0,y0,th0,x1,y1,th1,tip_x0,tip_y0,tip_x1,tip_y1", *bare]))
+    assert not replay_pushes(path, shifted).replays
+    own = loop_on(slider=replace(Slider.mit("rect1"), name="star"))
+    assert set(replay_pushes(path, own).table["object"]) == {"star"}
 
 
 pytestmark = pytest.mark.slow
