@@ -17,80 +17,89 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap import collection, evidence, maps, mechanics, protocol, resets, sweeps, views
+    from cyclemap import (
+        collection as collection,
+        evidence as evidence,
+        maps as maps,
+        mechanics as mechanics,
+        protocol as protocol,
+        resets as resets,
+        sweeps as sweeps,
+        views as views,
+    )
     from cyclemap.collection import (
-        CollectionLoop,
-        Cycle,
-        Portrait,
-        fingerprint,
-        portrait,
-        predict,
-        run_cycles,
+        CollectionLoop as CollectionLoop,
+        Cycle as Cycle,
+        Portrait as Portrait,
+        fingerprint as fingerprint,
+        portrait as portrait,
+        predict as predict,
+        run_cycles as run_cycles,
     )
     from cyclemap.errors import (
-        ConvergenceError,
-        CycleMapError,
-        DataFileError,
-        InvalidInput,
-        UnsupportedContact,
+        ConvergenceError as ConvergenceError,
+        CycleMapError as CycleMapError,
+        DataFileError as DataFileError,
+        InvalidInput as InvalidInput,
+        UnsupportedContact as UnsupportedContact,
     )
     from cyclemap.evidence import (
-        PushTable,
-        compare,
-        fit_map,
-        identify,
-        load_pushes,
-        replay_pushes,
-        simulate_collection,
+        PushTable as PushTable,
+        compare as compare,
+        fit_map as fit_map,
+        identify as identify,
+        load_pushes as load_pushes,
+        replay_pushes as replay_pushes,
+        simulate_collection as simulate_collection,
     )
     from cyclemap.maps import (
-        CircleMap,
-        DriftingMap,
-        Noise,
-        Orbit,
-        UniformNoise,
-        VonMises,
-        WrappedCauchy,
-        WrappedNormal,
-        basins,
-        find_steps,
-        fixed_points,
-        follow_orbit,
-        hitting_probability,
-        lyapunov_exponent,
-        mean_passage_time,
-        periodic_orbits,
-        periodic_points,
-        predict_staircase,
-        rotation_interval,
-        rotation_number,
-        saddle_nodes,
-        sample_staircase,
-        slow_passages,
-        tongue,
-        tongues,
-        transfer_operator,
+        CircleMap as CircleMap,
+        DriftingMap as DriftingMap,
+        Noise as Noise,
+        Orbit as Orbit,
+        UniformNoise as UniformNoise,
+        VonMises as VonMises,
+        WrappedCauchy as WrappedCauchy,
+        WrappedNormal as WrappedNormal,
+        basins as basins,
+        find_steps as find_steps,
+        fixed_points as fixed_points,
+        follow_orbit as follow_orbit,
+        hitting_probability as hitting_probability,
+        lyapunov_exponent as lyapunov_exponent,
+        mean_passage_time as mean_passage_time,
+        periodic_orbits as periodic_orbits,
+        periodic_points as periodic_points,
+        predict_staircase as predict_staircase,
+        rotation_interval as rotation_interval,
+        rotation_number as rotation_number,
+        saddle_nodes as saddle_nodes,
+        sample_staircase as sample_staircase,
+        slow_passages as slow_passages,
+        tongue as tongue,
+        tongues as tongues,
+        transfer_operator as transfer_operator,
     )
     from cyclemap.mechanics import (
-        DragBack,
-        Ellipse,
-        EllipseFriction,
-        LimitSurface,
-        Material,
-        PatchFootprint,
-        PointFootprint,
-        Polygon,
-        Pose,
-        Pusher,
-        QuasiStaticModel,
-        SidePush,
-        Slider,
-        load_material,
-        material_names,
+        DragBack as DragBack,
+        Ellipse as Ellipse,
+        EllipseFriction as EllipseFriction,
+        LimitSurface as LimitSurface,
+        Material as Material,
+        PatchFootprint as PatchFootprint,
+        PointFootprint as PointFootprint,
+        Polygon as Polygon,
+        Pose as Pose,
+        Pusher as Pusher,
+        QuasiStaticModel as QuasiStaticModel,
+        SidePush as SidePush,
+        Slider as Slider,
+        load_material as load_material,
+        material_names as material_names,
     )
-    from cyclemap.protocol import read_protocol, write_protocol
-    from cyclemap.resets import BiasMonitor, design_reset
-    from cyclemap.sweeps import SweepPlan, run_sweep
+    from cyclemap.protocol import read_protocol as read_protocol, write_protocol as write_protocol
+    from cyclemap.resets import BiasMonitor as BiasMonitor, design_reset as design_reset
+    from cyclemap.sweeps import SweepPlan as SweepPlan, run_sweep as run_sweep
 else:
     import_on_first_use(__name__)
 
@@ -112,86 +121,3 @@ def _explorer(loop: "CollectionLoop") -> str:
 _show_loops_in_notebooks()
 
 __version__ = "0.1.0"
-
-__all__ = [
-    "CollectionLoop",
-    "Cycle",
-    "Portrait",
-    "fingerprint",
-    "portrait",
-    "predict",
-    "run_cycles",
-]
-__all__ += ["collection", "evidence", "maps", "mechanics", "protocol", "resets", "sweeps", "views"]
-__all__ += [
-    "ConvergenceError",
-    "CycleMapError",
-    "DataFileError",
-    "InvalidInput",
-    "UnsupportedContact",
-]
-__all__ += [
-    "PushTable",
-    "compare",
-    "fit_map",
-    "identify",
-    "load_pushes",
-    "replay_pushes",
-    "simulate_collection",
-]
-__all__ += [
-    "CircleMap",
-    "DriftingMap",
-    "Noise",
-    "Orbit",
-    "UniformNoise",
-    "VonMises",
-    "WrappedCauchy",
-    "WrappedNormal",
-]
-__all__ += [
-    "basins",
-    "find_steps",
-    "fixed_points",
-    "follow_orbit",
-    "hitting_probability",
-    "lyapunov_exponent",
-]
-__all__ += [
-    "mean_passage_time",
-    "periodic_orbits",
-    "periodic_points",
-    "predict_staircase",
-    "rotation_interval",
-]
-__all__ += [
-    "rotation_number",
-    "saddle_nodes",
-    "sample_staircase",
-    "slow_passages",
-    "tongue",
-    "tongues",
-]
-__all__ += ["transfer_operator"]
-__all__ += [
-    "DragBack",
-    "Ellipse",
-    "EllipseFriction",
-    "LimitSurface",
-    "Material",
-    "PatchFootprint",
-    "PointFootprint",
-]
-__all__ += [
-    "Polygon",
-    "Pose",
-    "Pusher",
-    "QuasiStaticModel",
-    "SidePush",
-    "Slider",
-    "load_material",
-    "material_names",
-]
-__all__ += ["read_protocol", "write_protocol"]
-__all__ += ["BiasMonitor", "design_reset"]
-__all__ += ["SweepPlan", "run_sweep"]

@@ -19,8 +19,8 @@ _MARGIN, _DECIMALS = 8, 1
 
 @dataclass(frozen=True, eq=False)
 class Stroke:
-    """A line through points (n, 2), or a mark (DISC or CIRCLE,
-    of `width` pixels) at each of them."""
+    """A line through points (n, 2), or a mark at each of them
+    (DISC or CIRCLE, of `width` pixels)."""
 
     points: ArrayLike
     colour: str = "currentColor"

@@ -70,7 +70,7 @@ def compute(
     differences = np.empty((2, len(speeds)))
     for row, each in zip(differences, (loop, twin), strict=True):
         slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
-        row[:] = [largest(compare_dynamics(one, some).difference("theta_next")) for one in slower]
+        row[:] = [largest(compare_dynamics(slow, some).difference("theta_next")) for slow in slower]
     return InertiaStudy(
         compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences
     )

@@ -84,7 +84,7 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
     for home, _, names in sorted(os.walk(measured.path)):
         scans = [scan_facts(name) for name in names if name.endswith(SUFFIXES)]
         homes[home] += sum(
-            one is not None and (one.surface, one.object) == (surface, OBJECT) for one in scans
+            scan is not None and (scan.surface, scan.object) == (surface, OBJECT) for scan in scans
         )
     for home, count in homes.most_common(1):
         if count:

@@ -175,7 +175,7 @@ def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
     curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
     surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))
     responses = [TurnResponse(float(row[0]), row[1:], flat) for row in curve(radius)]
-    scale = np.array([first_order_lock_in(one, surface).scale for one in responses])
+    scale = np.array([first_order_lock_in(response, surface).scale for response in responses])
     neutral = float(brentq(lambda r: float(curve(r)[0]), *RADII))
     return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
 
@@ -251,7 +251,7 @@ def caption(result: PhaseDiagram) -> str:
     """What is seen, with its numbers."""
     plane, first = result.plane, result.first
     locked = plane.period == 1
-    one = bool(np.all(result.stable[locked] == 1))
+    is_one = bool(np.all(result.stable[locked] == 1))
     at_mit = float(np.interp(result.mit, first.radius, first.scale))
     count = int(np.sum(plane.period > 1))
     others = f"At {count} places of the grid the robot locks into a longer period."
@@ -260,11 +260,11 @@ def caption(result: PhaseDiagram) -> str:
     return (
         f"Plywood's anisotropy (offset and ellipticity of Table I, times 0 to {SCALES[1]:g}) "
         "against the distance of the ring from the centre. In the tongue the robot "
-        f"locks{' into one stable direction' if one else ''}, elsewhere it winds, shaded by the "
-        f"size of its mean turn (lines: with sign). The tongue starts at {MM * first.neutral:.1f} "
-        "mm, where isotropic friction turns the object by nothing in a cycle; its edges are "
-        f"saddle-nodes, solved with the mechanics itself. The MIT ring at {MM * result.mit:.0f} mm "
-        f"locks from {result.mit_scale:.2f} times Table I on; to first order in the anisotropy "
-        f"(dashes) from {at_mit:.2f} times. {others} The interpolated maps miss cycles that were "
-        f"run by at most {math.degrees(result.error):.1g}°."
+        f"locks{' into one stable direction' if is_one else ''}, elsewhere it winds, shaded by "
+        "the size of its mean turn (lines: with sign). The tongue starts at "
+        f"{MM * first.neutral:.1f} mm, where isotropic friction turns the object by nothing in a "
+        "cycle; its edges are saddle-nodes, solved with the mechanics itself. The MIT ring at "
+        f"{MM * result.mit:.0f} mm locks from {result.mit_scale:.2f} times Table I on; to first "
+        f"order in the anisotropy (dashes) from {at_mit:.2f} times. {others} The interpolated maps "
+        f"miss cycles that were run by at most {math.degrees(result.error):.1g}°."
     )

@@ -130,7 +130,7 @@ def recorded_paths(
         clock = record.object_pose[:, 0]
         times = np.linspace(clock[0], clock[-1], STATIONS)
         columns = (*record.object_pose[:, 1:3].T, record.object_angle)
-        courses.append(np.stack([np.interp(times, clock, one) for one in columns], axis=-1))
+        courses.append(np.stack([np.interp(times, clock, column) for column in columns], axis=-1))
     poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
     return _paths(surface, "", RECORDED, poses, run.pushes.theta)

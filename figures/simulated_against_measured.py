@@ -99,7 +99,9 @@ def compute(measured: MeasuredFolder, nodes: int = NODES) -> SimulatedAgainstMea
     )
     pairs = measured_theta0(measured, SURFACE)
     cycles = (
-        () if pairs is None else tuple(measured_overlay(pairs, one.cycle.turn) for one in simulated)
+        ()
+        if pairs is None
+        else tuple(measured_overlay(pairs, turns.cycle.turn) for turns in simulated)
     )
     return SimulatedAgainstMeasured(simulated, measured_run(measured, SURFACE), cycles)
 
@@ -120,8 +122,8 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
     figure, (push, cycle) = style.page("ab", size=(12.2, 5.0), keys=2)
     if result.cycles:
         draw_measured_turns(cycle, result.cycles[0].pairs, result.cycles[0].bins)
-    draw_curves(push, _CURVE, {one.name: one.push.turn(_CURVE) for one in result.simulated})
-    draw_turns(cycle, _CURVE, {one.name: one.cycle.turn(_CURVE) for one in result.simulated})
+    draw_curves(push, _CURVE, {turns.name: turns.push.turn(_CURVE) for turns in result.simulated})
+    draw_turns(cycle, _CURVE, {turns.name: turns.cycle.turn(_CURVE) for turns in result.simulated})
     published = published_statistics(SURFACE)
     mean, spread = np.degrees([published.mean[0], published.std[0]])
     band: style.Look = {"color": "#f6e3bd", "label": "published, mean ± σ", "zorder": 0}
@@ -154,7 +156,7 @@ def caption(result: SimulatedAgainstMeasured) -> str:
     cycles = f"{NO_DATA} of θ0 ({THETA0_FILE})."
     if result.cycles:
         both = zip(result.simulated, result.cycles, strict=True)
-        errors = [f"{one.name} {angle(cycle.agreement.bin_rms)}" for one, cycle in both]
+        errors = [f"{turns.name} {angle(cycle.agreement.bin_rms)}" for turns, cycle in both]
         cycles = (
             f"dots, {result.cycles[0].pairs.theta.size} measured cycles, from the θ0 of successive "
             "pushes; squares, their medians in 5°. Root mean square of these less the simulated: "

@@ -278,7 +278,7 @@ SIMULATED_FILL = "#c4c4c4"
 
 @style.picture_style()
 def draw_materials(
-    names: Sequence[str], panels: Sequence[One], draw_one: Callable[[Axes, One], None]
+    names: Sequence[str], panels: Sequence[One], draw_panel: Callable[[Axes, One], None]
 ) -> Figure:
     """A figure with a panel for each of a few materials, titled with the names; room above each for
     a legend.
@@ -288,8 +288,8 @@ def draw_materials(
     width, height = PANEL_INCHES
     size, layout = (width * columns, height * rows), style.rows_of(*(columns,) * rows)
     figure, places = style.page(layout, size=size, keys=2)
-    for axes, name, one in zip(places, names, panels, strict=False):
-        draw_one(axes, one)
+    for axes, name, panel in zip(places, names, panels, strict=False):
+        draw_panel(axes, panel)
         style.entitle(axes, name)
     for axes in places[len(names) :]:
         axes.remove()

@@ -254,16 +254,16 @@ def _draw_lengths(axes: Axes, case: Bottleneck) -> None:
 
 def caption(result: StaircaseBottleneck) -> str:
     """What is seen, with its numbers."""
-    one = result.computed
-    mean, spread = one.visit
+    computed = result.computed
+    mean, spread = computed.visit
     told = (
         f"Plywood (Table I) with its ring at {1000 * RADIUS:g} mm, just inside the saddle-node: no "
-        f"direction repeats, but at {angle(one.passage.theta, 0)} a cycle turns the "
-        f"object by {angle(one.passage.gap, 2)} only. There the robot spends most cycles, "
-        "and each climb of 360° stops there: passage theory gives "
-        f"{one.passage.passage_cycles:.0f} cycles, map and noise ({angle(one.sigma)}) "
-        f"together {mean:.0f} ± {spread:.0f}, {one.lengths.size} steps sampled from them lasted "
-        f"{one.lengths.mean():.0f} on average."
+        f"direction repeats, but at {angle(computed.passage.theta, 0)} a cycle turns the object by "
+        f"{angle(computed.passage.gap, 2)} only. There the robot spends most cycles, and each "
+        f"climb of 360° stops there: passage theory gives {computed.passage.passage_cycles:.0f} "
+        f"cycles, map and noise ({angle(computed.sigma)}) together {mean:.0f} ± {spread:.0f}, "
+        f"{computed.lengths.size} steps sampled from them lasted {computed.lengths.mean():.0f} on "
+        "average."
     )
     found = result.measured
     if found is None:

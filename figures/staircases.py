@@ -110,12 +110,12 @@ def climb_of(path: Array, level: float) -> Climb:
 
 def draw(result: tuple[MaterialStaircase, ...]) -> Figure:
     """Draw a panel a material; measured and predicted together where there is a measured path."""
-    return draw_materials([one.run.surface for one in result], result, _draw_material)
+    return draw_materials([panel.run.surface for panel in result], result, _draw_material)
 
 
-def _draw_material(axes: Axes, one: MaterialStaircase) -> None:
-    recorded = None if one.recorded is None else one.recorded.path
-    draw_staircase(axes, one.climb.path, recorded, (one.lower, one.upper), "push")
+def _draw_material(axes: Axes, panel: MaterialStaircase) -> None:
+    recorded = None if panel.recorded is None else panel.recorded.path
+    draw_staircase(axes, panel.climb.path, recorded, (panel.lower, panel.upper), "push")
 
 
 def caption(result: tuple[MaterialStaircase, ...]) -> str:
@@ -128,25 +128,25 @@ def caption(result: tuple[MaterialStaircase, ...]) -> str:
         "was inferred from the very path that is drawn beside it where it was found: that "
         "agreement is a fit, not a test. The other materials are inferred from the paper's tables "
         "and words.",
-        *[_sentence(one) for one in result],
-        not_found("θ0", [one.run.surface for one in result if one.recorded is None]),
+        *[_sentence(panel) for panel in result],
+        not_found("θ0", [panel.run.surface for panel in result if panel.recorded is None]),
     ]
     return " ".join(filter(None, told))
 
 
-def _sentence(one: MaterialStaircase) -> str:
-    low, high = np.quantile(one.turns, [0.025, 0.975])
-    told = f"On {one.run.surface} the predicted run {_told(one.climb)}; "
+def _sentence(panel: MaterialStaircase) -> str:
+    low, high = np.quantile(panel.turns, [0.025, 0.975])
+    told = f"On {panel.run.surface} the predicted run {_told(panel.climb)}; "
     told += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
-    if one.run.published.first_share is not None:
-        first = float(np.degrees(one.climb.path[0])) % 360.0
+    if panel.run.published.first_share is not None:
+        first = float(np.degrees(panel.climb.path[0])) % 360.0
         told += (
             f"; it stays within 30° of its first direction, {first:.0f}°, for "
-            f"{one.climb.first_stay} pushes"
+            f"{panel.climb.first_stay} pushes"
         )
         told += " (paper: about 150)"
-    if one.recorded is not None:
-        told += f". The recorded path of {one.recorded.path.size} pushes {_told(one.recorded)}"
+    if panel.recorded is not None:
+        told += f". The recorded path of {panel.recorded.path.size} pushes {_told(panel.recorded)}"
     return f"{told}."
 
 

@@ -34,8 +34,8 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> Deviations:
         for source, pushes in each.sets:
             told = push_statistics(pushes)
             given = [
-                (one.mean, one.std) if one else (np.nan, np.nan)
-                for one in (told.dtheta, told.dx, told.dy)
+                (statistic.mean, statistic.std) if statistic else (np.nan, np.nan)
+                for statistic in (told.dtheta, told.dx, told.dy)
             ]
             numbers.append((source, told.count, np.array(given)))
         found.append((each, numbers))

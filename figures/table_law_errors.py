@@ -34,7 +34,10 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> LawErrors:
     """Simulate pushes on each material, look for recorded ones, and fit the laws of Δθ,
     Δx and Δy."""
     materials = material_pushes(measured, sampling)
-    return [(each, [(source, fitted_laws(one)) for source, one in each.sets]) for each in materials]
+    return [
+        (material, [(source, fitted_laws(pushes)) for source, pushes in material.sets])
+        for material in materials
+    ]
 
 
 def rows(result: LawErrors) -> list[tuple[str, ...]]:

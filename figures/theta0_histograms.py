@@ -95,68 +95,68 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
 
 def draw(result: tuple[MaterialDirections, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials([one.run.surface for one in result], result, _draw_material)
+    return draw_materials([panel.run.surface for panel in result], result, _draw_material)
 
 
-def _draw_material(axes: Axes, one: MaterialDirections) -> None:
-    draw_recorded(axes, one.recorded)
+def _draw_material(axes: Axes, panel: MaterialDirections) -> None:
+    draw_recorded(axes, panel.recorded)
     look = {**style.SECOND, "linestyle": "-"}
-    draw_histogram(axes, one.simulated, "simulated", **look)
-    around, density = np.degrees(CIRCLE), PER_DEGREE * one.density
+    draw_histogram(axes, panel.simulated, "simulated", **look)
+    around, density = np.degrees(CIRCLE), PER_DEGREE * panel.density
     axes.plot(around, density, label="stationary density", **style.LINE)
     top = 1.3 * axes.dataLim.y1
     axes.set_ylim(0.0, top)
-    for place, word in zip(_published(one), PEAK_WORDS[one.run.surface], strict=True):
+    for place, word in zip(_published(panel), PEAK_WORDS[panel.run.surface], strict=True):
         axes.axvline(place, ymax=0.9, label="paper's peak", **style.THIRD)
         style.name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
-    if not PEAK_WORDS[one.run.surface]:
+    if not PEAK_WORDS[panel.run.surface]:
         style.name_tag(axes, 180.0, 0.94 * top, "paper: no stable direction")
 
 
-def _published(one: MaterialDirections) -> list[float]:
-    return [float(np.degrees(angle) % 360.0) for angle in one.run.published.directions]
+def _published(panel: MaterialDirections) -> list[float]:
+    return [float(np.degrees(angle) % 360.0) for angle in panel.run.published.directions]
 
 
 def caption(result: tuple[MaterialDirections, ...]) -> str:
     """What is drawn, and where each material's histogram has its peaks."""
     count = result[0].run.pushes.count
-    error = max(one.density_error for one in result) * PER_DEGREE
+    error = max(panel.density_error for panel in result) * PER_DEGREE
     told = [
         f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a "
         f"cycle, and the stationary density of the noisy map (within {error:.1g} per degree). "
         f"Plywood is plywood-measured, whose density is the mean over {len(result[0].run.states)} "
         "states of its wear. Dashed: the peaks that the paper names. Maxima above half the uniform "
         "density count as peaks.",
-        *[_sentence(one) for one in result],
-        not_found("θ0", [one.run.surface for one in result if one.theta0 is None]),
+        *[_sentence(panel) for panel in result],
+        not_found("θ0", [panel.run.surface for panel in result if panel.theta0 is None]),
     ]
     return " ".join(filter(None, told))
 
 
-def _sentence(one: MaterialDirections) -> str:
-    name, peaks = one.run.surface, [f"{angle(peak, 0)}" for peak in one.peaks]
+def _sentence(panel: MaterialDirections) -> str:
+    name, peaks = panel.run.surface, [f"{angle(peak, 0)}" for peak in panel.peaks]
     where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
     told = f"On {name} the density {where}"
-    if not _published(one):
+    if not _published(panel):
         return (
-            f"{told}, {one.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
+            f"{told}, {panel.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
             "none)."
         )
     words = [
-        f"{at:.0f}° {word}" for at, word in zip(_published(one), PEAK_WORDS[name], strict=True)
+        f"{at:.0f}° {word}" for at, word in zip(_published(panel), PEAK_WORDS[name], strict=True)
     ]
-    near = share_near(one.run.pushes.theta, one.run.published.directions)
+    near = share_near(panel.run.pushes.theta, panel.run.published.directions)
     told += (
         f" (paper: {listed(words)}); {near:.0%} of the simulated pushes start within 30° of "
         "the paper's"
     )
-    if one.theta0 is None or one.recorded is None:
+    if panel.theta0 is None or panel.recorded is None:
         return f"{told}."
-    recorded = share_near(one.theta0, one.run.published.directions)
-    highest = int(np.argmax(one.recorded.density))
-    low, high = np.degrees(one.recorded.edges[highest : highest + 2])
-    apart = float(total_variation(one.theta0, one.run.pushes.theta))
+    recorded = share_near(panel.theta0, panel.run.published.directions)
+    highest = int(np.argmax(panel.recorded.density))
+    low, high = np.degrees(panel.recorded.edges[highest : highest + 2])
+    apart = float(total_variation(panel.theta0, panel.run.pushes.theta))
     return (
-        f"{told}, {recorded:.0%} of the {one.theta0.size} recorded ones, whose highest bin is "
+        f"{told}, {recorded:.0%} of the {panel.theta0.size} recorded ones, whose highest bin is "
         f"{low:.0f}° to {high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )

@@ -92,20 +92,23 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
 
 def draw(result: tuple[MaterialTurns, ...]) -> Figure:
     """Draw a panel a material."""
-    return draw_materials([one.run.surface for one in result], result, _draw_material)
+    return draw_materials([panel.run.surface for panel in result], result, _draw_material)
 
 
-def _draw_material(axes: Axes, one: MaterialTurns) -> None:
-    draw_motion_law(axes, one.law)
-    if one.measured is None:
+def _draw_material(axes: Axes, panel: MaterialTurns) -> None:
+    draw_motion_law(axes, panel.law)
+    if panel.measured is None:
         as_simulated(axes)
     else:
-        theta, turn = np.degrees(one.run.pushes.theta) % 360.0, np.degrees(one.run.pushes.dtheta)
+        theta, turn = (
+            np.degrees(panel.run.pushes.theta) % 360.0,
+            np.degrees(panel.run.pushes.dtheta),
+        )
         axes.plot(theta, turn, label="simulated", **{**style.DOTS, "color": QUIET, "zorder": 1})
-    names = ("mechanics",) if len(one.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
-    curves = dict(zip(names, one.curves, strict=True))
+    names = ("mechanics",) if len(panel.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
+    curves = dict(zip(names, panel.curves, strict=True))
     draw_curves(axes, CIRCLE, curves, (style.SECOND, style.FOURTH))
-    shown = np.degrees(np.concatenate([one.curves.ravel(), one.law.value]))
+    shown = np.degrees(np.concatenate([panel.curves.ravel(), panel.law.value]))
     margin = 0.08 * float(np.ptp(shown)) + 0.5
     low, high = axes.get_ylim()
     axes.set_ylim(min(shown.min() - margin, low), max(shown.max() + margin, high))
@@ -115,10 +118,10 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
     """What is drawn, and how far each law and each range of directions goes."""
     count = result[0].run.pushes.count
     recorded = [
-        f"{one.run.surface} ({one.measured.pushes.count} pushes, law within "
-        f"{angle(one.law.law.rmse, 2)} RMS)"
-        for one in result
-        if one.measured is not None and one.law.law is not None
+        f"{panel.run.surface} ({panel.measured.pushes.count} pushes, law within "
+        f"{angle(panel.law.law.rmse, 2)} RMS)"
+        for panel in result
+        if panel.measured is not None and panel.law.law is not None
     ]
     told = [
         f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a "
@@ -126,24 +129,24 @@ def caption(result: tuple[MaterialTurns, ...]) -> str:
         "much as makes the next θ0 scatter by 1.1°, as measured cycles on plywood do. Plywood is "
         "the one inferred from the measured staircase (plywood-measured), which wears; the curve "
         "of its last cycle is drawn too.",
-        *[_sentence(one) for one in result],
+        *[_sentence(panel) for panel in result],
         "Where no push starts, a law only guesses: around the circle it misses the mechanics by up "
         "to "
-        f"{listed(f'{angle(one.worst_miss)} on {one.run.surface}' for one in result)}.",
+        f"{listed(f'{angle(panel.worst_miss)} on {panel.run.surface}' for panel in result)}.",
         f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
-        not_found("pushes", [one.run.surface for one in result if one.measured is None]),
+        not_found("pushes", [panel.run.surface for panel in result if panel.measured is None]),
     ]
     return " ".join(filter(None, told))
 
 
-def _sentence(one: MaterialTurns) -> str:
-    low, high = np.degrees([one.curves[0].min(), one.curves[0].max()])
-    rmse = one.simulated_law.law
+def _sentence(panel: MaterialTurns) -> str:
+    low, high = np.degrees([panel.curves[0].min(), panel.curves[0].max()])
+    rmse = panel.simulated_law.law
     fitted = (
         "no law could be fitted" if rmse is None else f"the law is {angle(rmse.rmse, 2)} RMS off"
     )
     return (
-        f"On {one.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the "
-        f"simulated pushes (paper, recorded: {angle(one.run.published.rmse[0], 2)}), and 95 "
-        f"% of these start on an arc of {angle(one.arc, 0)}."
+        f"On {panel.run.surface} the mechanics turns by {low:.1f}° to {high:.1f}°, {fitted} in the "
+        f"simulated pushes (paper, recorded: {angle(panel.run.published.rmse[0], 2)}), and 95 "
+        f"% of these start on an arc of {angle(panel.arc, 0)}."
     )

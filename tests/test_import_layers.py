@@ -199,9 +199,8 @@ ROWS = {
         ("lifts", "orbits", "noise", "passages", "operator", "staircases"),
     ),
     "evidence": (
-        ("pushes", "laws", "orientations", "tables", "comparison"),
-        ("pushes", "replay"),
-        ("pushes", "laws", "tables", "identification", "data_blocks", "push_plan"),
+        ("pushes", "laws", "comparison"),
+        ("pushes", "laws", "identification", "data_blocks", "push_plan"),
     ),
 }
 PARTS_SHARED: dict[str, set[str]] = {

@@ -92,7 +92,10 @@ class _Commands(click.Group):
         """Write the list of commands into the help."""
         with formatter.section("Commands"):
             formatter.write_dl(
-                [(name, one.get_short_help_str(limit=1000)) for name, one in self.commands.items()]
+                [
+                    (name, command.get_short_help_str(limit=1000))
+                    for name, command in self.commands.items()
+                ]
             )
 
 

@@ -81,8 +81,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
         settings: tuple[str, ...],
         **others: object,
     ) -> None:
-        one = (material is None) != (material_file is None)
-        if not one and (needs_material or material is not None):
+        has_one = (material is None) != (material_file is None)
+        if not has_one and (needs_material or material is not None):
             raise click.UsageError(
                 "give one material: a name or a TOML file, as MATERIAL or with --material"
             )
@@ -319,7 +319,7 @@ def table_options(command: Command) -> Command:
     """
     named = (
         "What a column of an own table is, by commas: theta0=yaw,theta_next=yaw_after; "
-        "pose=TOPIC for a bag."
+        "pose=TOPIC of a bag, sheet=NAME of a workbook."
     )
     senses = click.Choice(["counter-clockwise", "clockwise", "compass"])
     return decorated(

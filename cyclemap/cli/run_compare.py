@@ -93,24 +93,24 @@ def _tests_table(found: cycle_agreement.OrientationAgreement) -> Table:
     return table
 
 
-def _push_cells(one: QuantityAgreement) -> list[str]:
+def _push_cells(quantity: QuantityAgreement) -> list[str]:
     """The row of a quantity; of a mean that is nothing beside the spread a percentage
     says nothing."""
     lengths = (
-        one.measured_mean,
-        one.measured_std,
-        one.predicted_mean,
-        one.bias,
-        one.spread,
-        one.rmse,
+        quantity.measured_mean,
+        quantity.measured_std,
+        quantity.predicted_mean,
+        quantity.bias,
+        quantity.spread,
+        quantity.rmse,
     )
     shares = (
-        f"{share:.1f}" if one.std_percent < 100.0 else "–"
-        for share in (one.percent, one.std_percent)
+        f"{share:.1f}" if quantity.std_percent < 100.0 else "–"
+        for share in (quantity.percent, quantity.std_percent)
     )
     return [
-        QUANTITIES[one.name],
-        *(f"{UNITS[one.name].of_si(value):.2f}" for value in lengths),
+        QUANTITIES[quantity.name],
+        *(f"{UNITS[quantity.name].of_si(value):.2f}" for value in lengths),
         *shares,
     ]
 

@@ -150,11 +150,11 @@ def _prediction(prediction: Prediction, name: str) -> Json:
         "error_ratio": written(prediction.ratio),
         "directions": [
             {
-                **orbit_report(one.orbit),
-                "error_deg": degrees(one.error),
-                "second_order_deg": _direction(one.second_order),
+                **orbit_report(direction.orbit),
+                "error_deg": degrees(direction.error),
+                "second_order_deg": _direction(direction.second_order),
             }
-            for one in prediction.directions
+            for direction in prediction.directions
         ],
         "second_order_directions": [*map(orbit_report, prediction.second_order_points)],
         **json_of(prediction, "mean_turn", unit=DEGREES),

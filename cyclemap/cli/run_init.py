@@ -79,7 +79,10 @@ def run_init(asked: InitOptions) -> None:
     loop = replace(loop, material=material)
     if "push_mm" not in own and not asked.shape:
         loop = within_reach(loop)
-    notes = {key: f"{one.meaning[0].upper()}{one.meaning[1:]}." for key, one in SETTINGS.items()}
+    notes = {
+        key: f"{setting.meaning[0].upper()}{setting.meaning[1:]}."
+        for key, setting in SETTINGS.items()
+    }
     text = collection_text(
         loop, noise=DEFAULT_SIGMA if sigma is None else sigma, comments=COMMENTS, notes=notes
     )

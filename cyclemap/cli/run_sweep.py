@@ -126,7 +126,8 @@ def _object_loop(plan: SweepPlan) -> CollectionLoop:
     """The loop whose object the sweep is of: MIT's where objects are swept, or the first point
     makes none.
     """
-    settings = {key: value for key, value in plan.point(0).settings.items() if key in _OBJECT_KEYS}
+    kept = {*_OBJECT_KEYS, "hitch_x_mm", "hitch_y_mm"}
+    settings = {key: value for key, value in plan.point(0).settings.items() if key in kept}
     with suppress(InvalidInput):
         return (
             CollectionLoop.mit() if set(plan.keys) & _OBJECT_KEYS else loop_from_settings(settings)
@@ -150,7 +151,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
         key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
     }
     settings |= set_settings(asked.options.settings)
-    warn_of_defaults(settings)
+    warn_of_defaults({**dict.fromkeys(swept), **settings})
     tolerance = (
         {} if asked.tolerance_deg is None else {"tolerance": math.radians(asked.tolerance_deg)}
     )

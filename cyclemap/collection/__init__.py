@@ -37,75 +37,52 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.collection.batch_experiment import BatchExperiment, BatchRun, batch_experiment
-    from cyclemap.collection.dynamic_loop import (
-        DynamicCycle,
-        DynamicLoop,
-        DynamicsComparison,
-        compare_dynamics,
-        isotropic_twin,
+    from cyclemap.collection.batch_experiment import (
+        BatchExperiment as BatchExperiment,
+        BatchRun as BatchRun,
+        batch_experiment as batch_experiment,
     )
-    from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, TurnResponse, fingerprint
+    from cyclemap.collection.dynamic_loop import (
+        DynamicCycle as DynamicCycle,
+        DynamicLoop as DynamicLoop,
+        DynamicsComparison as DynamicsComparison,
+        compare_dynamics as compare_dynamics,
+        isotropic_twin as isotropic_twin,
+    )
+    from cyclemap.collection.fingerprint import (
+        Anisotropy as Anisotropy,
+        Fingerprint as Fingerprint,
+        TurnResponse as TurnResponse,
+        fingerprint as fingerprint,
+    )
     from cyclemap.collection.fingerprint_prediction import (
-        Prediction,
-        PredictionCheck,
-        check_prediction,
-        predict,
+        Prediction as Prediction,
+        PredictionCheck as PredictionCheck,
+        check_prediction as check_prediction,
+        predict as predict,
     )
     from cyclemap.collection.loop import (
-        CollectionLoop,
-        Cycle,
-        Cycles,
-        CycleSensitivity,
-        CycleTrajectory,
-        run_cycles,
+        CollectionLoop as CollectionLoop,
+        Cycle as Cycle,
+        Cycles as Cycles,
+        CycleSensitivity as CycleSensitivity,
+        CycleTrajectory as CycleTrajectory,
+        run_cycles as run_cycles,
     )
     from cyclemap.collection.portrait import (
-        Portrait,
-        StaircaseForecast,
-        portrait,
-        staircase_forecast,
+        Portrait as Portrait,
+        StaircaseForecast as StaircaseForecast,
+        portrait as portrait,
+        staircase_forecast as staircase_forecast,
     )
     from cyclemap.collection.uncertain_directions import (
-        DirectionInterval,
-        DirectionUncertainty,
-        direction_uncertainty,
+        DirectionInterval as DirectionInterval,
+        DirectionUncertainty as DirectionUncertainty,
+        direction_uncertainty as direction_uncertainty,
     )
-    from cyclemap.collection.wearing_loop import drifting_map, worn_loop
+    from cyclemap.collection.wearing_loop import (
+        drifting_map as drifting_map,
+        worn_loop as worn_loop,
+    )
 else:
     import_on_first_use(__name__)
-
-__all__ = [
-    "CollectionLoop",
-    "Cycle",
-    "CycleSensitivity",
-    "CycleTrajectory",
-    "Cycles",
-    "drifting_map",
-    "run_cycles",
-]
-__all__ += ["worn_loop"]
-__all__ += ["BatchExperiment", "BatchRun", "DirectionInterval", "DirectionUncertainty", "Portrait"]
-__all__ += [
-    "StaircaseForecast",
-    "batch_experiment",
-    "direction_uncertainty",
-    "portrait",
-    "staircase_forecast",
-]
-__all__ += [
-    "Anisotropy",
-    "Fingerprint",
-    "Prediction",
-    "PredictionCheck",
-    "TurnResponse",
-    "check_prediction",
-]
-__all__ += ["fingerprint", "predict"]
-__all__ += [
-    "DynamicCycle",
-    "DynamicLoop",
-    "DynamicsComparison",
-    "compare_dynamics",
-    "isotropic_twin",
-]

@@ -214,8 +214,8 @@ def derived_quantities(
 
 
 def _may_vanish(found: Identification, index: list[int]) -> bool:
-    """Whether the vector of two parameters is within its error of zero: T^2 against F(2,
-    freedom)."""
+    """Whether the vector of two parameters is within its error of zero: T^2 against
+    F(2, freedom)."""
     from scipy.stats import f
 
     vector, errors = found.fit.vector[index], found.uncertainty
@@ -272,8 +272,8 @@ class IdentifiedCurves:
 def identified_curves(
     found: Identification, scans: Array | None = None, seed: int = 0
 ) -> IdentifiedCurves:
-    """Compute what is drawn of an identification; `scans` : (s,
-    2) tractions of its friction scans."""
+    """Compute what is drawn of an identification; `scans` : (s, 2) tractions
+    of its friction scans."""
     laws = [
         SurfaceParameters.from_values(one).to_friction()
         for one in sampled_values(found, _BAND_DRAWS, seed)

@@ -454,7 +454,8 @@ class _Predicted:
         found = [_Reading(convention) for convention in (*named, *turned)]
         lengths = LENGTH_UNITS.values() if self.lengths_known else ()
         factors = sorted({a / b for a, b in product(lengths, lengths)} - {1.0})
-        scale = float(np.median(np.abs(self.motion)) / np.median(np.abs(self.written.moved)))
+        usual = float(np.median(np.abs(self.written.moved)))
+        scale = float(np.median(np.abs(self.motion))) / usual if usual > 0.0 else math.inf
         factors += [scale] if math.isfinite(scale) and scale > 0.0 and _is_no_unit(scale) else []
         for convention in (taken.convention, *_conventions()):
             found += [_Reading(convention, length=factor) for factor in factors]

@@ -77,192 +77,137 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.maps.estimate import Estimate
+    from cyclemap.maps.estimate import Estimate as Estimate
     from cyclemap.maps.families.bifurcation_curves import (
-        BifurcationCurve,
-        bifurcation_curves,
-        follow_bifurcation,
+        BifurcationCurve as BifurcationCurve,
+        bifurcation_curves as bifurcation_curves,
+        follow_bifurcation as follow_bifurcation,
     )
     from cyclemap.maps.families.continuation import (
-        OrbitBranch,
-        bifurcations,
-        border_collisions,
-        follow_orbit,
-        orbit_branches,
-        period_doublings,
-        saddle_nodes,
+        OrbitBranch as OrbitBranch,
+        bifurcations as bifurcations,
+        border_collisions as border_collisions,
+        follow_orbit as follow_orbit,
+        orbit_branches as orbit_branches,
+        period_doublings as period_doublings,
+        saddle_nodes as saddle_nodes,
     )
-    from cyclemap.maps.families.curve_equations import CodimensionTwo
-    from cyclemap.maps.families.family import ARNOLD_FAMILY, MOEBIUS_FAMILY, ParametricLift
+    from cyclemap.maps.families.curve_equations import CodimensionTwo as CodimensionTwo
+    from cyclemap.maps.families.family import (
+        ARNOLD_FAMILY as ARNOLD_FAMILY,
+        MOEBIUS_FAMILY as MOEBIUS_FAMILY,
+        ParametricLift as ParametricLift,
+    )
     from cyclemap.maps.families.long_orbits import (
-        LyapunovExponents,
-        OrbitDiagram,
-        lyapunov_exponent,
-        lyapunov_exponents,
-        orbit_diagram,
+        LyapunovExponents as LyapunovExponents,
+        OrbitDiagram as OrbitDiagram,
+        lyapunov_exponent as lyapunov_exponent,
+        lyapunov_exponents as lyapunov_exponents,
+        orbit_diagram as orbit_diagram,
     )
     from cyclemap.maps.families.lost_directions import (
-        RestMultiplier,
-        SlowFold,
-        rest_multiplier,
-        slow_folds,
+        RestMultiplier as RestMultiplier,
+        SlowFold as SlowFold,
+        rest_multiplier as rest_multiplier,
+        slow_folds as slow_folds,
     )
-    from cyclemap.maps.families.orbit_equations import Bifurcation
-    from cyclemap.maps.families.response import Response, response
+    from cyclemap.maps.families.orbit_equations import Bifurcation as Bifurcation
+    from cyclemap.maps.families.response import Response as Response, response as response
     from cyclemap.maps.families.rotation_numbers import (
-        RotationNumbers,
-        RotationPlane,
-        rotation_numbers,
-        rotation_plane,
+        RotationNumbers as RotationNumbers,
+        RotationPlane as RotationPlane,
+        rotation_numbers as rotation_numbers,
+        rotation_plane as rotation_plane,
     )
-    from cyclemap.maps.families.tongues import Tongue, TongueBoundaries, tongue, tongues
-    from cyclemap.maps.lifts.branches import Branch, branches, preimages
-    from cyclemap.maps.lifts.circle_map import CircleMap
-    from cyclemap.maps.lifts.map_algebra import compose, conjugate, inverse, nth_iterate, shifted
-    from cyclemap.maps.noise.bounded_noise import UniformNoise, VonMises
-    from cyclemap.maps.noise.noise import Noise, WrappedCauchy, WrappedNormal
-    from cyclemap.maps.operator.metastability import MetastableSet
-    from cyclemap.maps.operator.spectrum import Spectrum
-    from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
-    from cyclemap.maps.orbits.basins import Basin, basins
-    from cyclemap.maps.orbits.diagonal import JumpCrossing
-    from cyclemap.maps.orbits.entropy import kneading_sequences, topological_entropy
-    from cyclemap.maps.orbits.envelopes import is_nondecreasing, lower_envelope, upper_envelope
+    from cyclemap.maps.families.tongues import (
+        Tongue as Tongue,
+        TongueBoundaries as TongueBoundaries,
+        tongue as tongue,
+        tongues as tongues,
+    )
+    from cyclemap.maps.lifts.branches import (
+        Branch as Branch,
+        branches as branches,
+        preimages as preimages,
+    )
+    from cyclemap.maps.lifts.circle_map import CircleMap as CircleMap
+    from cyclemap.maps.lifts.map_algebra import (
+        compose as compose,
+        conjugate as conjugate,
+        inverse as inverse,
+        nth_iterate as nth_iterate,
+        shifted as shifted,
+    )
+    from cyclemap.maps.noise.bounded_noise import UniformNoise as UniformNoise, VonMises as VonMises
+    from cyclemap.maps.noise.noise import (
+        Noise as Noise,
+        WrappedCauchy as WrappedCauchy,
+        WrappedNormal as WrappedNormal,
+    )
+    from cyclemap.maps.operator.metastability import MetastableSet as MetastableSet
+    from cyclemap.maps.operator.spectrum import Spectrum as Spectrum
+    from cyclemap.maps.operator.transfer_operator import (
+        TransferOperator as TransferOperator,
+        transfer_operator as transfer_operator,
+    )
+    from cyclemap.maps.orbits.basins import Basin as Basin, basins as basins
+    from cyclemap.maps.orbits.diagonal import JumpCrossing as JumpCrossing
+    from cyclemap.maps.orbits.entropy import (
+        kneading_sequences as kneading_sequences,
+        topological_entropy as topological_entropy,
+    )
+    from cyclemap.maps.orbits.envelopes import (
+        is_nondecreasing as is_nondecreasing,
+        lower_envelope as lower_envelope,
+        upper_envelope as upper_envelope,
+    )
     from cyclemap.maps.orbits.periodic_points import (
-        Orbit,
-        PeriodicPoints,
-        crossings_by_jump,
-        fixed_points,
-        periodic_orbits,
-        periodic_points,
+        Orbit as Orbit,
+        PeriodicPoints as PeriodicPoints,
+        crossings_by_jump as crossings_by_jump,
+        fixed_points as fixed_points,
+        periodic_orbits as periodic_orbits,
+        periodic_points as periodic_points,
     )
     from cyclemap.maps.orbits.rotation_number import (
-        RotationInterval,
-        RotationNumber,
-        birkhoff_average,
-        rotation_interval,
-        rotation_number,
+        RotationInterval as RotationInterval,
+        RotationNumber as RotationNumber,
+        birkhoff_average as birkhoff_average,
+        rotation_interval as rotation_interval,
+        rotation_number as rotation_number,
     )
-    from cyclemap.maps.orbits.slow_passages import SlowPassage, slow_passages
-    from cyclemap.maps.passages.log_passage import log10_passage_time
+    from cyclemap.maps.orbits.slow_passages import (
+        SlowPassage as SlowPassage,
+        slow_passages as slow_passages,
+    )
+    from cyclemap.maps.passages.log_passage import log10_passage_time as log10_passage_time
     from cyclemap.maps.passages.passage_times import (
-        hitting_probability,
-        mean_passage_time,
-        survival_probabilities,
+        hitting_probability as hitting_probability,
+        mean_passage_time as mean_passage_time,
+        survival_probabilities as survival_probabilities,
     )
-    from cyclemap.maps.passages.quasi_stationary import QuasiStationary, quasi_stationary
+    from cyclemap.maps.passages.quasi_stationary import (
+        QuasiStationary as QuasiStationary,
+        quasi_stationary as quasi_stationary,
+    )
     from cyclemap.maps.staircases.slow_zones import (
-        DriftSummary,
-        SlowZone,
-        StaircaseSummary,
-        predict_drift,
-        predict_staircase,
+        DriftSummary as DriftSummary,
+        SlowZone as SlowZone,
+        StaircaseSummary as StaircaseSummary,
+        predict_drift as predict_drift,
+        predict_staircase as predict_staircase,
     )
     from cyclemap.maps.staircases.staircase import (
-        DriftingMap,
-        LocalNoise,
-        Staircase,
-        sample_staircase,
-        sample_staircases,
+        DriftingMap as DriftingMap,
+        LocalNoise as LocalNoise,
+        Staircase as Staircase,
+        sample_staircase as sample_staircase,
+        sample_staircases as sample_staircases,
     )
-    from cyclemap.maps.staircases.step_comparison import StepComparison, compare_steps
-    from cyclemap.maps.staircases.step_detection import Steps, find_steps
+    from cyclemap.maps.staircases.step_comparison import (
+        StepComparison as StepComparison,
+        compare_steps as compare_steps,
+    )
+    from cyclemap.maps.staircases.step_detection import Steps as Steps, find_steps as find_steps
 else:
     import_on_first_use(__name__)
-
-__all__ = [
-    "ARNOLD_FAMILY",
-    "MOEBIUS_FAMILY",
-    "Basin",
-    "Bifurcation",
-    "BifurcationCurve",
-    "Branch",
-    "CircleMap",
-    "CodimensionTwo",
-    "DriftSummary",
-    "DriftingMap",
-    "Estimate",
-    "JumpCrossing",
-    "LocalNoise",
-    "LyapunovExponents",
-    "MetastableSet",
-    "Noise",
-    "Orbit",
-    "OrbitBranch",
-    "OrbitDiagram",
-    "ParametricLift",
-    "PeriodicPoints",
-    "QuasiStationary",
-    "Response",
-    "RestMultiplier",
-    "RotationInterval",
-    "RotationNumber",
-    "RotationNumbers",
-    "RotationPlane",
-    "SlowFold",
-    "SlowPassage",
-    "SlowZone",
-    "Spectrum",
-    "Staircase",
-    "StaircaseSummary",
-    "StepComparison",
-    "Steps",
-    "Tongue",
-    "TongueBoundaries",
-    "TransferOperator",
-    "UniformNoise",
-    "VonMises",
-    "WrappedCauchy",
-    "WrappedNormal",
-    "basins",
-    "bifurcation_curves",
-    "bifurcations",
-    "birkhoff_average",
-    "border_collisions",
-    "branches",
-    "compare_steps",
-    "compose",
-    "conjugate",
-    "crossings_by_jump",
-    "find_steps",
-    "fixed_points",
-    "follow_bifurcation",
-    "follow_orbit",
-    "hitting_probability",
-    "inverse",
-    "is_nondecreasing",
-    "kneading_sequences",
-    "log10_passage_time",
-    "lower_envelope",
-    "lyapunov_exponent",
-    "lyapunov_exponents",
-    "mean_passage_time",
-    "nth_iterate",
-    "orbit_branches",
-    "orbit_diagram",
-    "period_doublings",
-    "periodic_orbits",
-    "periodic_points",
-    "predict_drift",
-    "predict_staircase",
-    "preimages",
-    "quasi_stationary",
-    "response",
-    "rest_multiplier",
-    "rotation_interval",
-    "rotation_number",
-    "rotation_numbers",
-    "rotation_plane",
-    "saddle_nodes",
-    "sample_staircase",
-    "sample_staircases",
-    "shifted",
-    "slow_folds",
-    "slow_passages",
-    "survival_probabilities",
-    "tongue",
-    "tongues",
-    "topological_entropy",
-    "transfer_operator",
-    "upper_envelope",
-]

@@ -36,83 +36,60 @@ from cyclemap.lazy_names import import_on_first_use
 
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time names are imported when first used.
-    from cyclemap.mechanics.dynamic_model import DynamicModel
+    from cyclemap.mechanics.dynamic_model import DynamicModel as DynamicModel
     from cyclemap.mechanics.footprint import (
-        Footprint,
-        PatchFootprint,
-        PointFootprint,
-        corner_footprint,
-        grid_footprint,
-        load_footprint,
-        parse_footprint,
+        Footprint as Footprint,
+        PatchFootprint as PatchFootprint,
+        PointFootprint as PointFootprint,
+        corner_footprint as corner_footprint,
+        grid_footprint as grid_footprint,
+        load_footprint as load_footprint,
+        parse_footprint as parse_footprint,
     )
-    from cyclemap.mechanics.foundation import FloorField, PressedFootprint, SurfaceShape
-    from cyclemap.mechanics.friction import EllipseFriction, LimitSurface, worn_friction
+    from cyclemap.mechanics.foundation import (
+        FloorField as FloorField,
+        PressedFootprint as PressedFootprint,
+        SurfaceShape as SurfaceShape,
+    )
+    from cyclemap.mechanics.friction import (
+        EllipseFriction as EllipseFriction,
+        LimitSurface as LimitSurface,
+        worn_friction as worn_friction,
+    )
     from cyclemap.mechanics.material import (
-        CycleNoise,
-        FoundWith,
-        FrameShift,
-        Material,
-        MaterialPosterior,
-        PlatePressure,
-        Wear,
+        CycleNoise as CycleNoise,
+        FoundWith as FoundWith,
+        FrameShift as FrameShift,
+        Material as Material,
+        MaterialPosterior as MaterialPosterior,
+        PlatePressure as PlatePressure,
+        Wear as Wear,
     )
-    from cyclemap.mechanics.material_text import load_material, material_names, material_toml
-    from cyclemap.mechanics.outline import Ellipse, Polygon
-    from cyclemap.mechanics.quasi_static import QuasiStaticModel
-    from cyclemap.mechanics.resting import resting_pressure
+    from cyclemap.mechanics.material_text import (
+        load_material as load_material,
+        material_names as material_names,
+        material_toml as material_toml,
+    )
+    from cyclemap.mechanics.outline import Ellipse as Ellipse, Polygon as Polygon
+    from cyclemap.mechanics.quasi_static import QuasiStaticModel as QuasiStaticModel
+    from cyclemap.mechanics.resting import resting_pressure as resting_pressure
     from cyclemap.mechanics.slider import (
-        MIT_HITCH,
-        MIT_SHAPE_NAMES,
-        DragBack,
-        Pose,
-        Pusher,
-        SidePush,
-        Slider,
-        WorldPush,
+        MIT_HITCH as MIT_HITCH,
+        MIT_SHAPE_NAMES as MIT_SHAPE_NAMES,
+        DragBack as DragBack,
+        Pose as Pose,
+        Pusher as Pusher,
+        SidePush as SidePush,
+        Slider as Slider,
+        WorldPush as WorldPush,
     )
     from cyclemap.mechanics.trajectory import (
-        DragResult,
-        DynamicDrag,
-        DynamicPush,
-        DynamicTrajectory,
-        PushResult,
-        Trajectory,
+        DragResult as DragResult,
+        DynamicDrag as DynamicDrag,
+        DynamicPush as DynamicPush,
+        DynamicTrajectory as DynamicTrajectory,
+        PushResult as PushResult,
+        Trajectory as Trajectory,
     )
 else:
     import_on_first_use(__name__)
-
-__all__ = ["MIT_HITCH", "MIT_SHAPE_NAMES", "Ellipse", "Polygon", "Slider"]
-__all__ += [
-    "EllipseFriction",
-    "FloorField",
-    "Footprint",
-    "LimitSurface",
-    "PatchFootprint",
-    "PointFootprint",
-    "PressedFootprint",
-    "SurfaceShape",
-    "corner_footprint",
-    "resting_pressure",
-]
-__all__ += ["grid_footprint", "load_footprint", "parse_footprint", "worn_friction"]
-__all__ += [
-    "CycleNoise",
-    "FoundWith",
-    "FrameShift",
-    "Material",
-    "MaterialPosterior",
-    "PlatePressure",
-    "Wear",
-]
-__all__ += ["load_material", "material_names", "material_toml"]
-__all__ += [
-    "DragBack",
-    "DragResult",
-    "DynamicDrag",
-    "DynamicModel",
-    "DynamicPush",
-    "DynamicTrajectory",
-    "Pose",
-]
-__all__ += ["PushResult", "Pusher", "QuasiStaticModel", "SidePush", "Trajectory", "WorldPush"]

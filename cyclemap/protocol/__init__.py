@@ -24,15 +24,23 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.protocol.collection_file import loop_from_file
-    from cyclemap.protocol.outline_files import OutlineFile, read_outline
-    from cyclemap.protocol.own_object import CheckedCollection, check_collection
-    from cyclemap.protocol.protocol_file import read_protocol, write_protocol
-    from cyclemap.protocol.schedule_file import read_schedule, write_schedule
-    from cyclemap.protocol.settings import loop_from_settings
+    from cyclemap.protocol.collection_file import loop_from_file as loop_from_file
+    from cyclemap.protocol.outline_files import (
+        OutlineFile as OutlineFile,
+        read_outline as read_outline,
+    )
+    from cyclemap.protocol.own_object import (
+        CheckedCollection as CheckedCollection,
+        check_collection as check_collection,
+    )
+    from cyclemap.protocol.protocol_file import (
+        read_protocol as read_protocol,
+        write_protocol as write_protocol,
+    )
+    from cyclemap.protocol.schedule_file import (
+        read_schedule as read_schedule,
+        write_schedule as write_schedule,
+    )
+    from cyclemap.protocol.settings import loop_from_settings as loop_from_settings
 else:
     import_on_first_use(__name__)
-
-__all__ = ["loop_from_file", "loop_from_settings"]
-__all__ += ["read_protocol", "read_schedule", "write_protocol", "write_schedule"]
-__all__ += ["CheckedCollection", "OutlineFile", "check_collection", "read_outline"]

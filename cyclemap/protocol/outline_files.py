@@ -350,7 +350,7 @@ def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
     rest = [
         shapely.LineString(piece.round(6))
         for piece in pieces
-        if not any(piece is one for one in closed)
+        if not any(piece is ring for ring in closed)
     ]
     if rest:
         closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
@@ -378,7 +378,11 @@ def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]
     size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
     # Triangles meet within rounding of the file only: a hair's breadth closes the seams.
     hair = 1e-6 * size
-    parts = [one.buffer(hair, join_style="mitre") for one in flat if one.area > 1e-12 * size * size]
+    parts = [
+        triangle.buffer(hair, join_style="mitre")
+        for triangle in flat
+        if triangle.area > 1e-12 * size * size
+    ]
     union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
     return [
         np.array(part.exterior.coords)

@@ -84,8 +84,8 @@ def warn_of_defaults(settings: Settings) -> None:
     if left:
         keys = ", ".join(key for group in left.values() for key in group)
         told = (
-            f"the object is not MIT's, but {', '.join(left)} still are: give {keys}, or begin "
-            "with cyclemap init"
+            f"the object is not MIT's, but of MIT's experiment still: {', '.join(left)}; give {keys}, "
+            "or begin with cyclemap init"
         )
         warnings.warn(told, DoubtfulInput, stacklevel=3)
 
@@ -234,8 +234,8 @@ def _blaming(settings: Settings, part: str) -> Iterator[None]:
     except InvalidInput as cause:
         keys = [
             key
-            for key, one in SETTINGS.items()
-            if key in settings and one.place.split(".")[0] == part
+            for key, setting in SETTINGS.items()
+            if key in settings and setting.place.split(".")[0] == part
         ]
         given = ", ".join(f"{key}={settings[key]}" for key in keys)
         if not given or given.partition("=")[0] in str(cause):

@@ -33,69 +33,55 @@ from cyclemap.lazy_names import import_on_first_use
 if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
-    from cyclemap.protocol.strategy import CycleAction, ResetStrategy, gripper_turns, legs
-    from cyclemap.resets.action_cycles import map_turns, sample_turns, strategy_maps
-    from cyclemap.resets.audit import Audit, audit
-    from cyclemap.resets.bias_evidence import Rest
-    from cyclemap.resets.bias_monitor import Advice, Alarm, BiasMonitor, BiasReport, watch
-    from cyclemap.resets.coverage import Coverage, CoverageState, NextAction, next_action
-    from cyclemap.resets.material_range import MaterialRange, material_range, on_material
-    from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
-    from cyclemap.resets.reset_design import ResetDesign, ResetRow, design_reset
-    from cyclemap.resets.reset_ranking import Limit, ResetDemands
+    from cyclemap.protocol.strategy import (
+        CycleAction as CycleAction,
+        ResetStrategy as ResetStrategy,
+        gripper_turns as gripper_turns,
+        legs as legs,
+    )
+    from cyclemap.resets.action_cycles import (
+        map_turns as map_turns,
+        sample_turns as sample_turns,
+        strategy_maps as strategy_maps,
+    )
+    from cyclemap.resets.audit import Audit as Audit, audit as audit
+    from cyclemap.resets.bias_evidence import Rest as Rest
+    from cyclemap.resets.bias_monitor import (
+        Advice as Advice,
+        Alarm as Alarm,
+        BiasMonitor as BiasMonitor,
+        BiasReport as BiasReport,
+        watch as watch,
+    )
+    from cyclemap.resets.coverage import (
+        Coverage as Coverage,
+        CoverageState as CoverageState,
+        NextAction as NextAction,
+        next_action as next_action,
+    )
+    from cyclemap.resets.material_range import (
+        MaterialRange as MaterialRange,
+        material_range as material_range,
+        on_material as on_material,
+    )
+    from cyclemap.resets.orientation_law import (
+        OrientationLaw as OrientationLaw,
+        orientation_law as orientation_law,
+    )
+    from cyclemap.resets.reset_design import (
+        ResetDesign as ResetDesign,
+        ResetRow as ResetRow,
+        design_reset as design_reset,
+    )
+    from cyclemap.resets.reset_ranking import Limit as Limit, ResetDemands as ResetDemands
     from cyclemap.resets.strategy_run import (
-        StrategyRun,
-        histogram_distances,
-        histogram_shares,
-        independent_distance,
-        run_strategy,
-        sampled_orientations,
-        steered_orientations,
+        StrategyRun as StrategyRun,
+        histogram_distances as histogram_distances,
+        histogram_shares as histogram_shares,
+        independent_distance as independent_distance,
+        run_strategy as run_strategy,
+        sampled_orientations as sampled_orientations,
+        steered_orientations as steered_orientations,
     )
 else:
     import_on_first_use(__name__)
-
-__all__ = [
-    "CycleAction",
-    "Limit",
-    "MaterialRange",
-    "OrientationLaw",
-    "ResetDemands",
-    "ResetDesign",
-    "ResetRow",
-]
-__all__ += [
-    "ResetStrategy",
-    "StrategyRun",
-    "design_reset",
-    "gripper_turns",
-    "histogram_distances",
-    "histogram_shares",
-]
-__all__ += [
-    "independent_distance",
-    "legs",
-    "map_turns",
-    "material_range",
-    "on_material",
-    "orientation_law",
-]
-__all__ += [
-    "run_strategy",
-    "sample_turns",
-    "sampled_orientations",
-    "steered_orientations",
-    "strategy_maps",
-]
-__all__ += [
-    "Advice",
-    "Alarm",
-    "Audit",
-    "BiasMonitor",
-    "BiasReport",
-    "Coverage",
-    "CoverageState",
-    "NextAction",
-    "Rest",
-]
-__all__ += ["audit", "next_action", "watch"]

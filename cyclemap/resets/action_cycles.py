@@ -169,13 +169,13 @@ def strategy_maps(
     """
     found: dict[CollectionLoop, CircleMap] = {}
     loops, report = strategy.loops(loop), progress or (lambda fraction: None)
-    for number, one in enumerate(loops, 1):
-        if one not in found:
-            found[one] = one.circle_map(tolerance)
+    for number, acted in enumerate(loops, 1):
+        if acted not in found:
+            found[acted] = acted.circle_map(tolerance)
         report(number / len(loops))
     maps = []
-    for one, action in zip(loops, strategy.actions, strict=True):
-        made = found[one]
+    for acted, action in zip(loops, strategy.actions, strict=True):
+        made = found[acted]
         if action.turn != 0.0 and made.pieces is not None:
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
@@ -206,7 +206,7 @@ def map_turns(maps: Sequence[CircleMap], samples: int = 1024) -> Array:
     [[1.5708, 1.5708, 1.5708]]
     """
     theta = TWO_PI * np.arange(samples) / samples
-    return np.array([np.asarray(one(theta)) - theta for one in maps])
+    return np.array([np.asarray(cycle_map(theta)) - theta for cycle_map in maps])
 
 
 def seconds(travel: Array, turned: Array) -> Array:

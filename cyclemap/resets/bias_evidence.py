@@ -100,7 +100,7 @@ class RestEvidence:
         assert run is not None
         began, tracks = run
         present, limits = (
-            [getattr(one, name) % TWO_PI % TWO_PI for one in tracks]
+            [getattr(track, name) % TWO_PI % TWO_PI for track in tracks]
             for name in ("present", "limit")
         )
         return Rest(began, tuple(present), tuple(limits))

@@ -285,7 +285,7 @@ def next_action(maps: Sequence[CircleMap], coverage: Coverage, theta: float) -> 
     if not maps:
         raise InvalidInput("there is no action to choose from: give the map of one or more")
     place = finite_number("theta", theta)
-    lands = np.array([[float(one(place))] for one in maps]) % TWO_PI
+    lands = np.array([[float(cycle_map(place))] for cycle_map in maps]) % TWO_PI
     crowding = coverage.crowding.at(lands)[:, 0]
     best = int(np.argmin(crowding))
     return NextAction(best, float(lands[best, 0]), float(crowding[best]))

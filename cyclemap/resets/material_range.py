@@ -219,13 +219,13 @@ def _posterior_range(material: Material) -> MaterialRange:
     rows = evenly_spread(count, SEARCHED_SAMPLES + JUDGED_SAMPLES)
     samples = []
     for place, row in enumerate(rows):
-        one = material.sample(row)
-        worn = 0.0 if one.wear is None else one.wear.cycles * place / max(len(rows) - 1, 1)
+        sample = material.sample(row)
+        worn = 0.0 if sample.wear is None else sample.wear.cycles * place / max(len(rows) - 1, 1)
         name = f"{material.name} (sample {row} of its posterior)"
-        samples.append(replace(one, name=name, friction=one.friction_after(worn), wear=None))
+        samples.append(replace(sample, name=name, friction=sample.friction_after(worn), wear=None))
     chosen = evenly_spread(len(rows), min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
     others = tuple(samples[place] for place in chosen)
-    tried = tuple(one for place, one in enumerate(samples) if place not in chosen)
+    tried = tuple(sample for place, sample in enumerate(samples) if place not in chosen)
     told = (
         f"{len(rows)} of the {count} samples of its "
         f"posterior{'' if material.wear is None else ', fresh to worn'}"

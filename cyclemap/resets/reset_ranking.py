@@ -197,15 +197,23 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
     rows: list[dict[str, Any]] = []
-    for one in parts:
-        actions, used = one.source.actions, one.shares > 0.0
-        sizes, drag = used.sum(axis=1), one.shares @ one.source.turns.drag_length[0]
-        turned = one.shares @ np.array([bool(action.turn) for action in actions], dtype=float)
-        contact = np.where(used, one.source.contact, np.inf).min(axis=1)
+    for candidates in parts:
+        actions, used = candidates.source.actions, candidates.shares > 0.0
+        sizes, drag = used.sum(axis=1), candidates.shares @ candidates.source.turns.drag_length[0]
+        turned = candidates.shares @ np.array(
+            [bool(action.turn) for action in actions], dtype=float
+        )
+        contact = np.where(used, candidates.source.contact, np.inf).min(axis=1)
         time = seconds(loop.push.distance + drag, turned)
-        row = {TV: one.tv, AFTER: one.after, DRAG: drag, SECONDS: time, CONTACT: contact}
+        row = {
+            TV: candidates.tv,
+            AFTER: candidates.after,
+            DRAG: drag,
+            SECONDS: time,
+            CONTACT: contact,
+        }
         if demands.reach is not None:
-            prepared = ResetStrategy(OWN.actions, hitch=one.source.hitch).prepared(loop)
+            prepared = ResetStrategy(OWN.actions, hitch=candidates.source.hitch).prepared(loop)
             still = [replace(action, turn=0.0) for action in actions]
             rooms = {action: room_needed(prepared, action) for action in dict.fromkeys(still)}
             row[REACH] = np.where(used, [rooms[action] for action in still], 0.0).max(axis=1)
@@ -216,9 +224,9 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
         strange = [
             used[:, [place == kind for place in places]].any(axis=1).astype(float) for kind in kinds
         ]
-        equal = np.abs(one.shares.sum(axis=1) - sizes * one.shares.max(axis=1)) < 1e-9
+        equal = np.abs(candidates.shares.sum(axis=1) - sizes * candidates.shares.max(axis=1)) < 1e-9
         untidy = 100.0 * ~equal + sum(strange, start=np.zeros(len(used)))
-        family = np.full(len(used), one.source.family)
+        family = np.full(len(used), candidates.source.family)
         rows.append(
             {
                 **row,
@@ -239,7 +247,7 @@ def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidate
         excess[CONTACT] = -excess[CONTACT]
     missed = np.maximum(np.array(list(excess.values())), 0.0).sum(axis=0)
     able = np.isin(family, [GRIPPER, RING], invert=True) | np.isin(family, demands.abilities)
-    part = np.repeat(np.arange(len(parts)), [len(one.tv) for one in parts])
+    part = np.repeat(np.arange(len(parts)), [len(candidates.tv) for candidates in parts])
     return Pool(parts, part, number, family, able, values, limits, excess, missed, counts, untidy)
 
 

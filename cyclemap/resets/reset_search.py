@@ -212,16 +212,18 @@ def searched(source: ActionSet, within: int, progress: Callable[[float], None]) 
         order = np.argsort(scored(rough, shares).tv, kind="stable")
         found.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = [one for size, one in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
+    few = [mixtures for size, mixtures in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
     if few:
         shares, after = (
-            np.concatenate([getattr(one, name) for one in few]) for name in ("shares", "after")
+            np.concatenate([getattr(mixtures, name) for mixtures in few])
+            for name in ("shares", "after")
         )
         found.append(
             scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within)
         )
     stacked = (
-        np.concatenate([getattr(one, name) for one in found]) for name in ("shares", "tv", "after")
+        np.concatenate([getattr(mixtures, name) for mixtures in found])
+        for name in ("shares", "tv", "after")
     )
     return Candidates(source, *stacked)
 

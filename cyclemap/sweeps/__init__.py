@@ -34,26 +34,42 @@ if TYPE_CHECKING:
     # What an editor and a type checker see; at run time each name is imported when it is first
     # used.
     from cyclemap.sweeps.direction_margins import (
-        DirectionChange,
-        DirectionMargin,
-        change_curve,
-        direction_margins,
+        DirectionChange as DirectionChange,
+        DirectionMargin as DirectionMargin,
+        change_curve as change_curve,
+        direction_margins as direction_margins,
     )
-    from cyclemap.sweeps.point_sets import Grid, Sample, SweepAxis, SweepRange
-    from cyclemap.sweeps.portrait_numbers import PointOutcome, PortraitNumbers, Quantity, SweptPoint
-    from cyclemap.sweeps.run_sweep import run_sweep, sweep_status
-    from cyclemap.sweeps.sweep_curves import SweptLines, SweptPlane, SweptScatter, sweep_curves
-    from cyclemap.sweeps.sweep_plan import SweepPlan
-    from cyclemap.sweeps.sweep_results import Sweep, load_sweep, to_dataset, write_csv, write_netcdf
-    from cyclemap.sweeps.sweep_store import StoreWriteError, SweepStatus, SweepStore
+    from cyclemap.sweeps.point_sets import (
+        Grid as Grid,
+        Sample as Sample,
+        SweepAxis as SweepAxis,
+        SweepRange as SweepRange,
+    )
+    from cyclemap.sweeps.portrait_numbers import (
+        PointOutcome as PointOutcome,
+        PortraitNumbers as PortraitNumbers,
+        Quantity as Quantity,
+        SweptPoint as SweptPoint,
+    )
+    from cyclemap.sweeps.run_sweep import run_sweep as run_sweep, sweep_status as sweep_status
+    from cyclemap.sweeps.sweep_curves import (
+        SweptLines as SweptLines,
+        SweptPlane as SweptPlane,
+        SweptScatter as SweptScatter,
+        sweep_curves as sweep_curves,
+    )
+    from cyclemap.sweeps.sweep_plan import SweepPlan as SweepPlan
+    from cyclemap.sweeps.sweep_results import (
+        Sweep as Sweep,
+        load_sweep as load_sweep,
+        to_dataset as to_dataset,
+        write_csv as write_csv,
+        write_netcdf as write_netcdf,
+    )
+    from cyclemap.sweeps.sweep_store import (
+        StoreWriteError as StoreWriteError,
+        SweepStatus as SweepStatus,
+        SweepStore as SweepStore,
+    )
 else:
     import_on_first_use(__name__)
-
-__all__ = ["DirectionChange", "DirectionMargin", "change_curve", "direction_margins"]
-__all__ += ["Grid", "Sample", "SweepAxis", "SweepRange"]
-__all__ += ["PointOutcome", "PortraitNumbers", "Quantity", "SweptPoint"]
-__all__ += ["run_sweep", "sweep_status"]
-__all__ += ["SweptLines", "SweptPlane", "SweptScatter", "sweep_curves"]
-__all__ += ["SweepPlan"]
-__all__ += ["Sweep", "load_sweep", "to_dataset", "write_csv", "write_netcdf"]
-__all__ += ["StoreWriteError", "SweepStatus", "SweepStore"]

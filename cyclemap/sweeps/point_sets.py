@@ -299,7 +299,7 @@ class Sample:
     sequence: str = "sobol"
 
     def __post_init__(self) -> None:
-        check_distinct(one.key for one in self.ranges)
+        check_distinct(axis.key for axis in self.ranges)
         whole_number("sample", self.count, least=1)
         whole_number("seed", self.seed, least=0)
         if self.sequence not in _SEQUENCES:
@@ -315,7 +315,7 @@ class Sample:
     @property
     def keys(self) -> tuple[str, ...]:
         """The swept keys, in order."""
-        return tuple(one.key for one in self.ranges)
+        return tuple(axis.key for axis in self.ranges)
 
     def __len__(self) -> int:
         return self.count
@@ -326,16 +326,16 @@ class Sample:
             number % _BLOCK
         ]
         return {
-            one.key: one.at(float(share)) for one, share in zip(self.ranges, shares, strict=True)
+            axis.key: axis.at(float(share)) for axis, share in zip(self.ranges, shares, strict=True)
         }
 
     def described(self) -> dict[str, object]:
         """The sample as JSON takes it."""
         ranges = {
-            one.key: {"low": one.low, "high": one.high}
-            if isinstance(one, SweepRange)
-            else list(one.values)
-            for one in self.ranges
+            axis.key: {"low": axis.low, "high": axis.high}
+            if isinstance(axis, SweepRange)
+            else list(axis.values)
+            for axis in self.ranges
         }
         return {
             "kind": "sample",

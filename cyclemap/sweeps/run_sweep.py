@@ -241,7 +241,7 @@ class _Run:
                 self.waiting.add(self.executor.submit(find_chunk, self.plan.numbers, chunk))
                 # A chunk is done already where the executor is this process.
                 while len(self.waiting) >= _CHUNKS_A_WORKER * self.workers or any(
-                    one.done() for one in self.waiting
+                    future.done() for future in self.waiting
                 ):
                     self._take(wait(self.waiting, return_when=FIRST_COMPLETED).done)
             while self.waiting:

@@ -180,14 +180,17 @@ def _chosen(sweep: Sweep, names: tuple[str, ...]) -> tuple[tuple[Quantity, Array
     """
     told = names or tuple(name for name in ("rotation", "stable_points") if name in sweep.columns)
     chosen = [sweep.quantity(name) for name in told or tuple(sweep.columns)[:2]]
-    listed = next((one.name for one in chosen if one.many), None)
+    listed = next((quantity.name for quantity in chosen if quantity.many), None)
     if listed is not None:
         raise InvalidInput(f"{listed} is a list at each point: draw a quantity that is one number")
-    return tuple((one, one.written(sweep.columns[one.name])) for one in chosen)
+    return tuple((quantity, quantity.written(sweep.columns[quantity.name])) for quantity in chosen)
 
 
 def _plane(sweep: Sweep, names: tuple[str, ...]) -> SweptPlane:
-    planes = tuple((one, one.written(sweep.on_grid(one.name))) for one, _ in _chosen(sweep, names))
+    planes = tuple(
+        (quantity, quantity.written(sweep.on_grid(quantity.name)))
+        for quantity, _ in _chosen(sweep, names)
+    )
     refused = np.zeros(sweep.shape, dtype=bool)
     refused[sweep.places()] = sweep.refused
     rotation = None

@@ -272,7 +272,7 @@ def _listed(over: object, told: str) -> dict[str, tuple[Any, ...]]:
 def _listed_words(points: PointSet, key: str) -> tuple[str, ...]:
     """The words that a swept key takes; () where it is not swept."""
     listed = points.axes if isinstance(points, Grid) else points.ranges
-    axis = next((one for one in listed if one.key == key), None)
+    axis = next((found for found in listed if found.key == key), None)
     return tuple(map(str, axis.values)) if isinstance(axis, SweepAxis) else ()
 
 

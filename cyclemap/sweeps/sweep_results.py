@@ -94,7 +94,7 @@ class Sweep:
 
     def quantity(self, name: str) -> Quantity:
         """The quantity of that name; InvalidInput where it was not asked for."""
-        known = {one.name: one for one in self.quantities}
+        known = {quantity.name: quantity for quantity in self.quantities}
         if name not in known:
             raise unknown_name("quantity of this sweep", name, known)
         return known[name]
@@ -203,7 +203,7 @@ class Sweep:
             low, high = wanted
             return lambda value: bool(low <= value <= high), False
         if isinstance(wanted, list):
-            return lambda value: any(_same(value, one) for one in wanted), False
+            return lambda value: any(_same(value, choice) for choice in wanted), False
         return lambda value: _same(value, wanted), True
 
 
@@ -254,7 +254,7 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
         rows = list(store.rows())
     keys, quantities = (
         tuple(description["keys"]),
-        tuple(Quantity(**one) for one in description["columns"]),
+        tuple(Quantity(**column) for column in description["columns"]),
     )
     axes = description["plan"]["points"].get("axes", {})
     return Sweep(
@@ -264,14 +264,14 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
         number=np.array([row["number"] for row in rows], dtype=np.int64),
         swept={key: tuple(row[key] for row in rows) for key in keys},
         columns={
-            one.name: np.array([row[one.name] for row in rows], dtype=float)
-            for one in quantities
-            if not one.many
+            quantity.name: np.array([row[quantity.name] for row in rows], dtype=float)
+            for quantity in quantities
+            if not quantity.many
         },
         lists={
-            one.name: tuple(np.array(row[one.name] or (), dtype=float) for row in rows)
-            for one in quantities
-            if one.many
+            quantity.name: tuple(np.array(row[quantity.name] or (), dtype=float) for row in rows)
+            for quantity in quantities
+            if quantity.many
         },
         refusals=tuple(str(row["refusal"]) for row in rows),
         description=description,
@@ -327,11 +327,11 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
         for one in sweep.quantities
         if not one.many
     }
-    for one in sweep.quantities:
-        if one.many:
+    for quantity in sweep.quantities:
+        if quantity.many:
             table |= {
-                f"{one.written_name}_{k}": values
-                for k, values in enumerate(_padded(sweep, one).T, 1)
+                f"{quantity.written_name}_{k}": values
+                for k, values in enumerate(_padded(sweep, quantity).T, 1)
             }
     text = pandas.DataFrame({**table, REFUSAL: sweep.refusals}).to_csv(
         index=False, lineterminator="\n"
@@ -389,19 +389,22 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
     shape = sweep.shape if sweep.axes else (len(sweep),)
     at = sweep.places() if sweep.axes else (np.arange(len(sweep)),)
     variables: dict[str, object] = {}
-    for one in sweep.quantities:
-        attributes = {"units": one.written_unit, "long_name": one.meaning}
-        if not one.many:
+    for quantity in sweep.quantities:
+        attributes = {"units": quantity.written_unit, "long_name": quantity.meaning}
+        if not quantity.many:
             values = np.full(shape, np.nan)
-            values[at] = one.written(sweep.columns[one.name])
-            variables[one.written_name] = (dimensions, values, attributes)
+            values[at] = quantity.written(sweep.columns[quantity.name])
+            variables[quantity.written_name] = (dimensions, values, attributes)
             continue
-        rows = _padded(sweep, one)
+        rows = _padded(sweep, quantity)
         padded, count = np.full((*shape, rows.shape[-1]), np.nan), np.zeros(shape, dtype=np.int64)
-        padded[at], count[at] = rows, [found.size for found in sweep.lists[one.name]]
-        about = {"units": "1", "long_name": f"how many {one.many.replace('_', ' ')}s there are"}
-        variables[one.written_name] = ((*dimensions, one.many), padded, attributes)
-        variables[f"{one.many}_count"] = (dimensions, count, about)
+        padded[at], count[at] = rows, [found.size for found in sweep.lists[quantity.name]]
+        about = {
+            "units": "1",
+            "long_name": f"how many {quantity.many.replace('_', ' ')}s there are",
+        }
+        variables[quantity.written_name] = ((*dimensions, quantity.many), padded, attributes)
+        variables[f"{quantity.many}_count"] = (dimensions, count, about)
     refusal = np.full(shape, "", dtype=object)
     refusal[at] = np.array(sweep.refusals, dtype=object)
     variables[REFUSAL] = (dimensions, refusal, {"long_name": "why numbers are missing"})

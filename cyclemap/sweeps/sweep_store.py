@@ -338,8 +338,13 @@ class SweepStore(AbstractContextManager["SweepStore"]):
 def _description(plan: SweepPlan) -> dict[str, object]:
     """What the store tells about itself, after a passage through JSON."""
     columns = [
-        {"name": one.name, "unit": one.unit, "meaning": one.meaning, "many": one.many}
-        for one in plan.numbers.quantities
+        {
+            "name": quantity.name,
+            "unit": quantity.unit,
+            "meaning": quantity.meaning,
+            "many": quantity.many,
+        }
+        for quantity in plan.numbers.quantities
     ]
     told = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
     found: dict[str, object] = json.loads(json.dumps(told))

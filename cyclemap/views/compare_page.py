@@ -123,7 +123,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
 
 def headline(name: str, found: Comparison) -> str:
     """How many of the questions that could be answered agree."""
-    answered = [one for one in verdicts(found) if one.agrees is not None]
+    answered = [verdict for verdict in verdicts(found) if verdict.agrees is not None]
     kept = sum(one.agrees is True for one in answered)
     if not answered:
         return f"{name} beside the data"
@@ -132,7 +132,7 @@ def headline(name: str, found: Comparison) -> str:
 
 def data_sentence(found: Comparison) -> str:
     """What was compared, and what was left out."""
-    pushes = sum(one.count for one in found.pushes)
+    pushes = sum(agreement.count for agreement in found.pushes)
     cycles = 0 if found.data.pairs is None else found.data.pairs.theta.size
     used = [f"{pushes} push{'es' * (pushes > 1)} with end poses"] * bool(pushes) + [
         f"{cycles} cycles"
@@ -145,7 +145,7 @@ def data_sentence(found: Comparison) -> str:
 
 def trust_sentences(found: Comparison) -> list[str]:
     """What to know before the p-values are believed."""
-    told = [f"Not certified: {one}." for one in found.uncertified]
+    told = [f"Not certified: {reason}." for reason in found.uncertified]
     correlation = 0.0 if found.cycle is None else found.cycle.lag_correlation or 0.0
     if found.orientations is not None and abs(correlation) > CORRELATED:
         told.append(
@@ -160,7 +160,7 @@ def summary_sentence(found: Comparison) -> str:
     """The questions by their answer, in a line or two."""
     groups = {"Agree": True, "Do not agree": False, "Open": None}
     listed = {
-        word: [one.question for one in verdicts(found) if one.agrees is answer]
+        word: [verdict.question for verdict in verdicts(found) if verdict.agrees is answer]
         for word, answer in groups.items()
     }
     return " ".join(
@@ -177,10 +177,11 @@ def explanation_sentences(name: str, found: Comparison) -> list[str]:
         sides = zip((name, ISOTROPIC), mean_distances(found.pushes), strict=True)
         by_place = sorted(sides, key=lambda side: side[1])
         told = ", ".join(
-            f"{1e3 * place:.1f} mm and {angle(turn)} by {one}" for one, (place, turn) in by_place
+            f"{1e3 * place:.1f} mm and {angle(turn)} by {by}" for by, (place, turn) in by_place
         )
         said.append(
-            f"Of {sum(one.count for one in found.pushes)} pushes there is left on average: {told}."
+            f"Of {sum(agreement.count for agreement in found.pushes)} pushes there is left on "
+            f"average: {told}."
         )
     if found.cycle is None:
         return said
@@ -189,7 +190,7 @@ def explanation_sentences(name: str, found: Comparison) -> list[str]:
     if cycle.isotropic_rms is not None:
         left[ISOTROPIC] = cycle.isotropic_rms
     told = ", ".join(
-        f"{angle(rms)} by {one}" for one, rms in sorted(left.items(), key=lambda pair: pair[1])
+        f"{angle(rms)} by {by}" for by, rms in sorted(left.items(), key=lambda pair: pair[1])
     )
     fitted = (
         ""

@@ -234,7 +234,7 @@ def draw_turn_differences(
 ) -> None:
     """Dynamic less quasi-static turns over θ0."""
     curves = [
-        (look, [np.degrees(one.difference(name)) for one in (material, isotropic)])
+        (look, [np.degrees(comparison.difference(name)) for comparison in (material, isotropic)])
         for name, *look in _TURNS
     ]
     _draw_differences(axes, material.dynamic.theta, curves, "°", "turns")
@@ -244,8 +244,8 @@ def draw_place_differences(
     axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
 ) -> None:
     """Dynamic less quasi-static displacements of the push over θ0."""
-    off = [1e3 * one.difference("push_displacement") for one in (material, isotropic)]
-    curves = [(look, [one[..., column] for one in off]) for column, *look in _PLACES]
+    off = [1e3 * comparison.difference("push_displacement") for comparison in (material, isotropic)]
+    curves = [(look, [values[..., column] for values in off]) for column, *look in _PLACES]
     _draw_differences(axes, material.dynamic.theta, curves, "mm", "displacement")
 
 

@@ -140,15 +140,18 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
     stable = prediction.stable_directions
     if stable:
         places = []
-        for one in stable:
+        for direction in stable:
             second = (
                 ""
-                if one.second_order is None
-                else f"; to second order {angle(one.second_order.points[0])}"
+                if direction.second_order is None
+                else f"; to second order {angle(direction.second_order.points[0])}"
             )
-            width = "± more than 90°" if one.error > ANYWHERE else f"± {angle(one.error)}"
+            width = (
+                "± more than 90°" if direction.error > ANYWHERE else f"± {angle(direction.error)}"
+            )
             places.append(
-                f"{angle(one.theta)} {width} (multiplier {_signed(one.orbit.multiplier)}{second})"
+                f"{angle(direction.theta)} {width} (multiplier "
+                f"{_signed(direction.orbit.multiplier)}{second})"
             )
         return (
             f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
@@ -205,11 +208,11 @@ def check_sentence(checked: PredictionCheck) -> str:
     ]
     misses = [
         "It has no such direction as predicted."
-        if one.full is None
-        else f"The prediction is {angle(one.miss)} off, "
-        f"{'within' if one.within_error else 'beyond'} its error."
-        for one in checked.directions
-        if one.predicted.stable
+        if direction.full is None
+        else f"The prediction is {angle(direction.miss)} off, "
+        f"{'within' if direction.within_error else 'beyond'} its error."
+        for direction in checked.directions
+        if direction.predicted.stable
     ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
 

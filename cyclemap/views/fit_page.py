@@ -299,7 +299,8 @@ def _places(state: MapState) -> str:
         [f"{'bottlenecks' if len(slow) > 1 else 'a bottleneck'} at {listed(slow)}"] if slow else []
     )
     open_ = [
-        f"{angle(one.theta)}, where a cycle turns by {_interval(one)}" for one in state.undecided
+        f"{angle(place.theta)}, where a cycle turns by {_interval(place)}"
+        for place in state.undecided
     ]
     told = [f"it has {listed(has)}"] if has else []
     told += [f"it cannot be told whether θ0 rests or passes at {listed(open_)}"] if open_ else []

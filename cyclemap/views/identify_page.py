@@ -79,14 +79,14 @@ def identify_page(
 
 def _draw_intervals(place: Axes, found: Identification) -> None:
     """The intervals of the parameters one above the other, in the place of a panel."""
-    shared = tuple(one for one in found.lasting if "[" not in one.name)
+    shared = tuple(estimate for estimate in found.lasting if "[" not in estimate.name)
     estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
     whose = "" if len(estimates) == len(found.lasting) else " of all plates"
     style.entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
     place.axis("off")
-    for row, one in enumerate(estimates):
+    for row, estimate in enumerate(estimates):
         bottom = 1.0 - (row + 0.7) / len(estimates)
-        draw_interval(place.inset_axes((0.42, bottom, 0.58, 0.4 / len(estimates))), one)
+        draw_interval(place.inset_axes((0.42, bottom, 0.58, 0.4 / len(estimates))), estimate)
 
 
 def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
@@ -156,14 +156,16 @@ def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     map_panels.draw_turns(axes, fit.grid, turns)
 
 
-def draw_interval(axes: Axes, one: Estimate) -> None:
+def draw_interval(axes: Axes, estimate: Estimate) -> None:
     """The interval of one parameter on an axis of its own, its name at the left."""
-    unit = readable_unit(one.unit)
-    value, lower, upper = (unit.of_si(end) for end in (one.value, one.lower, one.upper))
-    color = PREDICTED if one.identifiable else QUIET
+    unit = readable_unit(estimate.unit)
+    value, lower, upper = (
+        unit.of_si(end) for end in (estimate.value, estimate.lower, estimate.upper)
+    )
+    color = PREDICTED if estimate.identifiable else QUIET
     axes.plot([lower, upper], [0.0, 0.0], color=color, linewidth=2.2, solid_capstyle="butt")
     axes.plot(value, 0.0, "o", color=color, markersize=5)
-    for end, opened in ((lower, one.lower_open), (upper, one.upper_open)):
+    for end, opened in ((lower, estimate.lower_open), (upper, estimate.upper_open)):
         axes.plot(end, 0.0, "|" if not opened else "x", color=color, markersize=8)
     # An interval narrower than the digits of its ticks would be labelled with an offset that nobody
     # can read.
@@ -176,7 +178,7 @@ def draw_interval(axes: Axes, one: Estimate) -> None:
     for side in ("left", "top", "right"):
         axes.spines[side].set_visible(False)
     axes.tick_params(axis="x", labelsize=7, length=2, pad=1)
-    words = f"{one.name.replace('_', ' ')}{f' ({unit.sign.strip()})' if unit.sign else ''}"
+    words = f"{estimate.name.replace('_', ' ')}{f' ({unit.sign.strip()})' if unit.sign else ''}"
     axes.text(-0.03, 0.5, words, transform=axes.transAxes, ha="right", va="center", fontsize=8)
 
 
@@ -239,13 +241,13 @@ def worse_than_isotropic(found: Identification) -> list[str]:
     out where it was.
     """
     worse = []
-    for one in found.errors:
-        mean = one.left_out_mean if one.left_out_mean == one.left_out_mean else one.mean
-        if mean > WORSE * one.isotropic_mean:
-            kind, unit = readable_kind(one.kind)
+    for error in found.errors:
+        mean = error.left_out_mean if error.left_out_mean == error.left_out_mean else error.mean
+        if mean > WORSE * error.isotropic_mean:
+            kind, unit = readable_kind(error.kind)
             worse.append(
-                f"{one.block}, {kind} ({unit.of_si(mean):.3g} against "
-                f"{unit.of_si(one.isotropic_mean):.3g}{unit.sign})"
+                f"{error.block}, {kind} ({unit.of_si(mean):.3g} against "
+                f"{unit.of_si(error.isotropic_mean):.3g}{unit.sign})"
             )
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 

@@ -8,8 +8,6 @@ from decimal import Decimal
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from cyclemap.collection.lock_forecast import ORIENTATIONS, LockForecast
 from cyclemap.collection.portrait import Portrait
 from cyclemap.collection.uncertain_directions import (
@@ -121,12 +119,14 @@ def uncertainty_sentence(name: str, known: DirectionUncertainty | None) -> str:
         )
     how = "to first order" if known.method == FIRST_ORDER else "each run in full"
     told, few = list[str](), list[str]()
-    for one in known.directions:
-        count = round(one.share * known.samples)
-        if known.has_interval(one):
-            told.append(f"{_ends(one)} (in {one.share:.0%} of samples)")
+    for direction in known.directions:
+        count = round(direction.share * known.samples)
+        if known.has_interval(direction):
+            told.append(f"{_ends(direction)} (in {direction.share:.0%} of samples)")
         elif count:
-            both = dict.fromkeys((angle(one.lower, 0), angle(one.upper % (2.0 * math.pi), 0)))
+            both = dict.fromkeys(
+                (angle(direction.lower, 0), angle(direction.upper % (2.0 * math.pi), 0))
+            )
             few.append(f"{count} at {' to '.join(both)}")
     places = [f"95 % of them at {listed(told)}"] if told else []
     places += [f"only {listed(few)}"] if few else []
@@ -155,15 +155,15 @@ def ahead_sentence(forecast: LockForecast | None, start: float | None = None) ->
     seen = forecast.orientations
     locks = f"the loop locks in with a chance of {chance(forecast.chance)}{where}"
     told = (
-        f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen "
-        f"({seen.lower:.0f} to {seen.upper:.0f})"
+        f"{seen.median:.0f} of {ORIENTATIONS} orientations will have been seen ({seen.lower:.0f} "
+        f"to {seen.upper:.0f})"
     )
     lead = "Of" if start is None else f"From {angle(start % (2.0 * math.pi))} on, of"
     return f"{lead} all that is believed, within {forecast.cycles} pushes {locks}; {told}."
 
 
-def _ends(one: DirectionInterval) -> str:
-    decimals, low, high = _decimals(one), one.lower, one.upper
+def _ends(interval: DirectionInterval) -> str:
+    decimals, low, high = _decimals(interval), interval.lower, interval.upper
     ends = (
         angle(low, decimals),
         angle(high % (2.0 * math.pi) if high > 2.0 * math.pi else high, decimals),
@@ -171,9 +171,9 @@ def _ends(one: DirectionInterval) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
-def _decimals(one: DirectionInterval) -> int:
+def _decimals(interval: DirectionInterval) -> int:
     """So many that an interval has a few of its last digits."""
-    return interval_decimals(math.degrees(one.upper - one.lower))
+    return interval_decimals(math.degrees(interval.upper - interval.lower))
 
 
 def interval_decimals(width: float) -> int:
@@ -212,23 +212,23 @@ def margin_rows(margins: Sequence[DirectionMargin]) -> list[tuple[str, ...]]:
     distance.
     """
     rows = []
-    for one in margins:
-        if one.nearest is None:
+    for margin in margins:
+        if margin.nearest is None:
             continue
-        unit = float(SETTINGS[one.key].unit.in_si)
+        unit = float(SETTINGS[margin.key].unit.in_si)
         sides = [
             "-"
             if change is None
-            else f"{change.value / unit:.4g} ({one.directions} → {change.directions})"
-            for change in (one.below, one.above)
+            else f"{change.value / unit:.4g} ({margin.directions} → {change.directions})"
+            for change in (margin.below, margin.above)
         ]
-        rows.append((one.key, f"{one.value / unit:.4g}", *sides, f"{one.share:.2%}"))
+        rows.append((margin.key, f"{margin.value / unit:.4g}", *sides, f"{margin.share:.2%}"))
     return rows
 
 
 def margin_sentence(margins: Sequence[DirectionMargin]) -> str:
     """The nearest change of the stable directions, and the settings that have none."""
-    still = [one.key for one in margins if one.nearest is None]
+    still = [margin.key for margin in margins if margin.nearest is None]
     rest = (
         f" Within their usual ranges {listed(still)} change{'s' * (len(still) == 1)} no direction."
         if still
@@ -236,14 +236,15 @@ def margin_sentence(margins: Sequence[DirectionMargin]) -> str:
     )
     if len(still) == len(margins):
         return "No setting alone changes the number of stable directions within its usual range."
-    one, unit = margins[0], float(SETTINGS[margins[0].key].unit.in_si)
-    assert one.nearest is not None
-    value, error = one.nearest.value / unit, one.nearest.value.error_bound / unit
-    where = "" if math.isnan(one.nearest.theta) else f" at {angle(one.nearest.theta)}"
+    margin, change = margins[0], margins[0].nearest
+    assert change is not None
+    unit = float(SETTINGS[margin.key].unit.in_si)
+    value, error = change.value / unit, change.value.error_bound / unit
+    where = "" if math.isnan(change.theta) else f" at {angle(change.theta)}"
     return (
-        f"The number of stable directions, {one.directions}, becomes {one.nearest.directions} "
-        f"soonest by {one.key}: at {value:.6g} ± {error:.1g} in place of {one.value / unit:.6g}, a "
-        f"{one.nearest.kind}{where}.{rest}"
+        f"The number of stable directions, {margin.directions}, becomes {change.directions} "
+        f"soonest by {margin.key}: at {value:.6g} ± {error:.1g} in place of "
+        f"{margin.value / unit:.6g}, a {change.kind}{where}.{rest}"
     )
 
 
@@ -389,14 +390,13 @@ def shape_words(shape: SurfaceShape) -> str:
 
 
 def material_line(material: Material) -> str:
-    """That a material was inferred and how far it misses its data, that it wears, and of which
-    floor its map is.
+    """That a material was inferred and how far it misses its data, and that it wears.
 
     Empty where nothing is to be said.
 
     >>> from cyclemap.mechanics import load_material
-    >>> material_line(load_material("unknown")).split("; ")[1]
-    'its own map is of a flat floor, its samples have domes of 4.1 ± 7 kPa at 50 mm'
+    >>> material_line(load_material("unknown"))
+    'unknown was inferred, not measured'
     """
     misfit = _first_clauses(material.misfit, _MISFIT_LETTERS)
     how_far = f": {misfit}" if misfit else ""
@@ -404,11 +404,6 @@ def material_line(material: Material) -> str:
     said += [f"{material.name}: {misfit}"] if misfit and not material.inferred else []
     if material.wear is not None:
         said.append(f"it wears over {material.wear.cycles:g} cycles")
-    posterior, dome = material.posterior, "floor_dome_kpa"
-    if posterior is not None and dome in posterior.parameters and material.has_flat_floor:
-        domes = np.array(posterior.samples)[:, posterior.parameters.index(dome)]
-        shapes = f"its samples have domes of {domes.mean():.2g} ± {domes.std():.2g} kPa at 50 mm"
-        said.append(f"its own map is of a flat floor, {shapes}")
     return "; ".join(said)
 
 

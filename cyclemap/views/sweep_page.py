@@ -93,8 +93,8 @@ def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
         draw, told = draw_swept_plane, curves.planes
     else:
         draw, told = draw_swept_scatter, curves.values
-    for index, (one, _) in enumerate(told):
-        name = one.meaning.partition(",")[0]
+    for index, (quantity, _) in enumerate(told):
+        name = quantity.meaning.partition(",")[0]
         panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
     panels = panels[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
@@ -190,9 +190,9 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
         np.where(plane.period > 0, plane.winding / np.maximum(plane.period, 1), np.nan),
         plane.period < 0,
     )
-    for one in np.unique(ratio[plane.period > 0]):
-        wide = binary_opening(ratio == one, np.ones((2, 2)))
-        kept |= (ratio == one) & binary_dilation(wide, np.ones((3, 3)))
+    for locked in np.unique(ratio[plane.period > 0]):
+        wide = binary_opening(ratio == locked, np.ones((2, 2)))
+        kept |= (ratio == locked) & binary_dilation(wide, np.ones((3, 3)))
     return replace(
         plane, period=np.where(kept, plane.period, 0), winding=np.where(kept, plane.winding, 0)
     )

@@ -217,25 +217,25 @@ def _direction_verdict(found: DirectionMatch) -> Verdict:
     return Verdict(place, None if found.p_value is None else _kept(found.p_value), words)
 
 
-def _staircase_verdict(told: _Told, found: SimulatedQuantity) -> Verdict | None:
+def _staircase_verdict(quantity: _Told, found: SimulatedQuantity) -> Verdict | None:
     """The verdict on a number of the staircase; None where it is no question."""
-    digits = _telling_digits(told, found)
+    digits = _telling_digits(quantity, found)
     if digits is None or (found.measured is None and found.predicted is None):
         return None
-    measured = "none" if found.measured is None else told.value(found.measured, digits)
+    measured = "none" if found.measured is None else quantity.value(found.measured, digits)
     if found.predicted is None or found.lower is None or found.upper is None:
-        words = f"The {told.name}: {measured} measured, none in any simulated collection."
-        return Verdict(told.name, None, words)
+        words = f"The {quantity.name}: {measured} measured, none in any simulated collection."
+        return Verdict(quantity.name, None, words)
     tested = "" if found.p_value is None else f" {_tested(found.p_value)}"
     words = (
-        f"The {told.name}{tested}: {measured} measured, {told.value(found.predicted, digits)} "
-        f"predicted (95 % of collections: {told.number(found.lower, digits)} to "
-        f"{told.number(found.upper, digits)})."
+        f"The {quantity.name}{tested}: {measured} measured, "
+        f"{quantity.value(found.predicted, digits)} predicted (95 % of collections: "
+        f"{quantity.number(found.lower, digits)} to {quantity.number(found.upper, digits)})."
     )
-    return Verdict(told.name, None if found.p_value is None else _kept(found.p_value), words)
+    return Verdict(quantity.name, None if found.p_value is None else _kept(found.p_value), words)
 
 
-def _telling_digits(told: _Told, found: SimulatedQuantity) -> int | None:
+def _telling_digits(quantity: _Told, found: SimulatedQuantity) -> int | None:
     """How many decimals show that the interval has a width; None where none does and the data lie
     in it, to rounding.
 
@@ -243,17 +243,17 @@ def _telling_digits(told: _Told, found: SimulatedQuantity) -> int | None:
     fail.
     """
     if found.lower is None or found.upper is None or found.measured is None:
-        return told.least
+        return quantity.least
     values = (found.measured, found.lower, found.upper)
-    for digits in range(told.least, told.most + 1):
-        shown, lowest, highest = (told.number(value, digits) for value in values)
+    for digits in range(quantity.least, quantity.most + 1):
+        shown, lowest, highest = (quantity.number(value, digits) for value in values)
         is_inside = found.lower <= found.measured <= found.upper
         if lowest != highest and (shown not in (lowest, highest) or is_inside):
             return digits
-    measured, low, high = (round(told.scale * value, told.most) for value in values)
+    measured, low, high = (round(quantity.scale * value, quantity.most) for value in values)
     # A number that is no count may lie on the other side of a rounding.
-    rounding = 1.5 * 10.0**-told.most if told.most else 0.0
-    return None if low == high and abs(measured - low) <= rounding else told.most
+    rounding = 1.5 * 10.0**-quantity.most if quantity.most else 0.0
+    return None if low == high and abs(measured - low) <= rounding else quantity.most
 
 
 def _kept(found: PValue) -> bool:

@@ -217,3 +217,11 @@ def test_what_is_swept_overrules_the_protocol_file_which_may_name_no_strategy(
     write_protocol(here / "leg.toml", CollectionLoop.mit(), ResetStrategy(legs(0.05, 4)))
     told = "leg.toml: a sweep is about one push and one drag back"
     refused(sweep, "plywood", *RING, "--protocol", "leg.toml", told=told)
+
+
+def test_of_an_own_object_nothing_is_said_that_is_swept_or_told(here, capsys, fake) -> None:
+    own = ("vertices_mm=[[100,2],[-100,2],[-100,-2],[100,-2]]", "mass_kg=1", "hitch_x_mm=-5")
+    own = (*own, "hitch_y_mm=0", "side=0", "fraction=0.7", "pusher_radius_mm=5")
+    given = [word for setting in own for word in ("--set", setting)]
+    sweep("isotropic", *given, "--over", "push_mm=40,45", "--json", "-")
+    assert "warning" not in capsys.readouterr().err

@@ -864,7 +864,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("n0=law.n0 * (1 + n0)", "n0=law.n0 * (1 + m0)"),
             ("mu_b=law.mu_b / root", "mu_b=law.mu_b"),
             (
-                "tried = tuple(one for place, one in enumerate(samples) if place not in chosen)",
+                "tried = tuple(sample for place, sample in enumerate(samples) if place not in chosen)",
                 "tried = tuple(samples)",
             ),
         ],

@@ -83,7 +83,7 @@ def test_an_own_object_that_leaves_facts_to_mit_is_doubted_once_by_name(tmp_path
     """Check names them, too; a later outline takes the place of an earlier one."""
     one = {"vertices_mm": [[0, 0], [9, 0], [0, 9]], "object_name": "wedge", "push_mm": 80}
     assert layered(one, {"shape": "hex"}) == {"push_mm": 80, "shape": "hex"}
-    told = r"the ring, the mass, .*still are: give hitch_x_mm, hitch_y_mm, mass_kg"
+    told = r"still: the ring, the mass, .*; give hitch_x_mm, hitch_y_mm, mass_kg"
     with pytest.warns(DoubtfulInput, match=told) as doubts:
         warn_of_defaults({"vertices_mm": one["vertices_mm"]})
     assert len(doubts) == 1

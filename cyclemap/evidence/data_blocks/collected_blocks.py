@@ -423,7 +423,9 @@ class _Collected:
             unknown = set_ups(first_set, len(kept))
             for parameter, error in zip(unknown, errors * len(kept), strict=True):
                 self.set_up[parameter.name] = 0.0, error
-        block = push_end_block(kept, self.loop.slider, self.target, first_set)
+        block = push_end_block(
+            kept, self.loop.slider, self.target, first_set, self.loop.pusher.radius
+        )
         words = f"{_counted(kept, pushes)} push ends"
         self._add(
             block, words, _told_noise(read, set_by_marks), _thinned(pushes, _MOST_TURNS), strayed

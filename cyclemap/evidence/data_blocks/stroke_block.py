@@ -33,6 +33,7 @@ from cyclemap.evidence.predicted_strokes import (
     predicted_drag_ends,
     predicted_push_ends,
 )
+from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS
 from cyclemap.evidence.pushes.measured_strokes import ROD_OFF, MeasuredDrag, MeasuredPush
 from cyclemap.mechanics import FoundWith, Material, Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, run_batch
@@ -73,6 +74,7 @@ def push_end_block(
     slider: Slider,
     target: Place | None = None,
     first_set: int | None = None,
+    rod_radius: float = MIT_ROD_RADIUS,
 ) -> DataBlock:
     """Return the block of where pushes ended.
 
@@ -89,6 +91,8 @@ def push_end_block(
         Where rods were set by marks on the object, the number of the first push; each is then
         off its mark by itself, and its object turned from what was read, so that so much of what
         it did is its own: `rod_off_x[push 7]` of the seventh.
+    rod_radius : float, optional
+        m.
 
     Returns
     -------
@@ -129,7 +133,9 @@ def push_end_block(
 
     kinds = {"x": "push place (m)", "y": "push place (m)", "theta": "push turn (rad)"}
     parameters = (*(() if target is None else FIELD), *unknown)
-    return _stroke_block("push ends", pushes, slider, ends, kinds, PUSH_NAMES, parameters)
+    return _stroke_block(
+        "push ends", pushes, slider, ends, kinds, PUSH_NAMES, parameters, rod_radius
+    )
 
 
 def set_ups(first: int, count: int) -> tuple[Parameter, ...]:
@@ -195,6 +201,7 @@ def _stroke_block(
     kinds: Mapping[str, str],
     names: tuple[str, ...],
     own_parameters: tuple[Parameter, ...],
+    rod_radius: float = MIT_ROD_RADIUS,
 ) -> DataBlock:
     """The block of strokes of an object; strokes of one contact are a group.
 
@@ -213,7 +220,8 @@ def _stroke_block(
 
     def misfit(chosen: Labels, values: Values) -> StrokeEnds:
         surface = SurfaceParameters.from_values(values)
-        model = surface_model(surface, slider, field=floor_field(values))
+        field = floor_field(values)
+        model = surface_model(surface, slider, field=field, rod_radius=rod_radius)
         predicted, by, stayed = ends(model, chosen, values)
         by_surface = surface.chain(by[..., : len(names)], names, unknowns)
         jacobian = np.concatenate([by_surface, by[..., len(names) :]], axis=-1)
@@ -248,11 +256,12 @@ def surface_model(
     slider: Slider,
     accuracy: float = ACCURACY,
     field: FloorField | None = None,
+    rod_radius: float = MIT_ROD_RADIUS,
 ) -> QuasiStaticModel:
     """Return the model of a slider on a surface, of the shapes that the surface says; field : of
     the floor, kPa.
     """
-    rod = Pusher(friction=surface.pusher_friction)
+    rod = Pusher(rod_radius, surface.pusher_friction)
     return QuasiStaticModel(
         slider, surface.to_friction(), rod, surface.footprint(slider, field), accuracy
     )

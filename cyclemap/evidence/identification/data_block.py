@@ -391,10 +391,10 @@ def usual_beliefs(names: Sequence[str]) -> dict[str, tuple[float, float]]:
     >>> usual_beliefs(["plate_dome[hex]", "friction_scale", "floor_dome[hex 20 mm/s]"])
     {'plate_dome[hex]': (0.0, 6.0)}
     """
-    plain = {name: name.partition("[")[0] for name in names}
-    of_sessions = [name for name in names if plain[name] in FLOOR_NAMES and plain[name] != name]
-    return {
-        name: USUAL[plain[name]]
-        for name in names
-        if plain[name] in USUAL and name not in of_sessions
-    }
+    beliefs = {}
+    for name in names:
+        plain = name.partition("[")[0]
+        is_of_session = plain in FLOOR_NAMES and plain != name
+        if plain in USUAL and not is_of_session:
+            beliefs[name] = USUAL[plain]
+    return beliefs

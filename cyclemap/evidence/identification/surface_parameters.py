@@ -392,8 +392,8 @@ class SurfaceParameters:
 
     @classmethod
     def from_friction(cls, friction: EllipseFriction, **others: float) -> SurfaceParameters:
-        """Return the surface of a friction ellipse, with `others` (pusher_friction,
-        ...) as given."""
+        """Return the surface of a friction ellipse, with `others`
+        (pusher_friction, ...) as given."""
         for name in others:
             if name not in SURFACE.names[5:]:
                 raise unknown_name("parameter besides friction", name, SURFACE.names[5:])

@@ -97,7 +97,7 @@ def push_sensitivity(
     ends, plain, derivatives = [], [], []
     for values in known.values:
         surface = SurfaceParameters.from_values(values)
-        model = surface_model(surface, slider)
+        model = surface_model(surface, slider, rod_radius=radius)
         moved, by_all, _ = predicted_push_ends(model, made, names=PUSH_NAMES)
         by = surface.chain(by_all[..., :-3], PUSH_NAMES, UNKNOWNS)
         ends.append(moved)

@@ -176,8 +176,8 @@ def read_own_table(
     """Read a table of one's own, or a stream of poses, as pushes.
 
     columns : the file's column of each of theta0, theta1, theta_next, x0, y0, x1, y1, of a stream
-        t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; for a bag pose = its topic. A
-        part of a list is named[i].
+        t, x, y, theta (or the quaternion qx, qy, qz, qw) and episode; of a bag pose = its topic, of
+        a workbook sheet = its name. A part of a list is named[i].
     units : of angles (deg, rad, turn), lengths (mm, cm, m, inch) and times (s, ms, us, ns). What is
         not told is guessed.
     angles, frame, offset_deg : how the file counts angles and lays its axes, as in `Convention`;

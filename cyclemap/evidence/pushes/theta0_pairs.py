@@ -125,14 +125,13 @@ class Theta0Pairs:
         kept: Mask,
         number: Array,
         dropped: Mapping[str, int] | None = None,
-        moved: tuple[float, ...] = (),
     ) -> Theta0Pairs:
         """Return the pairs of pushes along a path (m,), rad, with their numbers (m,), by how far
         their cycles turned the object (n,), rad, n = m or m - 1; of those that are kept (n,).
         """
         start = path[: turn.size][kept]
         cycle = number[: turn.size][kept]
-        return cls(start, start + turn[kept], path, dropped or {}, cycle, number, moved)
+        return cls(start, start + turn[kept], path, dropped or {}, cycle, number)
 
     @property
     def turn(self) -> Array:
@@ -272,7 +271,9 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
         )
         warnings.warn(line, DoubtfulInput, stacklevel=3)
     dropped = {"moved by hand": len(moved)} if moved else {}
-    return Theta0Pairs.along(path, turn, kept, number, dropped, moved)
+    return Theta0Pairs(
+        path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
+    )
 
 
 def moved_by_hand(theta: Array, turn: Array) -> Mask:

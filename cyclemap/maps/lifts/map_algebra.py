@@ -45,8 +45,8 @@ def slope_and_error_beside(
 
 @dataclass(frozen=True, eq=False)
 class InverseLift:
-    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted, in [0,
-    2π)."""
+    """F⁻¹ from a table of F whose values cover [0, 2π]; ``breaks`` are its own, sorted,
+    in [0, 2π)."""
 
     table: MonotoneTable
     breaks: Array

@@ -116,8 +116,8 @@ def _without_rounding(chances: Array) -> Array:
 
 
 def _chance_below(low: Array, high: Array, halfwidth: float, lines: Array) -> Array:
-    """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform on [-h,
-    h]."""
+    """(n, m): P(x + ξ < line) for x uniform on [low, high], shape (n,), and ξ uniform
+    on [-h, h]."""
     length = (high - low)[:, None]
     over = lines - low[:, None]
     under = lines - high[:, None]

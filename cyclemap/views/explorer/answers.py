@@ -87,7 +87,11 @@ def of_portrait(found: Portrait, start: float) -> dict[str, object]:
     """
     degrees = 2 * np.pi * np.arange(CELLS + 1) / CELLS
     certain, known, loop = found.operator.is_certain, found.uncertainty, found.loop
-    ends = [] if known is None else [np.degrees([one.lower, one.upper]) for one in known.directions]
+    ends = (
+        []
+        if known is None
+        else [np.degrees([direction.lower, direction.upper]) for direction in known.directions]
+    )
     path = found.staircase.theta
     every = max(1, math.ceil((len(path) - 1) / _STAIRCASE_POINTS))
     orbit, courses = _courses(loop, start)

@@ -31,10 +31,10 @@ from cyclemap.evidence.identification.surface_parameters import (
     PLATE_NAMES,
     SURFACE,
 )
-from cyclemap.evidence.predicted_strokes import predicted_push_ends
+from cyclemap.evidence.predicted_strokes import predicted_push_ends, push_from_contact
 from cyclemap.evidence.pushes.columns import DRAG_ENDS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import measured_drags
-from cyclemap.mechanics import Pose, Slider, WorldPush
+from cyclemap.mechanics import Pose, Pusher, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 
 RECT1, MIT = Slider.mit("rect1"), CollectionLoop.mit()
@@ -290,3 +290,21 @@ def test_an_object_that_no_rod_touches_stays_with_all_columns_there() -> None:
         ends, by, stayed = predicted_push_ends(loop.model, [missing], (0.0, 0.0), ("mu_a",), target)
         assert ends.tolist() == [[0.0, 0.0, 0.0]] and stayed.tolist() == [True]
         assert by.shape == (1, 3, 1 + heights + 3) and not by[..., :-1].any()
+
+
+def test_the_rod_of_a_collection_is_as_thick_as_it_is_said_to_be() -> None:
+    """Of pushes with another rod than MIT's nothing is left over, and with MIT's a millimetre."""
+    loop = CollectionLoop.mit("isotropic", pusher=Pusher(0.008, 0.15), accuracy=1e-9)
+    pushes = []
+    for theta in np.linspace(0.0, 5.0, 4):
+        cycle, start = loop.cycle(theta), loop.start_pose(theta)
+        end = Pose(*start.to_world(*cycle.push_displacement), theta + cycle.push_turn)
+        push = push_from_contact(loop.slider, 0.008, loop.push, start, end, 0)
+        pushes.append(push)
+    values = SurfaceParameters.from_friction(loop.material.friction, pusher_friction=0.15).values()
+    given = {**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0}
+    right, wrong = (
+        push_end_block(pushes, loop.slider, **rod).residuals(given)[0]
+        for rod in ({"rod_radius": 0.008}, {})
+    )
+    assert np.abs(right).max() < 1e-5 and np.abs(wrong).max() > 1e-3
