@@ -20,7 +20,6 @@ from cyclemap.evidence.identification.surface_parameters import (
 )
 from cyclemap.evidence.predicted_strokes import loop_of_plate, predicted_push_ends
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush
-from cyclemap.mechanics import Slider
 
 # What belongs to a plate, or to the frame that its data are in, and what to a session.
 PLATE_OWNED = (*SURFACE.select(PLATE_NAMES).parameters, *TIP_OFFSET)
@@ -114,8 +113,8 @@ def odd_sessions(
     for plate, sessions in pushes.items():
         if len(sessions) < 2:
             continue
-        slider = loop_of_plate(loop, plate).slider
-        turns = {name: flat_turns(own, slider) for name, own in sessions.items()}
+        own_loop = loop_of_plate(loop, plate)
+        turns = {name: flat_turns(own, own_loop) for name, own in sessions.items()}
         for session, reason in _turned_unlike(turns).items():
             astray = tip_errors.get(session, 0.0)
             others = max(tip_errors.get(name, 0.0) for name in turns if name != session)
@@ -141,11 +140,12 @@ def _turned_unlike(turns: Mapping[str, tuple[float, float]]) -> dict[str, str]:
     return unlike
 
 
-def flat_turns(pushes: Sequence[MeasuredPush], slider: Slider) -> tuple[float, float]:
+def flat_turns(pushes: Sequence[MeasuredPush], loop: CollectionLoop) -> tuple[float, float]:
     """Return the mean size of turns over that of isotropic friction on a flat floor, and its
-    standard error.
+    standard error; loop : whose object was pushed, by whose rod.
     """
-    ends = predicted_push_ends(surface_model(SurfaceParameters(), slider), pushes)[0]
+    model = surface_model(SurfaceParameters(), loop.slider, rod_radius=loop.pusher.radius)
+    ends = predicted_push_ends(model, pushes)[0]
     before, after = np.array([(push.start.theta, push.end.theta) for push in pushes]).T
     predicted, measured = np.abs(ends[:, 2] - before), np.abs(after - before)
     mean = max(float(np.mean(predicted)), 1e-9)
