@@ -75,7 +75,7 @@ def compare_is_right(report: dict, table: Foreign) -> bool:
 def identify_is_right(report: dict, table: Foreign) -> bool:
     """Axes near those of plywood, 1.085 : 1."""
     ratio = next(one for one in report["derived"] if one["name"] == "axis_ratio")
-    return ratio["lower"] - 0.02 < 1.085 < ratio["upper"] + 0.02 and ratio["upper"] < 1.25
+    return ratio["lower"] - 0.02 < 1.085 < ratio["upper"] + 0.02 and ratio["upper"] < 1.3
 
 
 COMMANDS = {
