@@ -318,7 +318,7 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
     """Return the column of a file for each name that is told or recognised; InvalidInput where one
     is wanted, or two would do.
     """
-    have = ", ".join(list(raw)[:20])
+    have = ", ".join(list(raw)[:20])[:400]
     meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
     for name, column in meaning.items():
         if column not in raw:

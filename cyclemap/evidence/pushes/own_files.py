@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import codecs
 import csv
-import json
 import math
 import re
 from collections import Counter
@@ -26,7 +25,7 @@ from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.columns import QUATERNION, unit_word
 from cyclemap.file_text import located
 from cyclemap.plain_text import install_words, json_value
-from cyclemap.text_files import read_bytes, read_text
+from cyclemap.text_files import LARGEST_CONTENT, read_bytes, read_text
 
 if TYPE_CHECKING:
     import pandas
@@ -38,7 +37,7 @@ JSON_LINES = (".jsonl", ".ndjson")
 # Of columns of texts those that tell what was pushed on what are kept.
 _TEXTS = re.compile(r"surface|object|shape|run|session|series", re.IGNORECASE)
 # A field of one number or more, one with a decimal comma, and those that say nothing, or yes and no.
-_NUMBER = re.compile(r"[-+]?[\d.,]*\d[-+\d.,eE;|\s]*")
+_NUMBER = re.compile(r"[-+]?[.,]*\d[-+\d.,eE;|\s]*")
 _DECIMAL = re.compile(r"^\s*([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\s*$")
 _EMPTY = ("", "nan", "na", "null", "none", "-")
 _FLAGS = {
@@ -167,6 +166,8 @@ def _json_rows(whole: object) -> list[dict[str, object]]:
         return []
     names, data = whole.get("columns"), whole.get("data")
     if isinstance(names, list) and isinstance(data, list):
+        if not all(isinstance(row, list) for row in data):
+            return []
         return [dict(zip(map(str, names), row, strict=False)) for row in data]
     columns = {name: _in_a_row(values) for name, values in whole.items()}
     known = {name: values for name, values in columns.items() if len(values) > 1}
@@ -181,7 +182,7 @@ def _json_rows(whole: object) -> list[dict[str, object]]:
 
 def _in_a_row(values: object) -> list[Any]:
     """The values of a list, or of an object whose keys count its rows; of anything else none."""
-    if isinstance(values, dict) and all(key.isdigit() for key in values):
+    if isinstance(values, dict) and all(key.isdecimal() for key in values):
         return [values[key] for key in sorted(values, key=int)]
     return values if isinstance(values, list) else []
 
@@ -263,7 +264,7 @@ def _fits_its_names(rows: Sequence[Sequence[str]], strictly: bool) -> bool:
     many.
     """
     head = _header(rows)
-    if head is None:
+    if head is None or head + 1 == len(rows):
         return False
     names, numbers = (len(row) for row in rows[head : head + 2])
     return names == numbers if strictly else (names > 1) == (numbers > 1)
@@ -279,7 +280,7 @@ def _header(rows: Sequence[Sequence[str]]) -> int | None:
         words = [field for field in row if field.strip().lower() not in _EMPTY]
         if not _has_number(row) and 2 * len(words) >= len(row):
             found = index
-    return 0 if numeric == 0 else found
+    return 0 if rows and numeric == 0 else found
 
 
 def _has_number(row: Sequence[str]) -> bool:
@@ -312,6 +313,8 @@ def _named(rows: Sequence[Sequence[str]]) -> Columns:
         if any(field.strip() for field in row[width:]):
             told = ",".join(row)[:80]
             raise InvalidInput(f"{len(row)} fields below {width} names: {told}")
+    wide = f"has {len(rows)} rows below {width} names"
+    require_room(wide, len(rows) * width, "leave columns out", LARGEST_CONTENT // 2)
     filled = [[*row[:width], *[""] * (width - len(row))] for row in rows[head + 1 :]]
     frame = pandas.DataFrame(filled, columns=_told_apart(names))
     return _numbers(frame[[name for name in frame.columns if name]])
@@ -328,11 +331,15 @@ def _spread_right(row: Sequence[str], width: int) -> list[str]:
 
 def _told_apart(names: Sequence[str]) -> list[str]:
     """Names, of which those that are there twice are counted."""
-    seen = Counter[str]()
+    seen, taken = Counter[str](), set[str]()
     apart = []
     for name in names:
-        apart.append(f"{name}.{seen[name]}" if name and seen[name] else name)
-        seen[name] += 1
+        own = name
+        while name and own in taken:
+            seen[name] += 1
+            own = f"{name}.{seen[name]}"
+        taken.add(own)
+        apart.append(own)
     return apart
 
 
@@ -413,7 +420,9 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
         values = frame[column]
         if values.dtype.kind in "iufb":
             found[column] = values.to_numpy(dtype=float)
-        elif len(values) and np.ndim(values.iloc[0]) == 1:
+        elif _TEXTS.fullmatch(column):
+            found[column] = values.fillna("").astype(str).to_numpy(dtype=object)
+        elif len({np.shape(row) for row in values}) == 1 and np.ndim(values.iloc[0]) == 1:
             lists = np.stack(values.to_numpy())
             own = list((names or {}).get(column, ()))
             for place, numbers in enumerate(lists.T if lists.dtype.kind in "iuf" else ()):
@@ -432,10 +441,14 @@ def _lerobot(path: Path) -> Columns:
         raise InvalidInput(
             "a LeRobot data set without data/*.parquet: fetch its data, not meta alone"
         )
+    place = path / "meta" / "info.json"
     try:
-        features = json.loads(read_text(path / "meta" / "info.json", "JSON")).get("features", {})
+        info = json_value(read_text(place, "JSON"))
     except ValueError as error:
-        raise DataFileError(f"{path / 'meta' / 'info.json'}: not JSON ({error})") from error
+        raise DataFileError(f"{place}: not JSON ({error})") from error
+    features = info.get("features", {}) if isinstance(info, dict) else None
+    if not isinstance(features, dict):
+        raise DataFileError(f"{place}: features must be an object by their names")
     names = {}
     for name, feature in features.items():
         listed = feature.get("names") if isinstance(feature, dict) else None

@@ -303,6 +303,8 @@ def _in_si_units(
         columns[name] = raw[column]
         if kind is Kind.TEXT:
             continue
+        if raw[column].dtype.kind == "O":
+            raise InvalidInput(f"{column} holds texts, and {name} wants numbers")
         if kind in UNITS_OF:
             unit, said = unit_of(name, meaning, raw, units)
             columns[name] = UNITS[unit] * raw[column]
@@ -447,6 +449,10 @@ def _ordered(table: OwnTable) -> OwnTable:
         order = np.lexsort((numbers, labels))
         pairs = np.stack([labels, numbers])
         if np.isfinite(numbers).all() and np.unique(pairs, axis=1).shape[1] == numbers.size:
+            if name == "episode":
+                # A number that is missing is a gap.
+                columns["repetition"] = numbers
+                table = table.then(columns)
             if (np.diff(order) == 1).all():
                 return table
             columns = {column: values[order] for column, values in columns.items()}
@@ -454,7 +460,7 @@ def _ordered(table: OwnTable) -> OwnTable:
         if name == "repetition":
             follows = np.diff(numbers) == 1.0
             told = f"{what} of pushes are missing or there twice: rows are taken in their own order"
-            if follows.mean() > 0.5:
+            if 2 * follows.sum() > follows.size:
                 columns[name] = np.cumsum(np.append(0.0, np.where(follows, 1.0, 2.0)))
             else:
                 # Nobody knows what follows what.
@@ -546,7 +552,8 @@ def _episodes(stream: Columns) -> Columns:
     if not rows:
         raise InvalidInput("no push in it: no episode has two rows")
     theta = np.array([np.unwrap(stream["theta"][own])[[0, -1]] for own in rows])
-    pushes: Columns = {}
+    # An episode that is missing is a gap.
+    pushes: Columns = {"repetition": stream["episode"][[own[0] for own in rows]]}
     for end, place in (("0", 0), ("1", -1)):
         pushes[f"theta{end}"] = theta[:, place]
         ends = [own[place] for own in rows]

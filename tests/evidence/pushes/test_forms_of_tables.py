@@ -299,3 +299,49 @@ def test_columns_beside_our_own_are_not_passed_over(tmp_path) -> None:
     for names in ("x0,y0,theta0,x1,y1,theta1", "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg"):
         frame(names).to_csv(path, index=False)
         assert is_own(path) == ("_mm" in names)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "told"),
+    [
+        ("rows.json", '{"columns": ["theta0_deg"], "data": [1, 2, 3]}', "0 rows"),
+        ("keys.json", '{"theta0_deg": {"\u00b2": 1, "1": 2}}', "0 rows"),
+        ("below.csv", "1,2\n3,4\ntheta0_deg,b\n", "no names above its numbers"),
+        ("wide.csv", "yaw_deg" + 9999 * ",b" + 999 * "\n1,1", "1000 rows below 10000 names"),
+    ],
+)
+def test_what_is_no_table_is_refused_in_one_line(tmp_path, name, text, told) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    refused(read_own_table, path, told=told)
+
+
+def test_texts_are_no_numbers_and_names_there_twice_are_told_apart(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("yaw_deg,surface,a,a,a.1\n10,tin,1,2,3\n20,tin,1,2,3\n40,tin,1,2,3\n")
+    assert "not read: a, a.1, a.1.1" in read_own_table(path).words
+    refused(read_own_table, path, {"theta0": "surface"}, told="surface holds texts")
+
+
+@pytest.mark.parametrize("rows", [1, 2], ids=["a row a push", "two rows an episode"])
+def test_no_pair_goes_across_an_episode_that_is_missing(tmp_path, rows) -> None:
+    path = tmp_path / "log.csv"
+    x, y, theta = np.stack([BEFORE, AFTER], axis=1)[:, :rows].reshape(-1, 3).T
+    columns = {"episode": NUMBERS.repeat(rows), "x_m": x, "y_m": y, "yaw_rad": theta}
+    table = pandas.DataFrame(columns)
+    table[table["episode"] != 7].to_csv(path, index=False)
+    own = read_own_table(path)
+    assert "no pair across gaps in the numbers of the pushes: 1" in own.words
+    turns = own.columns["theta_next"] - own.columns["theta0"]
+    assert np.nanmax(turns) < 0.26
+
+
+def test_parquet_keeps_texts_and_passes_over_lists_of_unlike_lengths(tmp_path) -> None:
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "log.parquet"
+    lists = [[1.0, 2.0], None, *[[3.0]] * (PUSHES - 2)]
+    table = pandas.DataFrame({"yaw_deg": np.degrees(THETA), "lists": lists})
+    table.to_parquet(path)
+    assert np.allclose(read_own_table(path).columns["theta0"], THETA)
+    table.assign(surface=["felt", "tin"] * 12).to_parquet(path)
+    refused(read_own_table, path, told="several surfaces, felt, tin")
