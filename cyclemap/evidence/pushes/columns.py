@@ -58,10 +58,13 @@ _AN_EPOCH = 1e8
 
 
 class Kind(Enum):
-    """What a column holds; a turn is a difference of two angles, a place one of two ordinates."""
+    """What a column holds; a turn is a difference of two angles, a place one of two ordinates, a
+    slant an angle against the object's own side, which no convention changes.
+    """
 
     ANGLE = "angle"
     TURN = "turn"
+    SLANT = "slant"
     PLACE = "place"
     LENGTH = "length"
     TIME = "time"
@@ -71,6 +74,7 @@ class Kind(Enum):
 
 UNITS_OF: Mapping[Kind, Mapping[str, float]] = {
     Kind.ANGLE: ANGLE_UNITS,
+    Kind.SLANT: ANGLE_UNITS,
     Kind.PLACE: LENGTH_UNITS,
     Kind.LENGTH: LENGTH_UNITS,
     Kind.TIME: TIME_UNITS,
@@ -182,7 +186,7 @@ _ALL = (
     Column("bad", Kind.NUMBER, {}, (_BAD,)),
     # Between collections that one table holds.
     Column("run", Kind.TEXT, {}, (r"run(?:_(?:nr|no|number|index|id))?|session|series",)),
-    Column("angle", Kind.NUMBER, {"t": 1.0}),
+    Column("angle", Kind.SLANT, {"t": 1.0}),
     Column("acceleration", Kind.NUMBER, {"a_mm_s2": 1e-3}),
     Column("speed", Kind.NUMBER, {"v_mm_s": 1e-3}),
     Column("tip_error", Kind.LENGTH, {"tip_err_mm": 1e-3}),
@@ -395,6 +399,8 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
         return unit, f" in {unit} since 1970"
     if kind is Kind.TIME:
         unit = "s"
+    elif kind is Kind.SLANT:
+        unit = "rad" if most <= 0.5 * math.pi else "deg"
     elif kind is Kind.ANGLE:
         _refuse_likely_turns(most, *next(iter(columns.items())))
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"

@@ -345,3 +345,13 @@ def test_parquet_keeps_texts_and_passes_over_lists_of_unlike_lengths(tmp_path) -
     assert np.allclose(read_own_table(path).columns["theta0"], THETA)
     table.assign(surface=["felt", "tin"] * 12).to_parquet(path)
     refused(read_own_table, path, told="several surfaces, felt, tin")
+
+
+@pytest.mark.parametrize(
+    ("name", "units"), [("slant_deg", ()), ("slant", ("mm", "deg")), ("slant", ())]
+)
+def test_the_angle_of_pushes_is_told_in_degrees(tmp_path, name, units) -> None:
+    path = tmp_path / "log.csv"
+    plain().assign(**{name: 10.0}).to_csv(path, index=False)
+    own = read_own_table(path, {"angle": name}, units)
+    assert own.columns["angle"] == pytest.approx(math.radians(10.0) * np.ones(PUSHES))
