@@ -291,11 +291,11 @@ def load_pushes(
     table["theta_next"] = table["theta_next"].fillna(_next_start(table))
     scan_table = _sorted_frame(scans, SCAN_COLUMNS, (*_SCAN_ORDER, "path"))
     unreadable.sort(key=lambda entry: entry.path)
-    if convention.is_ours:
+    written, all_told = written_convention(path)
+    if angles is None and frame is None and offset_deg is None:
         # Of a table that was brought to ours before its name tells in which it was.
-        convention, all_told = written_convention(path)
-    else:
-        all_told = angles is not None and frame is not None
+        convention = written
+    all_told = all_told or (angles is not None and frame is not None)
     return PushTable(table, scan_table, tuple(unreadable), convention, all_told)
 
 

@@ -317,3 +317,20 @@ def test_another_loop_than_the_tables_is_not_taken_for_another_convention(tmp_pa
     pushes = cm.load_pushes(table.made(tmp_path, with_collection=False))
     assert isinstance(pushes, PushTable)
     assert check_pushes(pushes, cm.CollectionLoop.mit("plywood"))
+
+
+def test_a_table_tells_the_convention_it_was_read_in_and_who_said_it(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("x0,y0,theta0,x1,y1,theta1\n" + 3 * "0.1,0.2,0.3,0.14,0.2,0.5\n")
+    ours = {"angles": "counter-clockwise", "frame": "right-handed"}
+    assert not cm.load_pushes(path).convention_told
+    assert cm.load_pushes(path, **ours).convention_told
+    said = '[data]\nangles = "clockwise"\nframe = "mirrored"\n'
+    (tmp_path / "collection.toml").write_text(said)
+    of_folder, as_told = cm.load_pushes(path), cm.load_pushes(path, **ours)
+    assert (of_folder.convention, as_told.convention) == (
+        Convention("clockwise", "mirrored"),
+        Convention(),
+    )
+    assert of_folder.convention_told and as_told.convention_told
+    assert np.allclose(of_folder.table["theta0"], -as_told.table["theta0"])
