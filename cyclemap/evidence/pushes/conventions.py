@@ -41,7 +41,7 @@ AS_READ = "_as_read.csv"
 _SAID = (
     r"counter-clockwise|clockwise|compass",
     r"right-handed|mirrored|swapped",
-    r"plus(-?[\d.]+)deg",
+    r"plus(-?\d+(?:\.\d+)?(?:e-?\d+)?)deg",
 )
 _NAMED_LAST = re.compile(
     rf"(?:_({_SAID[0]}))?(?:_({_SAID[1]}))?(?:_{_SAID[2]})?{re.escape(AS_READ)}$"

@@ -12,7 +12,7 @@ from refusals import refused
 
 import cyclemap as cm
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
-from cyclemap.evidence.pushes.conventions import Convention
+from cyclemap.evidence.pushes.conventions import Convention, as_read_name, written_convention
 from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
@@ -334,3 +334,10 @@ def test_a_table_tells_the_convention_it_was_read_in_and_who_said_it(tmp_path) -
     )
     assert of_folder.convention_told and as_told.convention_told
     assert np.allclose(of_folder.table["theta0"], -as_told.table["theta0"])
+
+
+@pytest.mark.parametrize("degrees", [30.0, -7.25, 1e-05, 90])
+def test_the_name_of_a_table_as_read_tells_its_convention(degrees) -> None:
+    told = {"angles": "clockwise", "frame": "mirrored", "offset_deg": degrees}
+    assert written_convention(as_read_name("log", told)) == (Convention.of_keys(told), True)
+    assert written_convention("log_plus.deg_as_read.csv") == (Convention(), False)
