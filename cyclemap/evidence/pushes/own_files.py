@@ -379,8 +379,11 @@ def _written_out(text: pandas.Series, parsed: pandas.Series) -> tuple[pandas.Ser
     parts = text.str.extract(r"^([-+\d.,eE]+)\s*([^\d\s,.]*)$")
     units = set(parts[1].dropna())
     if len(units) == 1 and units <= {"", *filter(unit_word, units)}:
-        plain = parts[0].str.replace(r",(?=\d{3}(?:[.,]|$))(?=.*\.)", "", regex=True)
-        plain = plain.str.replace(",", ".", regex=False)
+        # One number with both tells what the commas of a column are.
+        if parts[0].str.contains(r",.*\.", regex=True).any():
+            plain = parts[0].str.replace(r",(?=\d{3}(?:[.,]|$))", "", regex=True)
+        else:
+            plain = parts[0].str.replace(",", ".", regex=False)
         (unit,) = units
         return pandas.to_numeric(plain, errors="coerce"), f" [{unit}]" if unit else ""
     if parsed.notna().any():

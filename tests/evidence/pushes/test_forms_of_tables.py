@@ -355,3 +355,12 @@ def test_the_angle_of_pushes_is_told_in_degrees(tmp_path, name, units) -> None:
     plain().assign(**{name: 10.0}).to_csv(path, index=False)
     own = read_own_table(path, {"angle": name}, units)
     assert own.columns["angle"] == pytest.approx(math.radians(10.0) * np.ones(PUSHES))
+
+
+def test_signs_of_thousands_are_told_by_the_column(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    wide = frame("x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg", SCALED)
+    wide["x0_mm"] = [f"{1000 + 17.5 * index:,g}" for index in NUMBERS]
+    wide.to_csv(path, index=False)
+    x = read_own_table(path).columns["x0"]
+    assert x == pytest.approx(1.0 + 0.0175 * NUMBERS)
