@@ -232,7 +232,9 @@ def sampled_paths(
 
 
 def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
-    """Whether each run rests, (c,), and where those that do rest first, rad."""
+    """Whether each run rests, (c,), and about where those that do are in all of their first rest,
+    rad: they come there from one side.
+    """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
     low, high = (
@@ -241,9 +243,13 @@ def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
     half = REST_CYCLES // 2
     resting = (high - low)[half : len(paths) - half + 1] < REST_WIDTH
     found = resting.any(axis=0)
-    first = np.argmax(resting, axis=0)[found]
-    rows = first[None] + np.arange(REST_CYCLES)[:, None]
-    return found, np.mod(paths[rows, np.flatnonzero(found)].mean(axis=0), TWO_PI)
+    places = []
+    for run in np.flatnonzero(found):
+        first = int(np.argmax(resting[:, run]))
+        moves_on = np.flatnonzero(~resting[first:, run])
+        last = first + (int(moves_on[0]) if moves_on.size else len(resting) - first) - 1
+        places.append(float(np.median(paths[first : last + REST_CYCLES, run])))
+    return found, np.mod(np.array(places), TWO_PI)
 
 
 def _orientations(paths: Array) -> Array:

@@ -50,15 +50,9 @@ def headline(portrait: Portrait) -> str:
     run, wears, known = portrait.staircase.cycles, portrait.worn is not None, portrait.uncertainty
     locked, rests = [], []
     for orbit in portrait.stable_points:
-        # Never sharper than its interval: with 95 % of the posterior where the material has one.
         theta, stay = orbit.points[0], portrait.stay(orbit)
-        interval, decimals, spread = None, 1, ""
-        if known is not None and known.is_posterior:
-            interval = known.of(theta)
-        if known is not None and interval is not None:
-            is_told = known.has_interval(interval)
-            decimals = _decimals(interval) if is_told else 0
-            spread = f" (95 %: {_ends(interval)})" if is_told else ""
+        interval, decimals = _known_to(known, theta)
+        spread = "" if interval is None else f" (95 %: {_ends(interval)})"
         place = orientation_and_push(theta, portrait.loop, decimals) + spread
         if stay is not None and stay >= run and not wears:
             locked.append(place)
@@ -262,11 +256,27 @@ def worn_rests(worn: StaircaseSummary) -> str:
     return f"near {listed(rests)}"
 
 
+def _known_to(
+    known: DirectionUncertainty | None, theta: float
+) -> tuple[DirectionInterval | None, int]:
+    """What 95 % of a posterior say of a stable direction, where they are enough to tell, and to how
+    many decimals it may be told: never sharper than that.
+    """
+    interval = known.of(theta) if known is not None and known.is_posterior else None
+    if known is None or interval is None:
+        return None, 1
+    return (interval, _decimals(interval)) if known.has_interval(interval) else (None, 0)
+
+
 def lock_sentence(portrait: Portrait) -> str:
     """Which directions the loop locks into, and how fast."""
     jumps, orbits = [angle(theta) for theta in portrait.gathering_jumps], portrait.stable_points
     sentences = []
     if orbits:
+        directions = []
+        for orbit in orbits:
+            _, decimals = _known_to(portrait.uncertainty, orbit.points[0])
+            directions.append(angle(orbit.points[0], decimals))
         multipliers = listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
         # How many cycles take an error to its tenth.
         sizes = [abs(orbit.multiplier) for orbit in orbits]
@@ -278,10 +288,7 @@ def lock_sentence(portrait: Portrait) -> str:
             else number(math.log(0.1) / math.log(size))
             for size in sizes
         ]
-        stable = (
-            f"Stable at {listed([angle(orbit.points[0]) for orbit in orbits])}, multiplier "
-            f"{multipliers}"
-        )
+        stable = f"Stable at {listed(directions)}, multiplier {multipliers}"
         sentences.append(f"{stable}: a tenth of an error is left after {listed(after)} cycles.")
     if jumps:
         sentences.append(f"Orbits gather about the jump at {listed(jumps)}.")

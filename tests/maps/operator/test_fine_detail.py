@@ -63,7 +63,9 @@ def test_an_exponent_follows_the_detail_of_the_slope(breaks):
     circle_map = rippled(400, 0.7, breaks)
     found = lyapunov_exponent(circle_map, WrappedNormal(3.0))
     case = RandomLift(circle_map, WrappedNormal(3.0), 400, "smooth")
-    assert abs(found - dense_exponent(case, dense_numbers(case))) <= found.error_bound + 1e-12 < 1e-10
+    assert (
+        abs(found - dense_exponent(case, dense_numbers(case))) <= found.error_bound + 1e-12 < 1e-10
+    )
 
 
 def test_what_cannot_be_resolved_is_refused_with_the_limit():
