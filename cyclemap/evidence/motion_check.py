@@ -493,7 +493,7 @@ class _Predicted:
         point = _middle(off / np.where(swept == 0.0, math.inf, swept))
         away = np.hypot(np.abs(off - swept * point), self.lever * (turn - self.turn))
         left = float(np.median(away))
-        # Pushes that turn the object alike are off alike on any floor: then it takes more than that.
+        # Pushes that turn the object alike are off alike on any floor: then it takes more.
         alike = float(np.median(np.abs(off - _middle(off))))
         least = (_EXPLAINS if left > _CLEARLY * alike else _WELL) * moved
         is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
@@ -504,7 +504,8 @@ class _Predicted:
             f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
         )
         mend = "give the poses of its origin, or the outline in the frame of that point"
-        return f"{told} mm, were its places those of a point of the object {where} from its origin: {mend}"
+        point = f"a point of the object {where} from its origin"
+        return f"{told} mm, were its places those of {point}: {mend}"
 
     def alternative(self, taken: _Reading) -> str:
         """What else would do; nothing."""

@@ -42,7 +42,8 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
             and estimate.identifiable
             and abs(estimate.value - value) > _BEYOND_BELIEF * deviation
         ):
-            told = f"{estimate.name} is {estimate.value:.3g}, where {value:.3g} ± {deviation:.2g} is usual"
+            usual = f"{value:.3g} ± {deviation:.2g} is usual"
+            told = f"{estimate.name} is {estimate.value:.3g}, where {usual}"
             said.append(f"{told} (--no-priors believes anything)")
     law = found.friction()
     low, high = sorted((law.mu_a, law.mu_b))

@@ -32,7 +32,7 @@ from cyclemap.mechanics.plate_footprint import mean_pressure, plate_footprint
 from cyclemap.mechanics.quasi_static import run_strokes
 from cyclemap.mechanics.trajectory import Course
 
-# Where n strokes end: poses (n, 3), m and rad; derivatives (n, 3, k); which were taken to stay (n,).
+# Where n strokes end: poses (n, 3), m and rad; derivatives (n, 3, k); which are taken to stay (n,).
 StrokeEnds = tuple[Array, Array, Mask]
 
 # A few strokes of many may have no answer where the rod grazes a tip: these count as if the object

@@ -35,7 +35,7 @@ BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
 # Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have
 # had; also the width of what is believed of spreads.
 USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
-# What is usual: how anisotropic floors are, rods and rings of steel on steel (the lever of a ring is
+# What is usual: how anisotropic floors are, rods and rings of steel on steel (a ring's lever is
 # the rod's friction times its radius), shapes of plates and floors, how well the frames of a robot
 # and a camera agree. Wide enough that data which know better overrule it.
 USUAL = MappingProxyType(

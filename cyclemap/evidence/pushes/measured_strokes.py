@@ -35,7 +35,7 @@ NO_LENGTH = "the data do not tell how far the rod moved: add a column push_mm, o
 _MISSED, _MISSED_DRAG = (1.5e-3, math.radians(2.0)), math.radians(6.0)
 # How far a ruler and a phone are off, m and rad.
 READ = (1e-3, math.radians(1.0))
-# How far off its mark a rod is set by hand, m along x and y; what how one push was set up is called.
+# How far off its mark a rod is set by hand, m along x and y; the names of how a push was set up.
 SET_OFF, ROD_OFF = 2e-3, "rod_off_"
 # No object lies as it was read to lie, rad.
 _LEAST_TURNED = 1e-4

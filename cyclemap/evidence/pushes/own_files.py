@@ -36,7 +36,7 @@ EXCEL, PARQUET, BAGS = (".xlsx", ".xlsm"), (".parquet",), (".bag", ".db3", ".mca
 JSON_LINES = (".jsonl", ".ndjson")
 # Of columns of texts those that tell what was pushed on what are kept.
 _TEXTS = re.compile(r"surface|object|shape|run|session|series", re.IGNORECASE)
-# A field of one number or more, one with a decimal comma, and those that say nothing, or yes and no.
+# Fields of one number or more, of one with a decimal comma, and that say nothing, or yes and no.
 _NUMBER = re.compile(r"[-+]?[.,]*\d[-+\d.,eE;|\s]*")
 _DECIMAL = re.compile(r"^\s*([-+]?\d*),(\d+(?:[eE][-+]?\d+)?)\s*$")
 _EMPTY = ("", "nan", "na", "null", "none", "-")
@@ -217,7 +217,6 @@ def _flat(name: str, value: object) -> Iterator[tuple[str, object]]:
 
 
 # -- text
-# ----------------------------------------------------------------------------------------------
 
 
 def _csv(text: str) -> Columns:
@@ -344,7 +343,6 @@ def _told_apart(names: Sequence[str]) -> list[str]:
 
 
 # -- numbers
-# ----------------------------------------------------------------------------------------------
 
 
 def _numbers(frame: pandas.DataFrame) -> Columns:

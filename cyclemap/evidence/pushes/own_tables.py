@@ -375,7 +375,6 @@ def _heading(x: Array, y: Array, z: Array, w: Array) -> tuple[Array, bool]:
 
 
 # -- from streams and rows to pushes
-# ---------------------------------------------------------------------------------
 
 
 def _a_row_a_push(table: OwnTable) -> OwnTable:
@@ -480,7 +479,7 @@ def _is_stream(columns: Columns, guessed: bool) -> bool:
     step = float(np.median(np.diff(np.sort(t[np.isfinite(t)])))) if t.size > 1 else 0.0
     if not step > 0.0:
         raise InvalidInput(
-            "its times do not rise from row to row: keep the rows of the object alone, in their order"
+            "its times do not rise from row to row: keep the rows of the object alone, in order"
         )
     is_whole = guessed and step >= _A_CYCLE and (t % 1.0 == 0.0).all()
     if is_whole or _STREAM_STEP < step < _A_CYCLE:
