@@ -504,8 +504,8 @@ class _Predicted:
             f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
         )
         mend = "give the poses of its origin, or the outline in the frame of that point"
-        point = f"a point of the object {where} from its origin"
-        return f"{told} mm, were its places those of {point}: {mend}"
+        apart = f"a point of the object {where} from its origin"
+        return f"{told} mm, were its places those of {apart}: {mend}"
 
     def alternative(self, taken: _Reading) -> str:
         """What else would do; nothing."""
