@@ -556,8 +556,8 @@ def _episodes(stream: Columns) -> Columns:
     for end, place in (("0", 0), ("1", -1)):
         pushes[f"theta{end}"] = theta[:, place]
         ends = [own[place] for own in rows]
-        for axis in ("x", "y"):
-            pushes[f"{axis}{end}"] = stream.get(axis, np.zeros(known.size))[ends]
+        for axis in {"x", "y"} & {*stream}:
+            pushes[f"{axis}{end}"] = stream[axis][ends]
     return pushes
 
 

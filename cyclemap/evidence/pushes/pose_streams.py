@@ -95,13 +95,15 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     """Return the poses before and after each push, by the names of `read_push_csv`, and how the
     stream was cut.
 
-    stream : t, theta, and x, y where known. Poses are means over the rests beside the motions.
+    stream : t, theta, x, y. Poses are means over the rests beside the motions.
 
-    Raises UnclearStream where too many motions are neither a push nor a drag, or where there is no
-    telling one from the other.
+    Raises DataFileError for orientations alone; UnclearStream where too many motions are neither a
+    push nor a drag, or where there is no telling one from the other.
     """
-    t, theta = stream["t"], np.unwrap(stream["theta"])
-    x, y = (stream.get(name, np.zeros(t.size)) for name in ("x", "y"))
+    if not {"x", "y"} <= {*stream}:
+        mend = "give its places, or a column episode (1, 2, ... during each push, empty else)"
+        raise DataFileError(f"{path}: which motions push cannot be told of an angle alone: {mend}")
+    t, x, y, theta = stream["t"], stream["x"], stream["y"], np.unwrap(stream["theta"])
     course = np.array([x, y, theta])
     rests, noise = _rests(path, t, course)
     if len(rests) < 2:

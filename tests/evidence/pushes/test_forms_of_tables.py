@@ -247,6 +247,24 @@ def test_rows_that_follow_a_moving_object_without_times_are_no_pushes(tmp_path) 
     refused(read_own_table, path, told="no column tells their times: add one in seconds, t")
 
 
+def test_pushes_are_not_told_from_drags_by_an_angle_alone(tmp_path) -> None:
+    times, poses = stream()
+    path = tmp_path / "stream.csv"
+    pandas.DataFrame({"t_s": times, "yaw_rad": poses[:, 2]}).to_csv(path, index=False)
+    refused(read_own_table, path, told="which motions push cannot be told of an angle alone")
+
+
+def test_episodes_of_an_angle_alone_have_no_places(tmp_path) -> None:
+    """Places of nought would be those of an object that no push moves."""
+    path = tmp_path / "episodes.csv"
+    angles = np.stack([THETA, THETA + 1.0], axis=1).ravel()
+    rows = pandas.DataFrame({"episode": np.repeat(NUMBERS, 2), "yaw_deg": np.degrees(angles)})
+    rows.to_csv(path, index=False)
+    columns = read_own_table(path).columns
+    assert not {"x0", "y0", "x1", "y1"} & {*columns}
+    assert columns["theta0"] == pytest.approx(THETA)
+
+
 @pytest.mark.parametrize(
     ("columns", "told"),
     [
