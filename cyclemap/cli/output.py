@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -21,6 +21,7 @@ from rich.text import Text
 from cyclemap.cli.json_report import json_text
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
+from cyclemap.progress import Progress
 from cyclemap.text_files import file_stem as file_stem, write_whole
 from cyclemap.written import Json
 
@@ -141,7 +142,7 @@ def people_table(
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[float], None]]:
+def progress_bar(label: str) -> Iterator[Progress]:
     """A function to report the fraction done to; work that takes long shows on stderr that it goes
     on.
 

@@ -8,11 +8,12 @@ from pathlib import Path
 
 from cyclemap.cli.options import TableOptions, readable_data, said_command
 from cyclemap.cli.output import progress_bar, result_stem, write_page
-from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, Progress, portrait
+from cyclemap.collection.portrait import DEFAULT_CYCLES, Portrait, portrait
 from cyclemap.evidence.comparison.collection_data import collection_data
 from cyclemap.evidence.comparison.compare import compare
 from cyclemap.maps import WrappedNormal
 from cyclemap.plain_text import typeset
+from cyclemap.progress import Progress
 from cyclemap.protocol.chosen_loop import ChosenCollection, LoopOptions, chosen_loop
 from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import design_reset

@@ -12,6 +12,7 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import positive_number
 from cyclemap.maps import CircleMap
+from cyclemap.progress import Progress
 
 Sample = Callable[[Array], tuple[Array, Array]]
 
@@ -151,7 +152,7 @@ class _Sampler:
 
     sample: Sample
     tolerance: float
-    progress: Callable[[float], None]
+    progress: Progress
     finished: list[_Interval] = field(default_factory=list)
     covered: float = 0.0
     taken: int = 0
@@ -175,7 +176,7 @@ class _Sampler:
 def sample_circle_map(
     sample: Sample,
     tolerance: float,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     sample_error: float = 0.0,
 ) -> CircleMap:
     """Return the circle map of degree one that `sample` gives: thetas (n,), rad -> lifted values

@@ -3,7 +3,7 @@ where they end.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -15,6 +15,7 @@ from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
+from cyclemap.progress import Progress
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
 BATCHES, CYCLES = 6, 100
@@ -177,7 +178,7 @@ def batch_experiment(
     loop: DynamicLoop | CollectionLoop,
     batches: int = BATCHES,
     cycles: int = CYCLES,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> BatchExperiment:
     """Run batches of cycles from evenly spaced orientations, on the loop's surface and on its
     isotropic twin.
@@ -231,7 +232,7 @@ def run_batches(
     loop: DynamicLoop | CollectionLoop,
     starts: Sequence[float] | Array,
     cycles: int = CYCLES,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
     now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)

@@ -17,6 +17,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.collection.loop import CollectionLoop, require_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material, PressedFootprint, SurfaceShape
+from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # One axis of friction 22 000 times the other: no surface is like that, and numbers beyond soon
@@ -311,9 +312,7 @@ class Fingerprint:
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
 
 
-def fingerprint(
-    loop: CollectionLoop, progress: Callable[[float], None] | None = None
-) -> Fingerprint:
+def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Fingerprint:
     """Return the fingerprint of a loop's protocol.
 
     Parameters

@@ -4,7 +4,6 @@ full map.
 
 import cmath
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -24,6 +23,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import CircleMap, Orbit, fixed_points, is_nondecreasing, rotation_number
 from cyclemap.mechanics import EllipseFriction
+from cyclemap.progress import Progress
 
 # Error over first order, beyond which a first-order law is not to be trusted.
 TRUSTED_RATIO = 0.5
@@ -460,7 +460,7 @@ def check_prediction(
     prediction: Prediction,
     loop: CollectionLoop,
     tolerance: float = 1e-5,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> PredictionCheck:
     """Compute the full map of a loop, a hundred cycles and more, and set it beside a prediction.
 

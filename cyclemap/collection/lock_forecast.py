@@ -5,7 +5,6 @@ much of the circle.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,6 +16,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # A run has locked in where so many successive pushes stay within this (rad) of each other.
@@ -100,7 +100,7 @@ def lock_forecast(
     return forecast_from_turns(sampled_turns(loop), sigma, cycles, start, seed)
 
 
-def sampled_turns(loop: CollectionLoop, progress: Callable[[float], None] | None = None) -> Array:
+def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Array:
     """Return the turns of a cycle, rad, from 96 angles all around on each of 40 samples of a
     posterior: (samples, 96).
 

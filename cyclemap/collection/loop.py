@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
@@ -39,6 +39,7 @@ from cyclemap.mechanics.cycle_batch import CYCLE_OUTPUTS, CycleBatch, CycleSlope
 from cyclemap.mechanics.engine.schema import PARAMETERS
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.plate_footprint import plate_footprint
+from cyclemap.progress import Progress
 
 if TYPE_CHECKING:
     import pandas
@@ -544,9 +545,7 @@ class CollectionLoop:
             theta, float(batch.theta_next[0, 0]), batch.jacobian[0, 0][:, columns], parameters
         )
 
-    def circle_map(
-        self, tolerance: float = 1e-6, progress: Callable[[float], None] | None = None
-    ) -> CircleMap:
+    def circle_map(self, tolerance: float = 1e-6, progress: Progress | None = None) -> CircleMap:
         """Return the cycle map theta -> theta_next.
 
         Parameters

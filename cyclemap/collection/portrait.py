@@ -2,7 +2,6 @@
 staircase alone.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -42,10 +41,10 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.progress import Progress
 from cyclemap.written import ANGLE
 
 Array = NDArray[np.float64]
-Progress = Callable[[float], None]
 
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
 # degrees.
@@ -414,7 +413,7 @@ def staircase_forecast(
     start: float = 0.0,
     seed: int = 0,
     tolerance: float = 1e-6,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> StaircaseForecast:
     """Predict the staircase of a loop.
 

@@ -9,7 +9,7 @@ sample is run.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
 from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
+from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION
 
 Array = NDArray[np.float64]
@@ -165,7 +166,7 @@ def _alike(first: object, second: object) -> bool:
 
 
 def direction_uncertainty(
-    loop: CollectionLoop, progress: Callable[[float], None] | None = None
+    loop: CollectionLoop, progress: Progress | None = None
 ) -> DirectionUncertainty:
     """Return how well the stable directions of a loop are known from its material's posterior.
 
@@ -320,9 +321,7 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     )
 
 
-def stable_points(
-    loops: Sequence[CollectionLoop], report: Callable[[float], None] | None = None
-) -> list[Array]:
+def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = None) -> list[Array]:
     """The stable fixed points of each loop's map, rad in [0, 2π), of maps good to 0.002 degrees,
     0.02 beside a kink.
     """

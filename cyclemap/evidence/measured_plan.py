@@ -4,7 +4,7 @@ enough.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,7 +24,7 @@ from cyclemap.evidence.identification.surface_parameters import starting_space
 from cyclemap.evidence.identified_material import identified_material
 from cyclemap.mechanics.material import ANY_PLATE
 from cyclemap.mechanics.plate_footprint import known_plate
-from cyclemap.progress import part_of
+from cyclemap.progress import Progress, part_of
 
 # Directions, and whether there are any, are known when this share of what is left to believe
 # agrees.
@@ -92,7 +92,7 @@ def measured_plan(
     paths: Sequence[Path],
     *,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> MeasuredPlan:
     """Identify the floor of a loop from measured pushes, and tell how well its stable directions
     are then known.
@@ -149,7 +149,7 @@ def identified_plan(
     *,
     starts: int = 2,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Identification, tuple[str, ...]]:
     """Identify floor, plate, rod and ring from measured pushes, beginning with what the loop's
     material believes.

@@ -108,7 +108,8 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
         said += check_orientations(now, later, None if loop is None else _plain(loop), convention)
     for name, rows in pushes.table.groupby("object", dropna=False, sort=False):
         known = _loop_of(name, loop)
-        if rows["fraction"].isna().all() and rows["side"].nunique() > 1 and not _tells_rods(rows):
+        has_rods = bool(rows[[*RODS]].notna().all(axis=None))
+        if rows["fraction"].isna().all() and rows["side"].nunique() > 1 and not has_rods:
             told = (
                 "pushes on several sides, and no column tells where on them: add fraction (0 to 1 "
             )
@@ -124,10 +125,6 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     told = f"read with {convention.words()}: pushes of {len(checks)} objects end"
     told += f" {low:.3g} to {high:.3g} mm off isotropic friction's, in the medians"
     return (*said, told + any(check.by_rod for check in checks) * _BY_ROD)
-
-
-def _tells_rods(rows: pandas.DataFrame) -> bool:
-    return bool(rows[[*RODS]].notna().all(axis=None))
 
 
 def _plain(loop: CollectionLoop) -> CollectionLoop:

@@ -5,7 +5,7 @@ what they cost.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
 from cyclemap.resets.material_range import on_material
 
@@ -133,7 +134,7 @@ def strategy_maps(
     strategy: ResetStrategy,
     *,
     tolerance: float = 1e-4,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[CircleMap, ...]:
     """Return the cycle map of each of a strategy's actions, its gripper's turn included.
 

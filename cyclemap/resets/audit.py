@@ -5,7 +5,6 @@ and what to change.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,6 +18,7 @@ from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.conventions import written_convention
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
+from cyclemap.progress import Progress
 from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.text_files import read_csv_table
 from cyclemap.written import DIRECTION
@@ -159,7 +159,7 @@ def audit(
     *,
     loop: CollectionLoop | None = None,
     alarm_rate: float = ALARM_RATE,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Audit:
     """Look at the orientations of a data set, and at the poses where it has them.
 

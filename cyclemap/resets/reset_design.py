@@ -5,7 +5,7 @@ about.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -16,6 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
@@ -210,7 +211,7 @@ def design_reset(
     materials: Sequence[Material] | MaterialRange | None = None,
     given: ResetStrategy | None = None,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> ResetDesign:
     """Return the reset to use: the most uniform at the worst of a range of materials, then cheap,
     then simple.
@@ -332,7 +333,7 @@ def _pool(
     demands: ResetDemands,
     about: MaterialRange,
     sigma: float,
-    report: Callable[[float], None],
+    report: Progress,
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
     parts = own_pushes(loop, about, sigma, demands.within)
@@ -358,7 +359,7 @@ def _pool(
 
 
 def _assessed(
-    judge: _Judge, roles: dict[ResetStrategy, list[str]], report: Callable[[float], None]
+    judge: _Judge, roles: dict[ResetStrategy, list[str]], report: Progress
 ) -> tuple[tuple[ResetRow, ...], dict[str, Any]]:
     """The rows, from more samples and on all materials of the range, and what is drawn beside
     them.

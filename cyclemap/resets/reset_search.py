@@ -5,7 +5,6 @@ of a range.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import reduce
@@ -17,6 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError
 from cyclemap.mechanics import Material, Polygon
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import (
     GRIPPER,
     RING,
@@ -189,7 +189,7 @@ def _pushes_around(
     ]
 
 
-def searched(source: ActionSet, within: int, progress: Callable[[float], None]) -> Candidates:
+def searched(source: ActionSet, within: int, progress: Progress) -> Candidates:
     """Return the best mixtures of at most four actions, over the whole range.
 
     Every subset is looked at with equal weights: roughly on the materials farthest apart, then all

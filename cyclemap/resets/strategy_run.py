@@ -15,6 +15,7 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import ResetStrategy
 from cyclemap.resets.coverage import Crowding
 
@@ -58,7 +59,7 @@ def run_strategy(
     start: float | Array = 0.0,
     sigma: float = 0.0,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> StrategyRun:
     """Run collections by the full mechanics, some 0.3 ms a cycle.
 

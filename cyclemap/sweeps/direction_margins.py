@@ -3,7 +3,7 @@ along every one of its settings."""
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -15,6 +15,7 @@ from cyclemap.collection.uncertain_directions import stable_points
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.maps import Bifurcation, BifurcationCurve, CircleMap, Estimate, follow_bifurcation
 from cyclemap.mechanics.cycle_batch import run_batch
+from cyclemap.progress import Progress
 from cyclemap.protocol.setting_table import SETTINGS, Setting, setting_named
 from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.written import DIRECTION
@@ -123,7 +124,7 @@ class DirectionMargin:
 def direction_margins(
     loop: CollectionLoop,
     keys: tuple[str, ...] | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[DirectionMargin, ...]:
     """Return how far a loop is from losing or gaining a stable direction along each of its
     settings.

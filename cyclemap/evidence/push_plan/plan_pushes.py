@@ -10,7 +10,7 @@ better one as long as there is any.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     target_of,
 )
 from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
+from cyclemap.progress import Progress
 
 MOST_PUSHES = 32
 # Candidates times samples: each is a push that is run, and some thousand numbers.
@@ -123,7 +124,7 @@ def plan_pushes(
     samples: int = 30,
     candidates: int = 160,
     seed: int = 0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> PushPlan:
     """Return the pushes that tell most of a loop whose floor is not known well.
 

@@ -107,7 +107,11 @@ def _excel(path: Path, told: str | None) -> Columns:
         read = pandas.read_excel(path, sheet_name=None, header=None, dtype=object)
     sheets = {str(name): frame.fillna("").astype(str).to_numpy() for name, frame in read.items()}
     if told is None:
-        tables = [name for name, cells in sheets.items() if _is_table(cells.tolist())]
+        tables = []
+        for name, cells in sheets.items():
+            rows = cells.tolist()
+            if _header(rows) is not None and sum(map(_has_number, rows)) >= _FEWEST_ROWS:
+                tables.append(name)
         if len(tables) > 1:
             mend = f"say which, --columns sheet={tables[0]}"
             raise InvalidInput(f"has numbers in the sheets {', '.join(tables)}: {mend}")
@@ -115,11 +119,6 @@ def _excel(path: Path, told: str | None) -> Columns:
     if told not in sheets:
         raise InvalidInput(f"no sheet {told}; it has {', '.join(sheets)}")
     return _named(sheets[told].tolist())
-
-
-def _is_table(rows: Sequence[Sequence[str]]) -> bool:
-    """Whether a sheet has at least three rows with numbers, and names above them."""
-    return _header(rows) is not None and sum(map(_has_number, rows)) >= _FEWEST_ROWS
 
 
 @contextmanager
@@ -421,6 +420,9 @@ def _parquet(files: Sequence[Path], names: Mapping[str, Sequence[str]] | None = 
         values = frame[column]
         if values.dtype.kind in "iufb":
             found[column] = values.to_numpy(dtype=float)
+        elif values.dtype.kind == "M":
+            begun = pandas.Timestamp(0, tz=values.dt.tz)
+            found[column] = (values - begun).dt.total_seconds().to_numpy()
         elif _TEXTS.fullmatch(column):
             found[column] = values.fillna("").astype(str).to_numpy(dtype=object)
         elif len({np.shape(row) for row in values}) == 1 and np.ndim(values.iloc[0]) == 1:

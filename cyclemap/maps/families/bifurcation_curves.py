@@ -4,7 +4,6 @@ their points.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -27,6 +26,7 @@ from cyclemap.maps.families.family import (
 )
 from cyclemap.maps.families.orbit_equations import Bifurcation, crossed_break, zero_along
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.progress import Progress
 
 _RIGID = 0.3  # radians: a spread of F^n - id from which a tip may be near
 _NEAR = 0.01  # scaled: halves of an orbit nearer than that are told apart ever worse
@@ -375,7 +375,7 @@ def bifurcation_curves(
     winding: int = 0,
     *,
     lines: int = LINES,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> list[BifurcationCurve]:
     """All curves of saddle-nodes, period doublings and border collisions of these orbits in a

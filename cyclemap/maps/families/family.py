@@ -18,6 +18,7 @@ from cyclemap.checks import finite_array, finite_number, non_negative_number, re
 from cyclemap.errors import InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP, carried_round
+from cyclemap.progress import Progress
 
 ParametricFunction = Callable[..., Array]
 _ANGLES = np.linspace(0.0, TWO_PI, 65)  # where a lift of unknown kind is looked at for folds
@@ -154,7 +155,7 @@ def each_done(
     work: Callable[[Item], Result],
     items: Sequence[Item],
     executor: Executor | None,
-    progress: Callable[[float], None] | None,
+    progress: Progress | None,
     together: int = 1,
 ) -> Iterator[Result]:
     """The work on every item, in order: by this thread, or by an executor, ``together`` at a time.

@@ -25,6 +25,7 @@ from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.orbits.rotation_number import orbit_angles, orbits_angles, weighted_mean
 from cyclemap.maps.quadrature import arc_rule
+from cyclemap.progress import Progress
 
 _START = 0.9  # radians: an angle that no symmetry favours
 _PARTS = 20
@@ -143,7 +144,7 @@ def lyapunov_exponents(
     cycles: int = 2_000,
     transient: int = 500,
     start: float = _START,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> LyapunovExponents:
     """The Lyapunov exponents of orbits from one angle, over arrays of parameters.

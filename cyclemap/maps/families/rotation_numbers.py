@@ -21,6 +21,7 @@ from cyclemap.maps.families.family import ParametricLift, each_done, parametric_
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecreasing
 from cyclemap.maps.orbits.rotation_number import rotation_number, window
+from cyclemap.progress import Progress
 
 _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians
@@ -446,7 +447,7 @@ def rotation_plane(
     first_values: ArrayLike,
     second_values: ArrayLike,
     tolerance: float = 1e-3,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> RotationPlane:
     """The rotation number of ``family(first, second)`` at every pair of the two axes.

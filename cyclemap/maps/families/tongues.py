@@ -31,6 +31,7 @@ from cyclemap.maps.lifts.lift_checks import distance_to_break
 from cyclemap.maps.lifts.scan import monotone_cells
 from cyclemap.maps.orbits.diagonal import displacement
 from cyclemap.maps.orbits.envelopes import lower_envelope, upper_envelope
+from cyclemap.progress import Progress
 
 _PROBES = np.linspace(0.01, TWO_PI + 0.01, 48, endpoint=False)
 _FAR = 3.0  # radians
@@ -452,7 +453,7 @@ def tongues(
     second: ArrayLike,
     parameters: Range,
     *,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
     executor: Executor | None = None,
 ) -> TongueBoundaries:
     """The edges of several tongues of a family over a second parameter.

@@ -816,7 +816,7 @@ static void press(const Pressure *pressure, double theta, Pressed *at) {
     else {
         double error = lean_between(pressure, theta, at->pressure);
         cut(pressure, at);
-        if (error > LEAN_SHARE * at->tolerance) settle(pressure, at);
+        if (error > LEAN_SHARE * at->tolerance && !settle(pressure, at)) balance(pressure, at);
     }
     at->theta = theta;
     at->is_known = 1;

@@ -365,6 +365,16 @@ def test_parquet_keeps_texts_and_passes_over_lists_of_unlike_lengths(tmp_path) -
     refused(read_own_table, path, told="several surfaces, felt, tin")
 
 
+def test_a_column_of_moments_is_the_time_of_a_stream(tmp_path) -> None:
+    pytest.importorskip("pyarrow")
+    times, poses = stream()
+    table = pandas.DataFrame(poses, columns=["x_m", "y_m", "yaw_rad"])
+    moments = pandas.to_datetime(np.asarray(times) + 1.7e9, unit="s", utc=True)
+    path = tmp_path / "log.parquet"
+    table.assign(timestamp=moments).to_parquet(path)
+    assert len(read_own_table(path).columns["theta0"]) == 12
+
+
 @pytest.mark.parametrize(
     ("name", "units"), [("slant_deg", ()), ("slant", ("mm", "deg")), ("slant", ())]
 )
