@@ -31,6 +31,10 @@ LARGEST_CONTENT = 2**24
 _LARGEST_TOML, _MOST_PARTS = 2**17, 100
 
 
+# What stands in a field without a number.
+_NOTHING = ("", "nan", "na", "null", "none")
+
+
 @dataclass(frozen=True, slots=True)
 class CsvRow:
     """One record: its fields, stripped of blanks, and the line of the file it stands on."""
@@ -65,17 +69,23 @@ class CsvTable:
         return value
 
     def numbers(self, column: str, blank: bool = False) -> Array:
-        """The numbers of a column (n,); where it may be `blank`, NaN for an empty field."""
-        return np.array(
-            [
-                math.nan if blank and not self.text(row, column) else self.number(row, column)
-                for row in self.rows
-            ]
-        )
+        """The numbers of a column (n,); where it may be `blank`, NaN for a field that says
+        nothing.
+        """
+        numbers = []
+        for row in self.rows:
+            is_blank = blank and says_nothing(self.text(row, column))
+            numbers.append(math.nan if is_blank else self.number(row, column))
+        return np.array(numbers)
 
     def error(self, line: int, message: str) -> DataFileError:
         """A DataFileError that names this file and `line`."""
         return DataFileError(f"{self.path}, line {line}: {message}")
+
+
+def says_nothing(field: str) -> bool:
+    """Return whether a field stands for a number that is not there."""
+    return field.lower() in _NOTHING
 
 
 def read_csv_table(path: str | Path) -> CsvTable:
@@ -94,15 +104,6 @@ def read_csv_table(path: str | Path) -> CsvTable:
     table = CsvTable(path, tuple(name.lower() for name in records[0].fields), tuple(records[1:]))
     check_shape(table)
     return table
-
-
-def csv_text(table: CsvTable) -> str:
-    """Return a table as the text of a CSV file."""
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(
-        [table.header, *(row.fields for row in table.rows)]
-    )
-    return text.getvalue()
 
 
 def require_columns(table: CsvTable, columns: Sequence[str]) -> None:

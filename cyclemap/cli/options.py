@@ -376,8 +376,8 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     what was read.
     """
     from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
-    from cyclemap.evidence.pushes.own_tables import is_own
-    from cyclemap.evidence.pushes.planned_table import filled_text, is_planned
+    from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
+    from cyclemap.evidence.pushes.planned_table import filled_text
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
@@ -385,7 +385,8 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     said = {**data_table(data), **said}
     words: Sequence[str] = ()
     guessed = False
-    if is_planned(data):
+    kind = file_kind(data)
+    if kind is FileKind.PLANNED:
         if any(vars(table).values()):
             raise InvalidInput(
                 f"{data}: a table of planned pushes tells its columns, units and angles: leave "
@@ -393,7 +394,7 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
             )
         target = out / f"{file_stem(data.stem)}_as_read.csv"
         text, words = filled_text(data)
-    elif table.columns is not None or table.units is not None or is_own(data):
+    elif table.columns is not None or table.units is not None or kind is FileKind.OTHER:
         target = out / as_read_name(file_stem(data.stem), said)
         text, words, guessed = _own_text(data, table, out)
     elif said:
@@ -446,20 +447,22 @@ def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> li
 
 
 def _in_our_convention(data: Path, convention: Convention) -> str:
-    """A table that every reader takes, or the pushes of files in the MIT layout, as CSV in our
-    convention.
-    """
-    from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, load_pushes
-    from cyclemap.text_files import csv_text, read_csv_table
+    """A table of ours, or the pushes of files in the MIT layout, as CSV in our convention."""
+    from cyclemap.evidence.pushes.columns import known_columns, our_names, our_text
+    from cyclemap.evidence.pushes.data_kinds import CSV_SUFFIX
+    from cyclemap.evidence.pushes.push_table import load_pushes
+    from cyclemap.text_files import read_csv_table
 
     if data.suffix.lower() == CSV_SUFFIX and data.is_file():
-        return csv_text(convention.table(read_csv_table(data)))
+        table = read_csv_table(data)
+        rows = convention.rows(known_columns(table))
+        return our_text({name: rows[name] for name in our_names(table.header)})
     offset = math.degrees(convention.offset)
     pushes = load_pushes(
         data, angles=convention.angles, frame=convention.frame, offset_deg=offset
     ).table
-    told = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
-    return str(told.to_csv(index=False, lineterminator="\n"))
+    known = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
+    return our_text(known.to_dict("series"))
 
 
 def _pictured(seen: Segments, path: Path) -> Path:

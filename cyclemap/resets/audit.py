@@ -16,11 +16,11 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.pushes.conventions import written_convention
+from cyclemap.evidence.pushes.data_kinds import tells_orientations_alone
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
 from cyclemap.progress import Progress
 from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
-from cyclemap.text_files import read_csv_table
 from cyclemap.written import DIRECTION
 
 if TYPE_CHECKING:
@@ -225,7 +225,7 @@ def audit(
 
 
 def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _LargestSet:
-    if not isinstance(data, PushTable) and _tells_orientations_alone(Path(data)):
+    if not isinstance(data, PushTable) and tells_orientations_alone(Path(data)):
         pairs = read_theta0_pairs(data)
         if loop is not None:
             check_orientations(pairs.theta, pairs.theta_next, loop, written_convention(data)[0])
@@ -248,12 +248,6 @@ def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _
     ordered = ordered or rows["path"].nunique() == 1
     posed, others = bool(rows["theta1"].notna().any()), len(table) - len(rows)
     return _LargestSet(rows["theta0"].to_numpy(), ordered, _effect(rows), others, posed)
-
-
-def _tells_orientations_alone(path: Path) -> bool:
-    """Whether a file is a table without poses."""
-    is_table = path.is_file() and path.suffix.lower() == ".csv"
-    return is_table and not {"x0", "x1"} <= set(read_csv_table(path).header)
 
 
 def _effect(rows: pandas.DataFrame) -> ResetEffect | None:

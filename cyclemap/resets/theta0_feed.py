@@ -13,10 +13,10 @@ from typing import BinaryIO
 
 from cyclemap.errors import DataFileError, InvalidInput
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind, tells_radians_alone
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
-from cyclemap.evidence.pushes.own_tables import is_own, read_orientations
+from cyclemap.evidence.pushes.own_tables import read_orientations
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX
 from cyclemap.resets.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, CsvRow, CsvTable
 
@@ -63,9 +63,9 @@ def theta0_feed(
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
     place, convention = Path(path), convention or convention_of(path)
-    if columns or units or is_own(place):
+    if columns or units or file_kind(place) is FileKind.OTHER:
         return OwnTableFeed(place, columns or {}, units, convention)
-    if _has_poses_in_radians(place):
+    if tells_radians_alone(place):
         return OwnTableFeed(place, {}, ("rad",), convention)
     if not place.is_dir():
         return Theta0CsvFeed(place, convention)
@@ -77,17 +77,6 @@ def theta0_feed(
             f"{place}: several folders below hold pushes: watch one, such as {homes[0]}"
         )
     return PushFolderFeed(place if place in homes else homes[0], convention)
-
-
-def _has_poses_in_radians(path: Path) -> bool:
-    """Whether a table has poses before pushes under the names that `load_pushes` reads, and no θ0
-    in degrees.
-    """
-    if not path.is_file() or path.suffix.lower() != CSV_SUFFIX:
-        return False
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        names = {name.strip().lower() for name in file.readline(_PART_BYTES).split(",")}
-    return {"x0", "y0"} <= names and bool({"th0", "theta0"} & names) and not set(COLUMNS) & names
 
 
 class Theta0CsvFeed:

@@ -21,16 +21,17 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
-from cyclemap.evidence.pushes.columns import PLACES, Row, Selection
+from cyclemap.evidence.pushes.columns import Row, Selection
 from cyclemap.evidence.pushes.conventions import OURS, written_convention
+from cyclemap.evidence.pushes.data_kinds import tells_orientations_alone
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, load_pushes
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
 from cyclemap.progress import Progress
-from cyclemap.text_files import file_stem, read_csv_table
+from cyclemap.text_files import file_stem
 
 if TYPE_CHECKING:
     import pandas
@@ -142,8 +143,7 @@ def collection_data(
 
 def _read(path: Path, progress: Progress | None = None) -> PushTable | Theta0Pairs:
     """A CSV file of θ0 alone as pairs, which keep their path; all else as a table of pushes."""
-    is_table = path.suffix.lower() == CSV_SUFFIX and not path.is_dir()
-    if is_table and not set(read_csv_table(path).header) >= PLACES:
+    if tells_orientations_alone(path):
         return read_theta0_pairs(path)
     pushes = load_pushes(path, progress=progress)
     if len(pushes.table):

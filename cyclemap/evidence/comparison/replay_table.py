@@ -19,6 +19,7 @@ from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
 from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, Selection
 from cyclemap.evidence.pushes.conventions import convention_of
+from cyclemap.evidence.pushes.data_kinds import CSV_SUFFIX
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     RowSelection,
@@ -26,7 +27,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     session_name,
 )
 from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, UnreadableFile
+from cyclemap.evidence.pushes.push_table import UnreadableFile
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES

@@ -5,6 +5,7 @@ left out.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -44,16 +45,22 @@ from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
 from cyclemap.evidence.pushes.columns import (
-    DRAG_ENDS,
     ENDS,
     RODS,
-    TWIST_COLUMNS,
-    WRENCH_COLUMNS,
     Selection,
-    has_columns,
     known_columns,
 )
 from cyclemap.evidence.pushes.conventions import convention_of
+from cyclemap.evidence.pushes.data_kinds import (
+    CSV_SUFFIX,
+    CYCLES,
+    DRAG_BACKS,
+    PUSH_ENDS,
+    RECORDS,
+    SORT_COLUMNS,
+    WRENCHES,
+    sorts_of_rows,
+)
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
@@ -74,16 +81,11 @@ from cyclemap.evidence.pushes.measured_strokes import (
 )
 from cyclemap.evidence.pushes.planned_table import FRAMES_AGREE
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
-from cyclemap.evidence.pushes.push_table import (
-    CSV_SUFFIX,
-    PushTable,
-    UnreadableFile,
-    load_pushes,
-)
+from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, table_pushes
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
-from cyclemap.text_files import file_stem, read_csv_table
+from cyclemap.text_files import CsvTable, file_stem, read_csv_table
 
 if TYPE_CHECKING:
     import pandas
@@ -91,22 +93,8 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MOST_STROKES = 2000
-PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
-    "push ends",
-    "drag-backs",
-    "wrenches",
-    "cycles",
-    "records",
-)
-
-_COLUMNS = {
-    PUSH_ENDS: (*ENDS, *RODS),
-    DRAG_BACKS: DRAG_ENDS,
-    WRENCHES: (*WRENCH_COLUMNS, *TWIST_COLUMNS),
-}
 # How far off readings are.
 ERRORS = ("read_error", "read_turn_error")
-_ORIENTATIONS = ({"theta0_accum_deg"}, {"theta0_deg"})
 LAYOUTS = (
     "files of the MIT layout (.h5, .json), or a CSV table with the columns of poses "
     "(x0,y0,th0,x1,y1,th1), better with the tip (tip_x0,tip_y0,tip_x1,tip_y1), of drag-backs "
@@ -132,7 +120,19 @@ _FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
 _MOST_NAMED = 3
 
 
-def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[UnreadableFile]]:
+@dataclass(frozen=True, eq=False)
+class DataFile:
+    """A file of data, or a folder in the MIT layout, and the sort of data that is taken of it.
+
+    table : what a CSV file holds.
+    """
+
+    path: Path
+    sort: str
+    table: CsvTable | None = None
+
+
+def recognise(path: str | Path) -> tuple[list[DataFile], list[UnreadableFile]]:
     """Return the files that a file, folder or tree holds, each with its sort of data, and those of
     unknown kind.
 
@@ -142,39 +142,32 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    found: list[tuple[Path, str]] = []
-    unused: list[UnreadableFile] = []
-    tables = [place]
-    if place.is_dir():
-        below = sorted(place.rglob("*"))
-        tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
-    if any(file.suffix.lower() in SUFFIXES for file in (below if place.is_dir() else [place])):
-        found.append((place, RECORDS))
-        tables = [file for file in tables if file != place]
-    for file in tables:
-        sorts, reason = _sorts_of_table(file)
-        found += [(file, sort) for sort in sorts]
-        if reason:
-            unused.append(UnreadableFile(file, reason))
-    if not found and not unused:
-        unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
-    return found, unused
+    files, unused = list[DataFile](), list[UnreadableFile]()
+    below = sorted(place.rglob("*")) if place.is_dir() else [place]
+    if any(file.suffix.lower() in SUFFIXES for file in below):
+        files.append(DataFile(place, RECORDS))
+    for file in below:
+        if file.suffix.lower() == CSV_SUFFIX:
+            try:
+                files += _sorts_of_table(read_csv_table(file))
+            except DataFileError as error:
+                reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+                unused.append(UnreadableFile(file, reason))
+    if not files and not unused:
+        reason = f"a file of another kind ({place.suffix or 'no suffix'})"
+        if place.is_dir():
+            reason = "the folder holds no .h5, .json or .csv file"
+        unused.append(UnreadableFile(place, reason))
+    return files, unused
 
 
-def _sorts_of_table(file: Path) -> tuple[list[str], str]:
-    """The sorts of data that a table holds, and where there are none, why."""
-    if file.suffix.lower() != CSV_SUFFIX:
-        return [], f"a file of another kind ({file.suffix or 'no suffix'})"
-    try:
-        table = read_csv_table(file)
-    except DataFileError as error:
-        return [], str(error).removeprefix(f"{file}").lstrip(":, ")
-    sorts = [sort for sort, wanted in _COLUMNS.items() if has_columns(table, wanted)]
-    posed = not sorts and has_columns(table, ENDS)
-    if posed or any({*table.header} >= names for names in _ORIENTATIONS):
-        sorts.append(CYCLES)
-    unknown = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
-    return sorts, "" if sorts else unknown
+def _sorts_of_table(table: CsvTable) -> list[DataFile]:
+    """A table once for each sort of data that it holds; DataFileError where there is none."""
+    sorts = sorts_of_rows(table.header)
+    if not sorts:
+        words = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
+        raise DataFileError(words)
+    return [DataFile(table.path, sort, table) for sort in sorts]
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
@@ -226,47 +219,68 @@ class _Collected:
     noise: dict[str, float] = field(default_factory=dict)
 
     def add_file(
-        self, path: Path, sort: str, selection: RowSelection, progress: Progress
+        self, file: DataFile, selection: RowSelection, progress: Progress
     ) -> tuple[frozenset[str], frozenset[str]]:
         """Add the blocks of one sort of data in a file; return the surfaces and the objects that it
         tells of.
         """
-        self.path = path
-        is_table = sort not in (RECORDS, CYCLES)
-        if is_table:
-            table = convention_of(path).table(read_csv_table(path))
-            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
-            facts = told_rows.to_dict("records")
+        self.path, sort = file.path, file.sort
+        rows, pushes = None, None
+        if sort in SORT_COLUMNS:
+            assert file.table is not None
+            every = known_columns(file.table, SORT_COLUMNS[sort])
+            rows, left_out = selected(convention_of(file.path).rows(every), selection)
+            frames = [rows]
         else:
-            reading = part_of(progress, 0, 2)
-            pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
-            frames = (pushes.table, pushes.scans)
-            facts = [row for frame in frames for row in frame.to_dict("records")]
-            if pushes.unreadable:
-                bad = pushes.unreadable[0]
-                reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
-                self._leave_out(reason, len(pushes.unreadable))
-        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+            pushes, left_out = self._pushes_of(file, selection, part_of(progress, 0, 2))
+            frames = [pushes.table, pushes.scans]
         for reason, count in left_out.items():
             self._leave_out(reason, count)
-        if sort in (RECORDS, CYCLES, PUSH_ENDS):
-            by_marks = is_table and FRAMES_AGREE in table.header
-            for words in check_pushes(load_pushes(path) if is_table else pushes, self.given):
-                # A table that was planned tells its axes and angles.
-                if not by_marks:
-                    self._note(words)
+        self._check(file, pushes)
+        facts = [row for frame in frames for row in frame.to_dict("records")]
+        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
             self.session = self._session(sort, speed)
             chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
             own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
-            if is_table:
-                self._add_table(sort, selected(told_rows, own)[0])
-            else:
+            if rows is not None:
+                self._add_table(sort, selected(rows, own)[0])
+            elif pushes is not None:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
                 self._add_pushes(pushes_of(pushes, own), sort, done)
         return surfaces, objects
+
+    def _pushes_of(
+        self, file: DataFile, selection: RowSelection, progress: Progress
+    ) -> tuple[PushTable, Counter[str]]:
+        """The pushes of a file that take part, and how many stay out, by reason."""
+        if file.table is None:
+            pushes, left_out = select_pushes(file.path, selection, False, progress)
+        else:
+            left_out = Counter[str]()
+            whole = table_pushes(file.table)
+            kept = pushes_of(whole, selection, left_out)
+            pushes = replace(kept, unreadable=whole.unreadable)
+        if pushes.unreadable:
+            bad = pushes.unreadable[0]
+            reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
+            self._leave_out(reason, len(pushes.unreadable))
+        return pushes, left_out
+
+    def _check(self, file: DataFile, pushes: PushTable | None) -> None:
+        """Note how pushes were read, and how well their motions bear that out."""
+        if file.sort in (DRAG_BACKS, WRENCHES):
+            return
+        if pushes is None:
+            assert file.table is not None
+            pushes = table_pushes(file.table)
+        # A table that was planned tells its axes and angles.
+        by_marks = file.table is not None and FRAMES_AGREE in file.table.header
+        for words in check_pushes(pushes, self.given):
+            if not by_marks:
+                self._note(words)
 
     def _session(self, sort: str, speed: float | None) -> str:
         """The name of a session: its plate and speed, of orientations alone its file; empty where
@@ -695,11 +709,13 @@ def collected_blocks(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
     recognised = [recognise(path) for path in paths]
-    files = list(dict.fromkeys(file for known, _ in recognised for file in known))
+    files = list(
+        {(file.path, file.sort): file for known, _ in recognised for file in known}.values()
+    )
     unused = list(dict.fromkeys(file for _, others in recognised for file in others))
     surfaces, shapes = set[str](), set[str]()
-    for index, (path, sort) in enumerate(files):
-        on, of = collected.add_file(path, sort, selection, part_of(progress, index, len(files)))
+    for index, file in enumerate(files):
+        on, of = collected.add_file(file, selection, part_of(progress, index, len(files)))
         surfaces |= on
         shapes |= of
     if len(surfaces) > 1:

@@ -14,8 +14,8 @@ import numpy as np
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.evidence.pushes.columns import Row, Selection
-from cyclemap.evidence.pushes.push_table import CSV_SUFFIX, SET_FACTS, PushTable, homes
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, homes
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 
 if TYPE_CHECKING:
     import pandas
@@ -138,12 +138,13 @@ def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushS
     gathered: list[tuple[Path, Row, pandas.DataFrame]] = []
     for home, rows in table.groupby(homes(table), sort=False):
         for columns in (SET_FACTS, SURROUNDINGS):
-            sets = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
-            if any(len(own) >= FEWEST for own in sets):
+            alike = [own for _, own in rows.groupby([*columns], dropna=False, sort=False)]
+            if any(len(own) >= FEWEST for own in alike):
                 break
-        gathered += [(Path(home), _shared(own), own) for own in sets]
+        gathered += [(Path(home), _shared(own), own) for own in alike]
     names = _names([(home, facts) for home, facts, _ in gathered])
-    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
+    sets = zip(names, gathered, strict=True)
+    return tuple(_push_set(name, *own, pushes.pairs.get(str(own[0]))) for name, own in sets)
 
 
 def _shared(rows: pandas.DataFrame) -> Row:
@@ -185,15 +186,16 @@ def selected_pushes(table: pandas.DataFrame, select: Selection) -> pandas.DataFr
     return table[kept]
 
 
-def _push_set(name: str, home: Path, facts: Row, rows: pandas.DataFrame) -> PushSet:
+def _push_set(
+    name: str, home: Path, facts: Row, rows: pandas.DataFrame, pairs: Theta0Pairs | None
+) -> PushSet:
+    """A set of pushes; pairs : of a table of orientations alone."""
     contacts = rows.groupby([*CONTACT], dropna=False).ngroups
     ordered = contacts == 1 and rows["repetition"].notna().all() and rows["repetition"].is_unique
     if ordered:
         rows = rows.sort_values("repetition", kind="stable")
     theta, dtheta, dx, dy = (rows[column].to_numpy() for column in ("theta0", *QUANTITIES))
-    if home.suffix.lower() == CSV_SUFFIX and not np.isfinite(dtheta).any():
-        pairs: Theta0Pairs | None = read_theta0_pairs(home)
-    else:
+    if pairs is None:
         pairs = _pairs(
             theta, rows["theta_next"].to_numpy(), rows["repetition"] if ordered else None
         )

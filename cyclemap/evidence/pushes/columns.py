@@ -10,7 +10,7 @@ import math
 import re
 import warnings
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import chain
 from typing import TYPE_CHECKING, Any
@@ -19,13 +19,11 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, DoubtfulInput, InvalidInput
-from cyclemap.text_files import CsvRow, CsvTable
+from cyclemap.text_files import CsvTable, says_nothing
 
 if TYPE_CHECKING:
     import pandas
 
-# What stands in a field without a number.
-_NOTHING = ("", "nan", "na", "null", "none")
 # A row of a table by its columns: numbers, NaN where unknown, and texts, None where unknown.
 Row = dict[str, Any]
 # The values of facts, SI units and radians, by which rows are chosen.
@@ -163,7 +161,7 @@ _BAD = r"(?:is_?)?(?:fail(?:ed|ure)?|invalid|bad|outlier|excluded?|discard(?:ed)
 # tables of ours alone.
 _ALL = (
     *_at_ends("theta{}", Kind.ANGLE, _ANGLE, others={"th{}": 1.0, "theta{}_deg": DEGREE}),
-    Column("theta_next", Kind.ANGLE, {"th0n": 1.0}, (_NEXT,)),
+    Column("theta_next", Kind.ANGLE, {"th0n": 1.0, "theta_next_deg": DEGREE}, (_NEXT,)),
     Column("theta", Kind.ANGLE, {}, (_ANGLE,)),
     *_at_ends("x{}", Kind.PLACE, "(?:pos_?|t)?x"),
     *_at_ends("y{}", Kind.PLACE, "(?:pos_?|t)?y"),
@@ -203,37 +201,24 @@ _ALL = (
     Column("y0n", Kind.PLACE),
     Column("theta0_accum", Kind.ANGLE, {"theta0_accum_deg": DEGREE}),
     Column("theta0_mod360", Kind.ANGLE, {"theta0_mod360_deg": DEGREE}),
-    Column("theta_following", Kind.ANGLE, {"theta_next_deg": DEGREE}),
     Column("dtheta_to_next", Kind.TURN, {"dtheta_to_next_deg": DEGREE}),
+    Column("flag", Kind.TEXT),
 )
 COLUMNS: Mapping[str, Column] = {column.name: column for column in _ALL}
 
 
-def named_column(table: CsvTable, column: str) -> str | None:
-    """Return the first of a column's names that the header of a table of ours has; None without."""
-    return next((name for name in COLUMNS[column].names if name in table.header), None)
-
-
-def has_columns(table: CsvTable, columns: Collection[str]) -> bool:
-    """Return whether the header of a table of ours has all of these columns, by any name."""
-    return all(named_column(table, column) for column in columns)
-
-
-def column_value(table: CsvTable, row: CsvRow, column: str) -> Any:
-    """Return what a row of a table of ours tells for a column, SI units; NaN, of texts None, where
-    it does not.
-    """
-    name = named_column(table, column)
-    text = "" if name is None else table.text(row, name)
-    if COLUMNS[column].kind is Kind.TEXT:
-        return text or None
-    if name is None or not text:
-        return math.nan
-    return COLUMNS[column].names[name] * table.number(row, name)
+def our_names(header: Collection[str]) -> dict[str, str]:
+    """Return the name by which a header of ours has each of the columns that are in it."""
+    named = {}
+    for column in COLUMNS.values():
+        there = [name for name in column.names if name in header]
+        if there:
+            named[column.name] = there[0]
+    return named
 
 
 def known_columns(
-    table: CsvTable, needed: Collection[str], most_lost: float = 1.0
+    table: CsvTable, needed: Collection[str] = (), most_lost: float = 1.0
 ) -> pandas.DataFrame:
     """Return what a table of ours tells: every known column, SI units, NaN (of texts None) where it
     tells nothing, and the `path` and `line` of each row.
@@ -244,33 +229,60 @@ def known_columns(
     """
     import pandas
 
-    names = {column: named_column(table, column) for column in needed}
-    missing = [column for column, name in names.items() if name is None]
+    named = our_names(table.header)
+    missing = [column for column in needed if column not in named]
     if missing:
         have = ", ".join(table.header)
         raise table.error(1, f"column {', '.join(missing)} is missing; the header has {have}")
-    kept, lost = list[CsvRow](), list[tuple[CsvRow, str]]()
-    for row in table.rows:
-        empty = [
-            name for name in names.values() if name and table.text(row, name).lower() in _NOTHING
-        ]
-        if empty:
-            lost.append((row, empty[0]))
+    whole = _with_numbers(table, [named[column] for column in needed], most_lost)
+    columns: dict[str, Any] = {}
+    for column in COLUMNS.values():
+        name = named.get(column.name)
+        if column.kind is Kind.TEXT:
+            texts = [whole.text(row, name) or None for row in whole.rows] if name else None
+            columns[column.name] = texts
         else:
-            kept.append(row)
-    if lost:
-        first, name = lost[0]
-        count = f"{len(lost)} of {len(table.rows)} rows"
-        if len(lost) >= most_lost * len(table.rows):
-            told = (
-                f"{name} is '{table.text(first, name)}'; it must be a number, and {count} lack one"
-            )
-            raise table.error(first.line, told)
-        told = f"{count} left out for want of a pose, the first in line {first.line}"
-        warnings.warn(f"{table.path}: {told}", DoubtfulInput, stacklevel=5)
-    columns = {column: [column_value(table, row, column) for row in kept] for column in COLUMNS}
-    lines = [row.line for row in kept]
-    return pandas.DataFrame(columns).assign(path=str(table.path), line=lines)
+            numbers = column.names[name] * whole.numbers(name, blank=True) if name else math.nan
+            columns[column.name] = numbers
+    lines = [row.line for row in whole.rows]
+    return pandas.DataFrame(columns, range(len(lines))).assign(path=str(table.path), line=lines)
+
+
+def _with_numbers(table: CsvTable, names: Sequence[str], most_lost: float) -> CsvTable:
+    """The rows of a table that have something in all of these columns."""
+    lost = dict[int, str]()
+    for index, row in enumerate(table.rows):
+        for name in names:
+            if says_nothing(table.text(row, name)):
+                lost.setdefault(index, name)
+    if not lost:
+        return table
+    first, name = next(iter(lost.items()))
+    row, count = table.rows[first], f"{len(lost)} of {len(table.rows)} rows"
+    if len(lost) >= most_lost * len(table.rows):
+        empty = f"{name} is '{table.text(row, name)}'; it must be a number"
+        raise table.error(row.line, f"{empty}, and {count} lack one")
+    words = f"{count} left out for want of a pose, the first in line {row.line}"
+    warnings.warn(f"{table.path}: {words}", DoubtfulInput, stacklevel=6)
+    kept = (row for index, row in enumerate(table.rows) if index not in lost)
+    return replace(table, rows=tuple(kept))
+
+
+def our_text(columns: Mapping[str, Any]) -> str:
+    """Return columns, SI units, as a table of ours: a CSV text that every reader takes.
+
+    Orientations alone are in degrees, as people look at them.
+    """
+    import pandas
+
+    if "theta1" in columns:
+        return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
+    written = {}
+    for column, values in columns.items():
+        name, factor = [*COLUMNS[column].names.items()][-1]
+        is_text = COLUMNS[column].kind is Kind.TEXT
+        written[name] = values if is_text else (1.0 / factor) * values
+    return str(pandas.DataFrame(written).to_csv(index=False, lineterminator="\n"))
 
 
 # -- tables of one's own

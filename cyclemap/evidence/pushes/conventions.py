@@ -9,20 +9,21 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
-from cyclemap.errors import unknown_name
-from cyclemap.evidence.pushes.columns import COLUMNS, Kind
+from cyclemap.errors import DataFileError, unknown_name
+from cyclemap.evidence.pushes.columns import COLUMNS, WRENCH_COLUMNS, Kind
 from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
-from cyclemap.plain_text import plain_number
 from cyclemap.protocol.collection_file import data_table
-from cyclemap.text_files import CsvRow, CsvTable
+
+if TYPE_CHECKING:
+    import pandas
 
 Number = TypeVar("Number", float, Array)
 
@@ -167,55 +168,41 @@ class Convention:
         return math.atan2(y, x)
 
     def columns(self, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return columns, each by any of its names, in our convention; others as they are.
+        """Return columns, SI units, in our convention; others than those of poses and turns as they
+        are.
 
         Of a place of which one ordinate is NaN both are.
         """
         ours = dict(columns)
-        for column in COLUMNS.values():
-            for name in columns.keys() & column.names.keys():
-                unit, y_name = column.names[name], name.replace("x", "y")
-                if column.kind is Kind.ANGLE:
-                    ours[name] = self.theta(unit * columns[name]) / unit
-                elif column.kind is Kind.TURN:
-                    ours[name] = self.sense * columns[name]
-                elif column.kind is Kind.PLACE and name != y_name and y_name in columns:
-                    x, y = self.place(columns[name], columns[y_name])
-                    known = np.isfinite(x) & np.isfinite(y)
-                    ours[name] = np.where(known, x, math.nan)
-                    ours[y_name] = np.where(known, y, math.nan)
+        for name in columns.keys() & COLUMNS.keys():
+            kind, y_name = COLUMNS[name].kind, name.replace("x", "y")
+            if kind is Kind.ANGLE:
+                ours[name] = self.theta(columns[name])
+            elif kind is Kind.TURN:
+                ours[name] = self.sense * columns[name]
+            elif kind is Kind.PLACE and name != y_name and y_name in columns:
+                x, y = self.place(columns[name], columns[y_name])
+                known = np.isfinite(x) & np.isfinite(y)
+                ours[name] = np.where(known, x, math.nan)
+                ours[y_name] = np.where(known, y, math.nan)
         return ours
 
-    def table(self, table: CsvTable) -> CsvTable:
-        """Return a table in our convention; what is no number stays as it is, for its reader to
-        refuse.
+    def rows(self, rows: pandas.DataFrame) -> pandas.DataFrame:
+        """Return rows, as `known_columns` tells them, in our convention; DataFileError for wrenches
+        and twists, of which nobody knows how they were turned.
         """
         if self.is_ours:
-            return table
-        columns = zip(*(row.fields for row in table.rows), strict=True)
-        texts = dict(zip(table.header, columns, strict=True))
-        numbers = {name: np.array([_number(text) for text in texts[name]]) for name in texts}
-        for name, values in self.columns(numbers).items():
-            if values is not numbers[name]:
-                texts[name] = tuple(
-                    text if math.isnan(value) else repr(value)
-                    for text, value in zip(texts[name], values.tolist(), strict=True)
-                )
-        fields = zip(*(texts[name] for name in table.header), strict=True)
-        rows = zip(table.rows, fields, strict=True)
-        return replace(table, rows=tuple(CsvRow(row.line, own) for row, own in rows))
+            return rows
+        if rows[[*WRENCH_COLUMNS]].notna().any(axis=None):
+            raise DataFileError(
+                f"{rows['path'].iloc[0]}: wrenches and twists are read with {OURS.words()} alone, "
+                f"not {self.options()}: bring them to that"
+            )
+        columns = {name: rows[name].to_numpy() for name in COLUMNS}
+        return rows.assign(**self.columns(columns))
 
 
 OURS = Convention()
-
-
-def _number(text: str) -> float:
-    """The finite number that a field says, else NaN."""
-    try:
-        number = plain_number(text)
-    except ValueError:
-        return math.nan
-    return number if math.isfinite(number) else math.nan
 
 
 def as_read_name(stem: str, told: Mapping[str, object]) -> str:

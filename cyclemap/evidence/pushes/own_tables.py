@@ -27,35 +27,23 @@ from cyclemap.evidence.pushes.columns import (
     UNITS,
     UNITS_OF,
     Kind,
-    has_unit,
     meaning_of,
+    our_text,
     unit_of,
 )
 from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
-from cyclemap.evidence.pushes.own_files import (
-    BAGS,
-    EXCEL,
-    JSON_LINES,
-    PARQUET,
-    Columns,
-    raw_columns,
-)
+from cyclemap.evidence.pushes.data_kinds import TEXTS
+from cyclemap.evidence.pushes.own_files import JSON_LINES, raw_columns
 from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
-from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
+from cyclemap.evidence.pushes.text_tables import Columns
 from cyclemap.file_text import located
-from cyclemap.plain_text import json_value
-from cyclemap.text_files import read_text
 
-TEXTS = (".csv", ".tsv", ".txt", ".dat", *JSON_LINES)
 # What may be told of a table: the angle of pushes goes by no name of its own.
 _READ = [name for name, column in COLUMNS.items() if column.patterns]
 _KNOWN = (*_READ, "angle", *OF_THE_FILE)
 # What is taken of a table of poses.
 _FACTS = ("side", "fraction", "angle", "length")
 _POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS, *RODS)
-# Columns by which a table is known to be one that `load_pushes` and its like read as it is.
-_OURS = ({"theta0_accum_deg"}, {"x1", "y1", "x0n", "y0n"}, {"fx", "fy", "vx", "vy"})
-_ORIENTATIONS = {"theta0_deg", "theta_next_deg", "flag"}
 # The cosine of an axis' tilt from which on it is upright.
 _UPRIGHT = 0.9
 # Columns that say of a row whether it counts, and the value with which it does.
@@ -98,70 +86,11 @@ class OwnTable:
 
     def csv_text(self) -> str:
         """The table as a CSV file that every reader of pushes takes."""
-        import pandas
-
         columns = self.columns
         if "theta1" not in columns:
             angles = (name for name in ("theta0", "theta_next") if name in columns)
-            columns = {f"{name}_deg": math.degrees(1.0) * columns[name] for name in angles}
-        return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
-
-
-def is_own(path: str | Path) -> bool:
-    """Whether data are of a kind or with columns that `load_pushes` and its like do not read as
-    they are.
-    """
-    place = Path(path)
-    if place.is_dir():
-        return (place / "meta" / "info.json").is_file() or (place / "metadata.yaml").is_file()
-    kind = place.suffix.lower()
-    if kind in (*EXCEL, *PARQUET, *BAGS):
-        return True
-    if kind == ".json" and place.is_file():
-        return _is_json_of_rows(place)
-    if kind in JSON_LINES:
-        return True
-    if kind not in TEXTS or kind in SUFFIXES or not place.is_file():
-        return False
-    with place.open(encoding="utf-8-sig", errors="replace") as file:
-        header = file.readline(_LONGEST_HEADER).lower()
-        first = file.readline(_LONGEST_HEADER)
-    # A header that is still being written tells nothing.
-    if not header.endswith("\n"):
-        return False
-    names = {name.strip().strip('"') for name in header.split(",")}
-    return not _is_ours(names) or any(map(has_unit, first.split(",")))
-
-
-def _is_ours(names: set[str]) -> bool:
-    """Whether readers of our own tables take all that a header of these names tells."""
-    if any(names >= wanted for wanted in _OURS):
-        return True
-    if not names >= PLACES:
-        return "theta0_deg" in names and names <= _ORIENTATIONS
-    if names >= {*RODS, "th0", "th1"}:
-        return True
-    known = {name for column in COLUMNS.values() for name in column.names}
-    return names <= known and all(names & COLUMNS[name].names.keys() for name in ENDS)
-
-
-def _is_json_of_rows(place: Path) -> bool:
-    """Whether a JSON file has rows of numbers, and not the tables of a push."""
-    try:
-        text = read_text(place, "JSON")
-        return _has_no_tables(json_value(text))
-    except DataFileError:
-        return False
-    except ValueError:
-        pass
-    try:
-        return _has_no_tables(json_value(text.partition("\n")[0]))
-    except ValueError:
-        return False
-
-
-def _has_no_tables(content: object) -> bool:
-    return not isinstance(content, dict) or not set(content) & set(TABLES)
+            columns = {name: columns[name] for name in angles}
+        return our_text(columns)
 
 
 def read_own_table(
@@ -241,7 +170,7 @@ def _understood(
     """The columns in SI units and our convention by our names, a row a push in their order."""
     units = [UNIT_WORDS.get(unit, unit) for unit in units]
     _refuse_unknown(told, units)
-    if growing and place.suffix.lower() not in TEXTS:
+    if growing and place.suffix.lower() not in (*TEXTS, *JSON_LINES):
         raise DataFileError(
             f"{place}: read once it is whole, without --follow: only a CSV file is read while it "
             "grows"

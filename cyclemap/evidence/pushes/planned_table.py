@@ -22,7 +22,8 @@ import numpy as np
 from cyclemap.arrays import Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS
-from cyclemap.evidence.pushes.own_files import EXCEL, Columns, raw_columns
+from cyclemap.evidence.pushes.own_files import raw_columns
+from cyclemap.evidence.pushes.text_tables import Columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
 
 # How a push is set up: its number, where the rod touches, how far it goes; the pose that the object
@@ -50,6 +51,8 @@ IN_OBJECT = (
     "mark_b_x_mm",
     "mark_b_y_mm",
 )
+# By what is planned of a push alone such a table is known.
+PLANNED = {*SET_UP[6:], *IN_OBJECT}
 # How far off a reading of a place or an angle is, a standard deviation.
 ERRORS = ("error_mm", "error_deg")
 # Where a robot's rod was, in the frame of the poses; left empty, it went as it was planned from the
@@ -89,18 +92,6 @@ def marks_of(slider: Slider) -> tuple[Place, Place]:
         return (outline.semi_x, 0.0), (-outline.semi_x, 0.0)
     first = outline.vertices[0]
     return first, max(outline.vertices, key=lambda corner: round(math.dist(corner, first), 9))
-
-
-def is_planned(path: Path) -> bool:
-    """Return whether a file is a table of planned pushes, by its columns."""
-    kind = path.suffix.lower()
-    if not path.is_file() or kind not in (".csv", *EXCEL):
-        return False
-    if kind == ".csv":
-        with path.open(encoding="utf-8-sig", errors="replace") as file:
-            header = file.readline(10_000)
-        return all(name in header for name in (*SET_UP[6:], *IN_OBJECT))
-    return set(raw_columns(path, {}, growing=False)) >= {*SET_UP[6:], *IN_OBJECT}
 
 
 def filled_text(path: Path) -> tuple[str, list[str]]:

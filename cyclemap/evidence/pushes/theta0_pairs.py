@@ -232,18 +232,26 @@ def read_theta0_pairs(
     >>> np.degrees(pairs.turn).round(6).tolist()
     [10.0, 15.0]
     """
-    table = (convention or convention_of(path, angles, None, offset_deg)).table(
-        read_csv_table(path)
-    )
-    doubt_degrees(table, [name for name in PAIR_COLUMNS if name in table.header])
+    told = convention or convention_of(path, angles, None, offset_deg)
+    return pairs_in_table(read_csv_table(path), told)
+
+
+def pairs_in_table(table: CsvTable, convention: Convention) -> Theta0Pairs:
+    """Return the pairs of a table, as `read_theta0_pairs` does."""
+    doubt_degrees(table, PAIR_COLUMNS)
     if "theta0_accum_deg" in table.header:
-        return _from_staircase(table)
+        return _from_staircase(table, convention)
     if "theta_next_deg" in table.header:
-        return _from_pairs(table)
-    return _from_orientations(table)
+        return _from_pairs(table, convention)
+    return _from_orientations(table, convention)
 
 
-def _from_orientations(table: CsvTable) -> Theta0Pairs:
+def _orientations(table: CsvTable, column: str, convention: Convention) -> Array:
+    """A column of angles in degrees, rad in our convention."""
+    return convention.theta(np.deg2rad(table.numbers(column)))
+
+
+def _from_orientations(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Orientations in order; turns by hand make no pair."""
     ordered, ahead = PAIR_COLUMNS
     if ordered not in table.header:
@@ -251,12 +259,10 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
         raise table.error(1, f"the header is {','.join(table.header)}; it must be {layouts}")
     for name in table.header:
         if "next" in name or get_close_matches(name, (ahead,), cutoff=_NEARLY_THE_NAME):
-            told = (
-                f"the header has {name} beside {ordered}: name it {ahead} if it is the next "
-                "θ0 in degrees"
-            )
-            raise table.error(1, f"{told}, or leave it out")
-    theta = np.deg2rad(table.numbers(ordered))
+            beside = f"the header has {name} beside {ordered}"
+            mend = f"name it {ahead} if it is the next θ0 in degrees, or leave it out"
+            raise table.error(1, f"{beside}: {mend}")
+    theta = _orientations(table, ordered, convention)
     if theta.size < 2:
         raise table.error(table.rows[0].line, "a single θ0 makes no pair; give at least two rows")
     turn = shorter_way(np.diff(theta))
@@ -265,11 +271,9 @@ def _from_orientations(table: CsvTable) -> Theta0Pairs:
     moved = tuple(number[:-1][~kept].tolist())
     if moved:
         where = ", ".join(f"{push:.0f}" for push in moved[:6])
-        line = (
-            f"{table.path}: turns behind pushes {where} (from 0) are like no others: taken as "
-            "moved by hand, left out"
-        )
-        warnings.warn(line, DoubtfulInput, stacklevel=3)
+        words = f"turns behind pushes {where} (from 0) are like no others"
+        doubt = f"{table.path}: {words}: taken as moved by hand, left out"
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     dropped = {"moved by hand": len(moved)} if moved else {}
     return Theta0Pairs(
         path[:-1][kept], path[1:][kept], path, dropped, number[:-1][kept], number, moved
@@ -309,19 +313,19 @@ def doubt_degrees(table: CsvTable, columns: Sequence[str]) -> None:
     more.
     """
     for name in columns:
-        numbers = [table.number(row, name) for row in table.rows if table.text(row, name)]
-        low, high = min(numbers, default=0.0), max(numbers, default=0.0)
+        if name not in table.header:
+            continue
+        degrees = table.numbers(name, blank=True)
+        degrees = degrees[np.isfinite(degrees)]
+        low, high = float(degrees.min(initial=0.0)), float(degrees.max(initial=0.0))
         one_turn = max(-low, high) <= _HALF_A_TURN or (low >= 0.0 and high <= 2.0 * _HALF_A_TURN)
-        if len(numbers) >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
-            told = (
-                f"{table.path}: {name} runs from {low:g} to {high:g} in {len(numbers)} rows: "
-                "are these radians?"
-            )
-            warnings.warn(told, DoubtfulInput, stacklevel=4)
+        if degrees.size >= _TELLING and one_turn and high - low > _NEARLY_A_TURN:
+            words = f"{name} runs from {low:g} to {high:g} in {degrees.size} rows"
+            warnings.warn(f"{table.path}: {words}: are these radians?", DoubtfulInput, stacklevel=4)
             return
 
 
-def _from_staircase(table: CsvTable) -> Theta0Pairs:
+def _from_staircase(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """A staircase whose columns agree; flagged rows make no pair."""
     require_columns(table, STAIRCASE_COLUMNS)
     number, path, wrapped = (table.numbers(name) for name in STAIRCASE_COLUMNS[:3])
@@ -329,46 +333,41 @@ def _from_staircase(table: CsvTable) -> Theta0Pairs:
     turn = table.numbers("dtheta_to_next_deg", blank=True)
     last = table.rows[-1].line
     if not np.isnan(turn[-1]):
-        raise table.error(
-            last, "the last row has a next θ0: the file is cut off; restore it or empty that field"
-        )
+        cut = "the last row has a next θ0: the file is cut off"
+        raise table.error(last, f"{cut}; restore it or empty that field")
     for index in np.flatnonzero(np.abs(shorter_way(np.deg2rad(path - wrapped))) > _CONSISTENT)[:1]:
         values = f"{path[index]:g} and {wrapped[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
-        )
+        words = f"theta0_accum_deg and theta0_mod360_deg disagree ({values})"
+        raise table.error(table.rows[index].line, words)
     off = np.abs(np.deg2rad(np.diff(path) - turn[:-1])) > _CONSISTENT
     off_next = (np.diff(number) == 1) & off
     for index in np.flatnonzero(off_next)[:1]:
         values = f"{turn[index]:g}, the next row says {path[index + 1] - path[index]:g}"
-        raise table.error(
-            table.rows[index].line, f"dtheta_to_next_deg is {values}; a row is missing or cut off"
-        )
+        words = f"dtheta_to_next_deg is {values}; a row is missing or cut off"
+        raise table.error(table.rows[index].line, words)
     flags = np.array([table.text(row, "flag") for row in table.rows])
     kept = (flags == "") & ~np.isnan(turn)
     if not kept.any():
         raise table.error(last, "no row without a flag has a next θ0; nothing to compare with")
-    path, turn = np.deg2rad(path), np.deg2rad(turn)
     dropped = dict(Counter(flag for flag in flags.tolist() if flag))
-    return Theta0Pairs.along(path, turn, kept, number, dropped)
+    theta, turned = convention.theta(np.deg2rad(path)), convention.sense * np.deg2rad(turn)
+    return Theta0Pairs.along(theta, turned, kept, number, dropped)
 
 
-def _from_pairs(table: CsvTable) -> Theta0Pairs:
+def _from_pairs(table: CsvTable, convention: Convention) -> Theta0Pairs:
     """Pairs, in order where each begins where the one before ended."""
     require_columns(table, PAIR_COLUMNS)
-    theta, theta_next = (np.deg2rad(table.numbers(name)) for name in PAIR_COLUMNS)
+    theta, theta_next = (_orientations(table, name, convention) for name in PAIR_COLUMNS)
     turn = shorter_way(theta_next - theta)
     gap = shorter_way(theta[1:] - theta_next[:-1])
     if not _is_in_order(gap, turn):
         return Theta0Pairs(theta, theta + turn)
     elsewhere = int(_is_large(gap).sum())
     if elsewhere:
-        told = (
-            f"{table.path}: {elsewhere} of {theta.size} pairs do not begin where the one "
-            "before ended: the rows are "
-        )
-        told += "taken to be in order, and staircases are of the longest run without such a pair"
-        warnings.warn(told, DoubtfulInput, stacklevel=3)
+        words = f"{elsewhere} of {theta.size} pairs do not begin where the one before ended"
+        taken = "the rows are taken to be in order, and staircases are of the longest run without"
+        doubt = f"{table.path}: {words}: {taken} such a pair"
+        warnings.warn(doubt, DoubtfulInput, stacklevel=4)
     path = theta[0] + np.cumsum(np.concatenate([[0.0], turn + np.append(gap, 0.0)]))
     every = np.ones(turn.size, dtype=bool)
     return Theta0Pairs.along(path, turn, every, np.arange(float(path.size)))

@@ -11,9 +11,11 @@ from foreign_tables import CONVENTIONS, agrees, loop, thirty, truth
 from refusals import refused
 
 import cyclemap as cm
+from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
 from cyclemap.evidence.pushes.conventions import Convention, as_read_name, written_convention
-from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
+from cyclemap.evidence.pushes.own_tables import read_own_table
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.first_touch import first_contact
@@ -34,7 +36,7 @@ WANTED = {
 
 def read(path, **told):
     """The pushes of a table of any kind, as every command has them."""
-    if is_own(path):
+    if file_kind(path) is FileKind.OTHER:
         columns, units = told.pop("columns", None), told.pop("units", ())
         target = path.parent / "made_as_read.csv"
         target.write_text(read_own_table(path, columns, units, **told).csv_text())
@@ -266,6 +268,14 @@ def test_orientations_alone_say_what_is_assumed_and_are_turned_as_told(tmp_path)
     pairs = cm.evidence.read_theta0_pairs(path, angles="compass")
     assert np.cos(pairs.theta) == pytest.approx(np.cos(np.radians(theta[:-1])))
     assert np.degrees(pairs.turn) == pytest.approx(np.diff(theta))
+
+
+def test_wrenches_and_twists_in_another_convention_are_refused(tmp_path) -> None:
+    path = tmp_path / "wrenches.csv"
+    path.write_text("fx,fy,m_over_rho,vx,vy,w_times_rho\n1,2,0.1,0.3,0.4,0.5\n")
+    (tmp_path / "collection.toml").write_text('[data]\nangles = "clockwise"\n')
+    told = "wrenches and twists are read with axes right-handed.* alone, not --angles clockwise"
+    refused(collected_blocks, [path], loop(), told=told)
 
 
 def test_a_recording_in_another_convention_is_brought_to_ours() -> None:

@@ -12,7 +12,8 @@ import pytest
 from refusals import refused
 
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
+from cyclemap.evidence.pushes.own_tables import read_own_table
 
 pandas = pytest.importorskip("pandas")
 
@@ -144,7 +145,7 @@ FORMS: dict[str, Callable[[], str]] = {
 def test_every_form_is_read_as_what_happened(tmp_path, name) -> None:
     path = tmp_path / name
     path.write_text(FORMS[name]())
-    assert is_own(path)
+    assert file_kind(path) is FileKind.OTHER
     columns = read_own_table(path).columns
     for end, poses in (("0", BEFORE), ("1", AFTER)):
         for column, true in zip(("x", "y", "theta"), poses.T, strict=True):
@@ -316,7 +317,7 @@ def test_columns_beside_our_own_are_not_passed_over(tmp_path) -> None:
     assert "not read: offset_mm" in read_own_table(path).words
     for names in ("x0,y0,theta0,x1,y1,theta1", "x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg"):
         frame(names).to_csv(path, index=False)
-        assert is_own(path) == ("_mm" in names)
+        assert (file_kind(path) is FileKind.OTHER) == ("_mm" in names)
 
 
 @pytest.mark.parametrize(
@@ -324,8 +325,12 @@ def test_columns_beside_our_own_are_not_passed_over(tmp_path) -> None:
     [
         ("rows.json", '{"columns": ["theta0_deg"], "data": [1, 2, 3]}', "0 rows"),
         ("keys.json", '{"theta0_deg": {"\u00b2": 1, "1": 2}}', "0 rows"),
+        ("ways.json", 2 * '{"a": {"b": 1}, "a_b": 2}\n', "two values of a row are named a_b"),
+        ("twins.json", '[{"yaw": 1, " yaw": 2}, {"yaw": 3}]', "two columns are named yaw"),
+        ("more.json", '{"columns": ["yaw"], "data": [[1, 2], [3, 4]]}', "more numbers than the 1"),
+        ("same.json", '{"columns": ["yaw", "yaw"], "data": [[1, 2], [3, 4]]}', "names tell apart"),
         ("below.csv", "1,2\n3,4\ntheta0_deg,b\n", "no names above its numbers"),
-        ("wide.csv", "yaw_deg" + 9999 * ",b" + 999 * "\n1,1", "1000 rows below 10000 names"),
+        ("wide.csv", "yaw_deg" + 9999 * ",b" + 999 * "\n1,1", "999 rows below 10000 names"),
     ],
 )
 def test_what_is_no_table_is_refused_in_one_line(tmp_path, name, text, told) -> None:
@@ -361,6 +366,8 @@ def test_parquet_keeps_texts_and_passes_over_lists_of_unlike_lengths(tmp_path) -
     table = pandas.DataFrame({"yaw_deg": np.degrees(THETA), "lists": lists})
     table.to_parquet(path)
     assert np.allclose(read_own_table(path).columns["theta0"], THETA)
+    table.assign(success=["no", *["yes"] * (PUSHES - 1)]).to_parquet(path)
+    assert np.allclose(read_own_table(path).columns["theta0"], THETA[1:])
     table.assign(surface=["felt", "tin"] * 12).to_parquet(path)
     refused(read_own_table, path, told="several surfaces, felt, tin")
 
@@ -383,6 +390,24 @@ def test_the_angle_of_pushes_is_told_in_degrees(tmp_path, name, units) -> None:
     plain().assign(**{name: 10.0}).to_csv(path, index=False)
     own = read_own_table(path, {"angle": name}, units)
     assert own.columns["angle"] == pytest.approx(math.radians(10.0) * np.ones(PUSHES))
+
+
+def test_commas_that_may_be_decimal_or_part_thousands_are_asked_about(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    wide = frame("x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg", SCALED)
+    wide.assign(x0_mm=[f"{960 + 10 * index:,}" for index in NUMBERS]).to_csv(path, index=False)
+    refused(read_own_table, path, told="is 1,000 of x0_mm more than a thousand, or a decimal")
+    wide.assign(x0_mm=[f"1,000,{100 + index}" for index in NUMBERS]).to_csv(path, index=False)
+    assert read_own_table(path).columns["x0"] == pytest.approx(1000.1 + 1e-3 * NUMBERS)
+
+
+def test_points_part_thousands_where_commas_are_decimal(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    wide = frame("x0_mm,y0_mm,theta0_deg,x1_mm,y1_mm,theta1_deg", SCALED).round(6).astype(str)
+    wide = wide.map(lambda number: number.replace(".", ","))
+    wide["x0_mm"] = [*["1.050", "950,5"], *["1.012,5"] * (PUSHES - 2)]
+    wide.to_csv(path, index=False, sep=";")
+    assert read_own_table(path).columns["x0"][:3] == pytest.approx([1.05, 0.9505, 1.0125])
 
 
 def test_signs_of_thousands_are_told_by_the_column(tmp_path) -> None:

@@ -14,7 +14,9 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
-from cyclemap.evidence.pushes.own_tables import is_own, read_own_table
+from cyclemap.evidence.pushes import own_files
+from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
+from cyclemap.evidence.pushes.own_tables import read_own_table
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
 
 pandas = pytest.importorskip("pandas")
@@ -55,7 +57,7 @@ def test_columns_and_units_are_told_by_name_or_size_and_a_guess_is_said(
 ) -> None:
     path = tmp_path / "messung.csv"
     path.write_text(text)
-    assert is_own(path)
+    assert file_kind(path) is FileKind.OTHER
     assert any("in rad, guessed" in line for line in read_own_table(path).words) == guessed
     assert wrapped(orientations(tmp_path, path)) == pytest.approx(wrapped(THETA_DEG[:-1]), abs=1e-4)
 
@@ -246,13 +248,15 @@ def test_a_lerobot_data_set_has_a_push_an_episode(tmp_path) -> None:
     pandas.DataFrame(rows).to_parquet(home / "data" / "chunk-000" / "file-000.parquet")
     columns = {"x": "block_x", "y": "block_y", "theta": "block_angle"}
     found = read_own_table(home, columns, ["rad", "m"])
-    assert is_own(home) and any("12 pushes, one an episode" in line for line in found.words)
+    assert file_kind(home) is FileKind.OTHER and any(
+        "12 pushes, one an episode" in line for line in found.words
+    )
     assert np.degrees(found.columns["theta0"]) == pytest.approx(THETA_DEG)
     assert np.degrees(found.columns["theta1"] - found.columns["theta0"]) == pytest.approx(TURN_DEG)
 
 
-def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStamped"):
-    """A recording of `stream` under each topic: ROS 1, ROS 2 as SQLite or MCAP."""
+def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStamped", far=0.0):
+    """A recording of `stream` under each topic: ROS 1, ROS 2 as SQLite or MCAP; far : m along x."""
     pytest.importorskip("rosbags")
     from rosbags import rosbag1, rosbag2
     from rosbags.typesys import Stores, get_typestore
@@ -278,7 +282,7 @@ def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStam
                     0.0, 0.0, math.sin(half), math.cos(half)
                 )
                 pose = kinds["geometry_msgs/msg/Pose"](
-                    kinds["geometry_msgs/msg/Point"](place, 0.0, 0.0), turn
+                    kinds["geometry_msgs/msg/Point"](far + place, 0.0, 0.0), turn
                 )
                 told = kinds[message](header, pose)
             else:
@@ -291,7 +295,7 @@ def bag(path, kind, topics=("/box", "/tip"), message="geometry_msgs/msg/PoseStam
 def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, kind) -> None:
     path = tmp_path / ("run.bag" if kind == "ros1" else "run")
     bag(path, kind)
-    assert is_own(path)
+    assert file_kind(path) is FileKind.OTHER
     refused(
         read_own_table,
         path,
@@ -300,9 +304,20 @@ def test_a_bag_of_any_kind_is_read_by_the_topic_of_the_objects_pose(tmp_path, ki
     )
     for place in (path, *path.glob("*.mcap")):
         found = read_own_table(place, {"pose": "/box"})
-        assert is_own(place)
+        assert file_kind(place) is FileKind.OTHER
         assert np.degrees(found.columns["theta0"]) == pytest.approx([10.0, 22.0], abs=0.2)
         assert found.columns["x1"] == pytest.approx([0.040, 0.041], abs=5e-4)
+
+
+def test_places_of_a_bag_are_metres_however_far_and_it_may_not_be_endless(
+    tmp_path, monkeypatch
+) -> None:
+    bag(tmp_path / "run", "sqlite", ["/box"], far=12.0)
+    assert read_own_table(tmp_path / "run").columns["x1"] == pytest.approx(
+        [12.040, 12.041], abs=5e-4
+    )
+    monkeypatch.setattr(own_files, "_LARGEST_DECODED", 8 * 700)
+    refused(read_own_table, tmp_path / "run", told="MB of numbers.*split it", kind=DataFileError)
 
 
 @pytest.mark.parametrize("kind", ["ros1", "sqlite", "mcap"])
@@ -432,14 +447,14 @@ def test_rows_of_json_are_read_and_a_push_of_the_mit_layout_is_none(tmp_path, su
             json.dumps({"rep": n, "object": {"yaw_deg": x}}) + "\n" for n, x in enumerate(WRAPPED)
         )
     )
-    assert is_own(path)
+    assert file_kind(path) is FileKind.OTHER
     told = {"theta0": "object_yaw_deg"}
     assert wrapped(orientations(tmp_path, path, told)) == pytest.approx(
         wrapped(THETA_DEG[:-1]), abs=1e-4
     )
     push = tmp_path / "push.json"
     push.write_text(json.dumps({"object_pose": [], "tip_pose": [], "ft_wrench": []}))
-    assert not is_own(push)
+    assert file_kind(push) is FileKind.RECORDS
     path.write_text('{"yaw_deg": 1}\n[1, 2]\n')
     refused(read_own_table, path, told="a row is an object")
 

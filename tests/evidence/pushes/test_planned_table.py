@@ -17,10 +17,10 @@ from cyclemap.errors import DataFileError, DoubtfulInput
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes
 from cyclemap.evidence.push_plan.plan_table import empty_table
+from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
 from cyclemap.evidence.pushes.measured_strokes import push_noise, set_up_errors
 from cyclemap.evidence.pushes.planned_table import (
     filled_text,
-    is_planned,
     mark_columns,
     marks_of,
     pose_columns,
@@ -62,7 +62,7 @@ def filled(folder: Path, by: str = "corners", states: str = "012", excel: bool =
 
 
 def as_read(path: Path) -> pd.DataFrame:
-    assert is_planned(path)
+    assert file_kind(path) is FileKind.PLANNED
     return pd.read_csv(io.StringIO(filled_text(path)[0]))
 
 
@@ -129,7 +129,7 @@ def test_what_was_misread_is_refused_with_push_and_state(tmp_path: Path) -> None
         filled_text, path, told="push 3: after the push a_x1_mm is no number", kind=DataFileError
     )
     frame.drop(columns="way_x").to_csv(path, index=False)
-    assert not is_planned(path)
+    assert file_kind(path) is not FileKind.PLANNED
 
 
 def test_a_pose_and_marks_that_contradict_each_other_are_refused_and_else_agree(
