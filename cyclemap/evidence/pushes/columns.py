@@ -205,6 +205,15 @@ _ALL = (
     Column("flag", Kind.TEXT),
 )
 COLUMNS: Mapping[str, Column] = {column.name: column for column in _ALL}
+# What may be told of a table: the angle of pushes goes by no name of its own.
+_TO_BE_TOLD = (*(name for name, known in COLUMNS.items() if known.patterns), "angle", *OF_THE_FILE)
+# Names of the MIT dataset that say what nobody else's do: letters of its file names, and others.
+_MIT_LETTERS = {"side": "i", "fraction": "s", "angle": "t"}
+_MIT_NAMES = _MIT_LETTERS | {
+    "speed": "v_mm_s",
+    "acceleration": "a_mm_s2",
+    "tip_error": "tip_err_mm",
+}
 
 
 def our_names(header: Collection[str]) -> dict[str, str]:
@@ -330,15 +339,29 @@ def _fits(known: Column, column: str) -> bool:
     return known.fits(name) and (wanted or (unit == _PIXELS and known.kind in lengths))
 
 
+def known_units(units: Sequence[str]) -> list[str]:
+    """Return units by their names here; InvalidInput for one that nobody knows."""
+    known = [UNIT_WORDS.get(unit, unit) for unit in units]
+    for unit in known:
+        if unit not in UNITS:
+            raise InvalidInput(f"--units {unit}: know {', '.join(UNITS)}")
+    return known
+
+
 def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, str]:
-    """Return the column of a file for each name that is told or recognised; InvalidInput where one
-    is wanted, or two would do.
+    """Return the column of a file for each name that is told, is the MIT dataset's alone, or is
+    recognised; InvalidInput where one is wanted, or two would do.
     """
     have = ", ".join(list(raw)[:20])[:400]
-    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
-    for name, column in meaning.items():
-        if column not in raw:
+    for name, column in told.items():
+        if name not in _TO_BE_TOLD:
+            raise InvalidInput(f"--columns {name}=...: know {', '.join(_TO_BE_TOLD)}")
+        if name not in OF_THE_FILE and column not in raw:
             raise InvalidInput(f"no column {column} for {name}; it has {have}")
+    meaning = {name: column for name, column in told.items() if name not in OF_THE_FILE}
+    for name, column in _mit_columns(raw).items():
+        if column not in meaning.values():
+            meaning.setdefault(name, column)
     for name, known in COLUMNS.items():
         if name in meaning:
             continue
@@ -350,6 +373,22 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
             raise InvalidInput(f"{both}: say which, --columns {name}={hits[0]}")
         if hits:
             meaning[name] = hits[0]
+    _refuse_half_told(meaning, told, have)
+    return meaning
+
+
+def _mit_columns(raw: Collection[str]) -> dict[str, str]:
+    """The columns of a file whose names, with their units, are the MIT dataset's: in the letters of
+    its file names where it has all three of them.
+    """
+    by_name = {column.strip().lower(): column for column in raw}
+    names = dict(_MIT_NAMES) if {*_MIT_LETTERS.values()} <= {*by_name} else {}
+    names |= {name: own for name, own in _MIT_NAMES.items() if own not in _MIT_LETTERS.values()}
+    return {name: by_name[own] for name, own in names.items() if own in by_name}
+
+
+def _refuse_half_told(meaning: Mapping[str, str], told: Mapping[str, str], have: str) -> None:
+    """Refuse columns of which another reading is possible, or some are missing."""
     asked = {"theta1", "theta_next"} & {*told} or "theta_next" in meaning
     if "theta1" in meaning and not asked and not set(meaning) >= PLACES:
         after = meaning["theta1"]
@@ -367,36 +406,45 @@ def meaning_of(raw: Mapping[str, Array], told: Mapping[str, str]) -> dict[str, s
         raise InvalidInput(
             f"no column of the object's orientation before each push: {mend}; it has {have}"
         )
-    return meaning
 
 
 def unit_of(
     name: str, meaning: Mapping[str, str], raw: Mapping[str, Array], units: Sequence[str]
-) -> tuple[str, str]:
-    """Return the unit of a column, and how that is said. All angles, and all places, are guessed to
-    be alike.
+) -> tuple[float, str]:
+    """Return the unit of a column, as its factor to SI units, and how that is said. All angles, and
+    all places, are guessed to be alike.
     """
-    kind = COLUMNS[name].kind
-    known = UNITS_OF[kind]
+    known, column = UNITS_OF.get(COLUMNS[name].kind, {}), meaning[name]
     told = next((unit for unit in units if unit in known), None)
     if told is not None:
-        return told, f" in {told}"
+        return known[told], f" in {told}"
+    if _MIT_NAMES.get(name) == column.strip().lower():
+        return COLUMNS[name].names[_MIT_NAMES[name]], ", as the MIT dataset names it"
+    if not known:
+        return 1.0, ""
+    unit, said = _unit_by_name_or_size(name, meaning, raw)
+    return known[unit], f" in {unit}{said}"
+
+
+def _unit_by_name_or_size(
+    name: str, meaning: Mapping[str, str], raw: Mapping[str, Array]
+) -> tuple[str, str]:
+    """The unit of a column that nobody told, and how it is known."""
+    kind = COLUMNS[name].kind
     alike = [name]
     if kind in (Kind.ANGLE, Kind.PLACE):
         alike = [other for other in meaning if COLUMNS[other].kind is kind]
     named = {other: _bare(meaning[other])[1] for other in alike}
-    if named[name] in known:
-        return named[name], f" in {named[name]}, by its name"
+    if named[name] in UNITS_OF[kind]:
+        return named[name], ", by its name"
     if named[name] == _PIXELS:
         mend = "multiply its pixels by the length of one, and name it x0_mm or the like"
         raise InvalidInput(f"{meaning[name]}: {mend}")
-    of_others = {unit for unit in named.values() if unit in known}
+    of_others = {unit for unit in named.values() if unit in UNITS_OF[kind]}
     if len(of_others) == 1:
-        unit = of_others.pop()
-        return unit, f" in {unit}, as its like"
-    return _guessed_unit(
-        kind, {meaning[other]: raw[meaning[other]] for other in alike if named[other] not in known}
-    )
+        return of_others.pop(), ", as its like"
+    unnamed = [meaning[other] for other in alike if named[other] not in UNITS_OF[kind]]
+    return _guessed_unit(kind, {column: raw[column] for column in unnamed})
 
 
 def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
@@ -408,7 +456,7 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
     if kind is Kind.TIME and most > _AN_EPOCH:
         # A count since 1970: its size tells the unit.
         unit = list(TIME_UNITS)[min(3, math.floor(math.log10(most / _AN_EPOCH) / 3.0))]
-        return unit, f" in {unit} since 1970"
+        return unit, " since 1970"
     if kind is Kind.TIME:
         unit = "s"
     elif kind is Kind.SLANT:
@@ -426,7 +474,7 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
     else:
         unit = "m" if most <= _NO_METRES else "mm"
     reach = "they reach" if len(columns) > 1 else "it reaches"
-    return unit, f" in {unit}, guessed: {reach} {most:.4g}"
+    return unit, f", guessed: {reach} {most:.4g}"
 
 
 def _may_be_either(unit: str, most: float, columns: Mapping[str, Array]) -> bool:

@@ -167,39 +167,32 @@ class Convention:
         x, y = self.place(math.cos(angle), math.sin(angle))
         return math.atan2(y, x)
 
-    def columns(self, columns: Mapping[str, Array]) -> dict[str, Array]:
-        """Return columns, SI units, in our convention; others than those of poses and turns as they
-        are.
-
-        Of a place of which one ordinate is NaN both are.
-        """
-        ours = dict(columns)
-        for name in columns.keys() & COLUMNS.keys():
-            kind, y_name = COLUMNS[name].kind, name.replace("x", "y")
-            if kind is Kind.ANGLE:
-                ours[name] = self.theta(columns[name])
-            elif kind is Kind.TURN:
-                ours[name] = self.sense * columns[name]
-            elif kind is Kind.PLACE and name != y_name and y_name in columns:
-                x, y = self.place(columns[name], columns[y_name])
-                known = np.isfinite(x) & np.isfinite(y)
-                ours[name] = np.where(known, x, math.nan)
-                ours[y_name] = np.where(known, y, math.nan)
-        return ours
-
     def rows(self, rows: pandas.DataFrame) -> pandas.DataFrame:
-        """Return rows, as `known_columns` tells them, in our convention; DataFileError for wrenches
-        and twists, of which nobody knows how they were turned.
+        """Return rows, SI units and our names, in our convention.
+
+        Of a place of which one ordinate is NaN both are. DataFileError for wrenches and twists, of
+        which nobody knows how they were turned.
         """
-        if self.is_ours:
-            return rows
-        if rows[[*WRENCH_COLUMNS]].notna().any(axis=None):
+        if not self.is_ours and rows.filter(WRENCH_COLUMNS).notna().any(axis=None):
             raise DataFileError(
                 f"{rows['path'].iloc[0]}: wrenches and twists are read with {OURS.words()} alone, "
                 f"not {self.options()}: bring them to that"
             )
-        columns = {name: rows[name].to_numpy() for name in COLUMNS}
-        return rows.assign(**self.columns(columns))
+        columns = {name: rows[name].to_numpy() for name in COLUMNS if name in rows}
+        ours = dict[str, Array]()
+        for name, values in columns.items():
+            kind, y_name = COLUMNS[name].kind, name.replace("x", "y")
+            if kind is Kind.ANGLE:
+                ours[name] = self.theta(values)
+            elif kind is Kind.TURN:
+                ours[name] = self.sense * values
+            elif kind is Kind.PLACE and name != y_name and y_name in columns:
+                known = np.isfinite(values) & np.isfinite(columns[y_name])
+                for own, place in zip(
+                    (name, y_name), self.place(values, columns[y_name]), strict=True
+                ):
+                    ours[own] = np.where(known, place, math.nan)
+        return rows.assign(**ours)
 
 
 OURS = Convention()

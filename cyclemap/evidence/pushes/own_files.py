@@ -249,7 +249,7 @@ def _without_lists(frame: pandas.DataFrame, names: Mapping[str, Sequence[str]]) 
     """The columns of a frame, of lists that are alike each part as one, without what is no value."""
     import pandas
 
-    apart = dict[str, pandas.Series]()
+    apart: dict[str, pandas.Series] = {}
     for column, values in frame.items():
         shapes = {np.shape(row) for row in values} if values.dtype.kind == "O" else {()}
         if shapes == {()} and pandas.api.types.infer_dtype(values) not in _NO_VALUES:

@@ -10,16 +10,21 @@ none.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from cyclemap.arrays import Array, Mask, Whole, stretches
 from cyclemap.errors import DataFileError
+from cyclemap.evidence.pushes.columns import ENDS
+
+if TYPE_CHECKING:
+    import pandas
 
 # Half windows, s, in which poses are averaged before and after a moment: the shortest that noise
 # allows is taken.
@@ -91,19 +96,21 @@ class Segments:
     words: str
 
 
-def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array], Segments]:
-    """Return the poses before and after each push, by the names of `read_push_csv`, and how the
-    stream was cut.
+def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, Segments]:
+    """Return the poses before and after each push, by our names, and how the stream was cut.
 
     stream : t, theta, x, y. Poses are means over the rests beside the motions.
 
     Raises DataFileError for orientations alone; UnclearStream where too many motions are neither a
     push nor a drag, or where there is no telling one from the other.
     """
+    import pandas
+
     if not {"x", "y"} <= {*stream}:
         mend = "give its places, or a column episode (1, 2, ... during each push, empty else)"
         raise DataFileError(f"{path}: which motions push cannot be told of an angle alone: {mend}")
-    t, x, y, theta = stream["t"], stream["x"], stream["y"], np.unwrap(stream["theta"])
+    t, x, y, theta = stream[["t", "x", "y", "theta"]].to_numpy().T
+    theta = np.unwrap(theta)
     course = np.array([x, y, theta])
     rests, noise = _rests(path, t, course)
     if len(rests) < 2:
@@ -115,11 +122,9 @@ def cut_stream(path: Path, stream: Mapping[str, Array]) -> tuple[dict[str, Array
     pushes, unclear = len(found.pushes), len(found.unclear)
     if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
         raise UnclearStream(f"{path}: {_unclear_words(found)}", found)
-    columns = {"repetition": found.numbers.astype(float)}
-    for end in (0, 1):
-        names = f"x{end}", f"y{end}", f"theta{end}"
-        columns |= zip(names, poses[found.pushes[:, end]].T, strict=True)
-    return columns, found
+    ends = np.hstack([poses[found.pushes[:, 0]], poses[found.pushes[:, 1]]])
+    rows = pandas.DataFrame(ends, columns=[*ENDS])
+    return rows.assign(repetition=found.numbers.astype(float)), found
 
 
 def _unclear_words(found: Segments) -> str:

@@ -12,6 +12,7 @@ import pytest
 from refusals import refused
 
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence import load_pushes
 from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
 from cyclemap.evidence.pushes.own_tables import read_own_table
 
@@ -309,6 +310,49 @@ def test_runs_in_one_table_are_not_joined_and_what_is_no_number_is_left_out(tmp_
     assert len(columns["theta0"]) == 44
     turns = np.degrees(columns["theta_next"] - columns["theta0"]) % 360.0
     assert turns == pytest.approx(np.degrees(0.21) * np.ones(44), abs=np.degrees(0.041))
+
+
+def test_a_push_that_is_missing_in_one_run_is_not_followed_by_that_of_another(tmp_path) -> None:
+    path, again = tmp_path / "log.csv", tmp_path / "again.csv"
+    runs = [plain().assign(run=run, push=NUMBERS) for run in "ab"]
+    pandas.concat([runs[0].drop(index=7), runs[1]]).to_csv(path, index=False)
+    again.write_text(read_own_table(path).csv_text())
+    table = load_pushes(again).table
+    assert len(table) == 47 and table["repetition"].is_unique
+    # The last of each run, and the one before the missing one.
+    assert table["theta_next"].isna().sum() == 3
+
+
+def test_pushes_without_a_place_are_told_and_texts_are_said_to_be_read(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    table = plain().assign(shape=7, success=["maybe", *["yes"] * (PUSHES - 1)])
+    table.loc[3, "x_after_mm"] = np.nan
+    table.to_csv(path, index=False)
+    own = read_own_table(path)
+    assert f"left out for want of a pose: 1 of {PUSHES} rows" in own.words
+    assert "shape read as object" in own.words and set(own.columns["object"]) == {"7"}
+    table.assign(success=NUMBERS).to_csv(path, index=False)
+    said = "what is read as good is neither yes nor no, and leaves no row out"
+    assert said in read_own_table(path).words
+
+
+def test_what_stands_for_no_number_tells_no_unit(tmp_path) -> None:
+    path = tmp_path / "log.csv"
+    table = frame("x0,y0,yaw0,x1,y1,yaw1")
+    table.loc[[2, 5], "yaw1"] = -999.0
+    table.to_csv(path, index=False)
+    assert read_own_table(path).columns["theta0"] == pytest.approx(np.delete(THETA, [2, 5]))
+
+
+def test_names_of_the_mit_dataset_are_known_beside_others(tmp_path) -> None:
+    """Its t is an angle, and no time by which rows could be put in order."""
+    path = tmp_path / "log.csv"
+    facts = {"i": 2.0, "s": 0.25, "t": 0.3 * np.cos(NUMBERS), "v_mm_s": 20.0, "tip_err_mm": 0.5}
+    frame("x0,y0,th0,x1,y1,th1").assign(note=1.0, **facts).to_csv(path, index=False)
+    columns = read_own_table(path).columns
+    assert columns["theta0"] == pytest.approx(THETA)
+    assert columns["angle"] == pytest.approx(facts["t"]) and set(columns["side"]) == {2.0}
+    assert columns["speed"] == pytest.approx(0.02) and columns["tip_error"] == pytest.approx(5e-4)
 
 
 def test_columns_beside_our_own_are_not_passed_over(tmp_path) -> None:
