@@ -15,7 +15,8 @@ from matplotlib.image import AxesImage
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, TurnBins, turn_bins
+from cyclemap.evidence.laws.turn_bins import TurnBins, turn_bins
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.mechanics import (
     EllipseFriction,
     PressedFootprint,

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array, evenly_spread, shorter_way
-from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
+from cyclemap.evidence.laws.turn_bins import angle_histogram
 from cyclemap.views import style
 from cyclemap.views.object_page import MM
 from cyclemap.views.sentences import angle

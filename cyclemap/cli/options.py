@@ -23,8 +23,8 @@ from cyclemap.plain_text import plain_number, plain_whole, printable
 if TYPE_CHECKING:
     from cyclemap.arrays import Array
     from cyclemap.evidence import Theta0Pairs
-    from cyclemap.evidence.pushes.conventions import Convention
-    from cyclemap.evidence.pushes.pose_streams import Segments
+    from cyclemap.evidence.tables.conventions import Convention
+    from cyclemap.evidence.tables.pose_streams import Segments
     from cyclemap.protocol.chosen_loop import LoopOptions
 
 
@@ -375,9 +375,9 @@ def readable_data(data: Path, table: TableOptions, out: Path) -> Path:
     """The data, or a table of them under `out` that every command reads, after saying on stderr
     what was read.
     """
-    from cyclemap.evidence.pushes.conventions import as_read_name, convention_of
-    from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
-    from cyclemap.evidence.pushes.planned_table import filled_text
+    from cyclemap.evidence.tables.conventions import as_read_name, convention_of
+    from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
+    from cyclemap.evidence.tables.planned_table import filled_text
     from cyclemap.protocol.collection_file import data_table
     from cyclemap.text_files import file_stem, write_whole
 
@@ -411,8 +411,8 @@ def _own_text(data: Path, table: TableOptions, out: Path) -> tuple[str, Sequence
     """A table of people's own as CSV, what was read as what, and whether that was guessed; a
     stream of poses is drawn as it was cut.
     """
-    from cyclemap.evidence.pushes.own_tables import read_own_table
-    from cyclemap.evidence.pushes.pose_streams import UnclearStream
+    from cyclemap.evidence.tables.own_tables import read_own_table
+    from cyclemap.evidence.tables.pose_streams import UnclearStream
     from cyclemap.text_files import file_stem
 
     motions = out / f"{file_stem(data.stem)}_motions.png"
@@ -448,9 +448,9 @@ def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> li
 
 def _in_our_convention(data: Path, convention: Convention) -> str:
     """A table of ours, or the pushes of files in the MIT layout, as CSV in our convention."""
-    from cyclemap.evidence.pushes.columns import known_columns, our_names, our_text
-    from cyclemap.evidence.pushes.data_kinds import CSV_SUFFIX
     from cyclemap.evidence.pushes.push_table import load_pushes
+    from cyclemap.evidence.tables.columns import known_columns, our_names, our_text
+    from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
     from cyclemap.text_files import read_csv_table
 
     if data.suffix.lower() == CSV_SUFFIX and data.is_file():

@@ -32,8 +32,8 @@ from cyclemap.evidence.laws.measured_cycle_map import (
 )
 from cyclemap.evidence.laws.push_sets import MotionStatistics, PushStatistics, push_sets
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs
 from cyclemap.evidence.motion_check import check_pushes
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import loop_beside
 from cyclemap.views.fit_page import fit_page, set_sentences

@@ -30,7 +30,7 @@ from cyclemap.collection.logged_turns import turns_after_log
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.portrait import noises_of
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.conventions import convention_of
+from cyclemap.evidence.tables.conventions import convention_of
 from cyclemap.maps import rest_multiplier
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_collection, loop_beside
 from cyclemap.resets import (

@@ -136,6 +136,15 @@ if TYPE_CHECKING:
         set_laws as set_laws,
         turn_histogram as turn_histogram,
     )
+    from cyclemap.evidence.laws.turn_bins import (
+        AngleHistogram as AngleHistogram,
+        MapAgreement as MapAgreement,
+        MeasuredOverlay as MeasuredOverlay,
+        TurnBins as TurnBins,
+        angle_histogram as angle_histogram,
+        measured_overlay as measured_overlay,
+        turn_bins as turn_bins,
+    )
     from cyclemap.evidence.measured_plan import (
         MeasuredPlan as MeasuredPlan,
         measured_plan as measured_plan,
@@ -157,32 +166,25 @@ if TYPE_CHECKING:
         MeasuredDrag as MeasuredDrag,
         MeasuredPush as MeasuredPush,
     )
-    from cyclemap.evidence.pushes.planned_table import filled_text as filled_text
-    from cyclemap.evidence.pushes.push_files import (
-        PushRecord as PushRecord,
-        ScanRecord as ScanRecord,
-        read_push_file as read_push_file,
-    )
+    from cyclemap.evidence.pushes.push_files import read_push_file as read_push_file
     from cyclemap.evidence.pushes.push_table import (
         PushTable as PushTable,
         UnreadableFile as UnreadableFile,
         load_pushes as load_pushes,
     )
+    from cyclemap.evidence.pushes.recordings import (
+        PushRecord as PushRecord,
+        ScanRecord as ScanRecord,
+    )
     from cyclemap.evidence.pushes.theta0_pairs import (
-        AngleHistogram as AngleHistogram,
-        MapAgreement as MapAgreement,
-        MeasuredOverlay as MeasuredOverlay,
         Theta0Pairs as Theta0Pairs,
-        TurnBins as TurnBins,
-        angle_histogram as angle_histogram,
-        measured_overlay as measured_overlay,
         read_theta0_pairs as read_theta0_pairs,
-        turn_bins as turn_bins,
     )
     from cyclemap.evidence.recorded_push import RecordingNoise as RecordingNoise
     from cyclemap.evidence.simulated_collection import (
         SimulatedCollection as SimulatedCollection,
         simulate_collection as simulate_collection,
     )
+    from cyclemap.evidence.tables.planned_table import filled_text as filled_text
 else:
     import_on_first_use(__name__)

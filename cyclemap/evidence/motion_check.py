@@ -22,10 +22,10 @@ from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.columns import DEGREE, LENGTH_UNITS, RODS
-from cyclemap.evidence.pushes.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
 from cyclemap.evidence.pushes.push_table import PushTable
+from cyclemap.evidence.tables.columns import DEGREE, LENGTH_UNITS, RODS
+from cyclemap.evidence.tables.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose, Slider, load_material
 from cyclemap.text_files import file_stem
 

@@ -15,7 +15,7 @@ from cyclemap.collection.portrait import DEFAULT_SIGMA
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS
 from cyclemap.evidence.pushes.mit_names import ScanFacts
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 from cyclemap.mechanics import EllipseFriction, PushResult
 
 SAMPLES_PER_SECOND = 250.0

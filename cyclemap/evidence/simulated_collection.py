@@ -19,7 +19,7 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
-from cyclemap.evidence.pushes.push_files import SUFFIXES, write_push_file
+from cyclemap.evidence.pushes.push_files import write_push_file
 from cyclemap.evidence.recorded_push import (
     FIRST_CLOCK,
     Recording,
@@ -29,6 +29,7 @@ from cyclemap.evidence.recorded_push import (
     recorded_seconds,
     scan_set,
 )
+from cyclemap.evidence.tables.data_kinds import SUFFIXES
 from cyclemap.file_text import toml_text
 from cyclemap.maps import LocalNoise
 from cyclemap.mechanics import Material

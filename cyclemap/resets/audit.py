@@ -14,11 +14,12 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
+from cyclemap.evidence.laws.turn_bins import covered_arcs
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
-from cyclemap.evidence.pushes.conventions import written_convention
-from cyclemap.evidence.pushes.data_kinds import tells_orientations_alone
 from cyclemap.evidence.pushes.push_table import PushTable, load_pushes
-from cyclemap.evidence.pushes.theta0_pairs import covered_arcs, read_theta0_pairs
+from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.tables.conventions import written_convention
+from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.progress import Progress
 from cyclemap.resets.bias_monitor import ALARM_RATE, BiasMonitor, BiasReport
 from cyclemap.written import DIRECTION

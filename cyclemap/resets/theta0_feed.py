@@ -12,11 +12,12 @@ from pathlib import Path
 from typing import BinaryIO
 
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
-from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind, tells_radians_alone
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_facts
-from cyclemap.evidence.pushes.own_tables import read_orientations
-from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.tables.data_kinds import SUFFIXES, FileKind, file_kind, tells_radians_alone
+from cyclemap.evidence.tables.own_tables import read_orientations
 from cyclemap.resets.bias_monitor import LARGEST_ORIENTATION
 from cyclemap.text_files import UNFINISHED_SUFFIX, CsvRow, CsvTable
 

@@ -18,7 +18,7 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     WornForecast,
 )
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
-from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, covered_arcs, is_covered
 from cyclemap.views import style
 from cyclemap.views.map_panels import (
     CIRCLE,

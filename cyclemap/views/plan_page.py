@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
-from cyclemap.evidence.pushes.planned_table import marks_of
+from cyclemap.evidence.tables.planned_table import marks_of
 from cyclemap.views import style
 from cyclemap.views.object_page import LATER, MM, draw_object, draw_ring, draw_way
 from cyclemap.views.sentences import angle, chance, uncertainty_sentence

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Whole
-from cyclemap.evidence.pushes.pose_streams import Segments
+from cyclemap.evidence.tables.pose_streams import Segments
 from cyclemap.views import style
 from cyclemap.views.style import FORCE, INK, PREDICTED_FILL
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 import cyclemap as cm
-from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import mark_columns, marks_of
 from cyclemap.mechanics import Pose, SidePush, Slider
 from cyclemap.views.style import (
     FORCE,

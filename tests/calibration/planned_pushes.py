@@ -60,7 +60,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     over_noise,
 )
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, push_noise
-from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
 from tests.inference.measured_floors import FLOORS, PLATES, measured as measured_pushes

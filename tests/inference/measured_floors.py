@@ -46,7 +46,6 @@ from cyclemap.evidence.identification.surface_parameters import (
     SurfaceParameters,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends
-from cyclemap.evidence.pushes.columns import ENDS, RODS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import (
     MeasuredPush,
     RowSelection,
@@ -54,6 +53,7 @@ from cyclemap.evidence.pushes.measured_strokes import (
     selected,
     session_name,
 )
+from cyclemap.evidence.tables.columns import ENDS, RODS, known_columns
 from cyclemap.mechanics import Material, PlatePressure, Slider, load_material, material_toml
 from cyclemap.mechanics.material import PLATE_SHAPE_KEYS, shape_numbers
 from cyclemap.text_files import read_csv_table

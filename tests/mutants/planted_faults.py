@@ -717,14 +717,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("share = 1.0 if looked.is_turned else _BEATEN", "share = 0.0"),
         ],
     ),
-    "evidence/pushes/columns.py": (
+    "evidence/tables/columns.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
         [
             ('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}'),
             ('{"tip_err_mm": 1e-3}', '{"tip_err_mm": 1.0}'),
         ],
     ),
-    "evidence/pushes/conventions.py": (
+    "evidence/tables/conventions.py": (
         PUSHES,
         [
             ('"compass": (-1.0, 0.5 * math.pi),', '"compass": (-1.0, 0.0),'),
@@ -741,8 +741,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("turn = shorter_way(np.diff(theta))", "turn = np.mod(np.diff(theta), TWO_PI)"),
             ("off_next = (np.diff(number) == 1) & ", "off_next = "),
             ("return far if far.sum() <= _MOST_BY_HAND * turn.size else none", "return none"),
-            ("high if high >= low else high + TWO_PI", "high"),
         ],
+    ),
+    "evidence/laws/turn_bins.py": (
+        f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
+        [("high if high >= low else high + TWO_PI", "high")],
     ),
     "evidence/pushes/push_table.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
@@ -764,7 +767,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("near & (force.real >= LEAST_PRESSING)", "near"),
         ],
     ),
-    "evidence/pushes/pose_streams.py": (
+    "evidence/tables/pose_streams.py": (
         f"{PUSHES}/test_pose_streams.py",
         [
             (

@@ -21,12 +21,12 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.push_sets import selected_pushes
 from cyclemap.evidence.motion_check import check_orientations, check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate
-from cyclemap.evidence.pushes.columns import Row, Selection
-from cyclemap.evidence.pushes.conventions import OURS, written_convention
-from cyclemap.evidence.pushes.data_kinds import tells_orientations_alone
 from cyclemap.evidence.pushes.measured_strokes import NO_LENGTH, told_push
 from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, load_pushes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, read_theta0_pairs
+from cyclemap.evidence.tables.columns import Row, Selection
+from cyclemap.evidence.tables.conventions import OURS, written_convention
+from cyclemap.evidence.tables.data_kinds import tells_orientations_alone
 from cyclemap.mechanics import SidePush, material_names
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES

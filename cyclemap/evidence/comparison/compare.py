@@ -31,9 +31,9 @@ from cyclemap.evidence.comparison.push_agreement import (
     PushAgreement,
     push_agreements,
 )
-from cyclemap.evidence.pushes.columns import Selection
 from cyclemap.evidence.pushes.push_table import PushTable
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.tables.columns import Selection
 from cyclemap.maps import CircleMap, DriftingMap, Noise, StaircaseSummary, predict_staircase
 from cyclemap.progress import Progress, part_of
 

@@ -24,14 +24,14 @@ from cyclemap.evidence.laws.circular_distance import (
 from cyclemap.evidence.laws.fit_map import HARMONICS
 from cyclemap.evidence.laws.linear_fit import fourier_columns
 from cyclemap.evidence.laws.periodic_law import fit_periodic_law
-from cyclemap.evidence.pushes.theta0_pairs import (
+from cyclemap.evidence.laws.turn_bins import (
     AngleHistogram,
     MapAgreement,
-    Theta0Pairs,
     TurnBins,
     angle_histogram,
     turn_bins,
 )
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import SlowZone, StaircaseSummary, StepComparison, compare_steps, find_steps
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE, DIRECTION

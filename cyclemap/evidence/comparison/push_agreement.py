@@ -18,7 +18,7 @@ from cyclemap.evidence.comparison.collection_data import PushSet
 from cyclemap.evidence.comparison.prediction import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
-from cyclemap.evidence.pushes.columns import Row
+from cyclemap.evidence.tables.columns import Row
 from cyclemap.mechanics import QuasiStaticModel
 from cyclemap.mechanics.trajectory import Course
 from cyclemap.progress import Progress, part_of

@@ -13,7 +13,7 @@ from cyclemap.arrays import Array, Place
 from cyclemap.checks import finite_array
 from cyclemap.errors import InvalidInput, RodMissesObject, UnsupportedContact
 from cyclemap.evidence.pushes.contact_forces import CONTACT_SLACK, interpolated, nearest_on_polyline
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord
 from cyclemap.mechanics import Pose, QuasiStaticModel, WorldPush
 
 # Recorded tips of straight strokes wander by up to 0.15 mm: a bend is more than twice that.

@@ -17,17 +17,18 @@ from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.comparison.replay_push import TOLD, Replay, replay_push
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import frame_shift, loop_of_session
-from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, Selection
-from cyclemap.evidence.pushes.conventions import convention_of
-from cyclemap.evidence.pushes.data_kinds import CSV_SUFFIX
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     RowSelection,
     select_pushes,
     session_name,
 )
-from cyclemap.evidence.pushes.push_files import PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import UnreadableFile
+from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row, Selection
+from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX
 from cyclemap.mechanics import Pusher, QuasiStaticModel, Slider
 from cyclemap.mechanics.outline import Polygon
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES
@@ -356,7 +357,7 @@ def _record(push: Row, origin: Place) -> PushRecord:
     poses before and after, between which the rod went straight.
     """
     if math.isnan(push["line"]):
-        record = convention_of(push["path"]).record(read_push_file(push["path"]))
+        record = as_ours(read_push_file(push["path"]), convention_of(push["path"]))
         assert isinstance(record, PushRecord)
         series = record.object_pose, record.tip_pose, record.ft_wrench
     else:

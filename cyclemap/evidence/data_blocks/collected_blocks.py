@@ -44,23 +44,6 @@ from cyclemap.evidence.identification.surface_parameters import FIELD_NAMES, SUR
 from cyclemap.evidence.laws.push_sets import PushSet, push_sets
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.predicted_strokes import loop_of_plate, push_from_contact
-from cyclemap.evidence.pushes.columns import (
-    ENDS,
-    RODS,
-    Selection,
-    known_columns,
-)
-from cyclemap.evidence.pushes.conventions import convention_of
-from cyclemap.evidence.pushes.data_kinds import (
-    CSV_SUFFIX,
-    CYCLES,
-    DRAG_BACKS,
-    PUSH_ENDS,
-    RECORDS,
-    SORT_COLUMNS,
-    WRENCHES,
-    sorts_of_rows,
-)
 from cyclemap.evidence.pushes.measured_strokes import (
     LARGEST_TIP_ERROR,
     NO_LENGTH,
@@ -79,9 +62,23 @@ from cyclemap.evidence.pushes.measured_strokes import (
     told,
     told_push,
 )
-from cyclemap.evidence.pushes.planned_table import FRAMES_AGREE
-from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
+from cyclemap.evidence.pushes.push_files import read_push_file
 from cyclemap.evidence.pushes.push_table import PushTable, UnreadableFile, table_pushes
+from cyclemap.evidence.pushes.recordings import PushRecord, as_ours
+from cyclemap.evidence.tables.columns import ENDS, RODS, Selection, known_columns
+from cyclemap.evidence.tables.conventions import convention_of
+from cyclemap.evidence.tables.data_kinds import (
+    CSV_SUFFIX,
+    CYCLES,
+    DRAG_BACKS,
+    PUSH_ENDS,
+    RECORDS,
+    SORT_COLUMNS,
+    SUFFIXES,
+    WRENCHES,
+    sorts_of_rows,
+)
+from cyclemap.evidence.tables.planned_table import FRAMES_AGREE
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Pose
 from cyclemap.progress import Progress, part_of
 from cyclemap.protocol.settings import OWN_OUTLINE
@@ -395,7 +392,7 @@ class _Collected:
         pushes: list[MeasuredPush] = []
         records: list[PushRecord] = []
         for index, row in enumerate(chosen):
-            record = convention_of(row["path"]).record(read_push_file(row["path"]))
+            record = as_ours(read_push_file(row["path"]), convention_of(row["path"]))
             assert isinstance(record, PushRecord)
             push = _straight_push(record)
             if push is not None:

@@ -22,9 +22,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
     SurfaceParameters,
 )
-from cyclemap.evidence.pushes.columns import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.evidence.pushes.contact_forces import MIT_ROD_RADIUS, contact_samples
-from cyclemap.evidence.pushes.push_files import PushRecord
+from cyclemap.evidence.pushes.recordings import PushRecord
+from cyclemap.evidence.tables.columns import TWIST_COLUMNS, WRENCH_COLUMNS
 from cyclemap.mechanics import EllipseFriction, LimitSurface, Slider
 from cyclemap.mechanics.outline import Outline
 

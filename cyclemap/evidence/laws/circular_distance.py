@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.theta0_pairs import bin_index
+from cyclemap.evidence.laws.turn_bins import bin_index
 from cyclemap.maps.operator.transfer_operator import peaks_of
 from cyclemap.written import NUMBER
 

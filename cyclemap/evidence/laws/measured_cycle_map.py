@@ -16,12 +16,8 @@ from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.evidence.laws.push_sets import FEWEST
-from cyclemap.evidence.pushes.theta0_pairs import (
-    AngleHistogram,
-    Theta0Pairs,
-    angle_histogram,
-    is_covered,
-)
+from cyclemap.evidence.laws.turn_bins import AngleHistogram, angle_histogram, is_covered
+from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
 from cyclemap.maps import Orbit, fixed_points, slow_passages
 from cyclemap.progress import Progress, part_of
 from cyclemap.written import ANGLE

@@ -13,9 +13,9 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.evidence.pushes.columns import Row, Selection
 from cyclemap.evidence.pushes.push_table import SET_FACTS, PushTable, homes
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs
+from cyclemap.evidence.tables.columns import Row, Selection
 
 if TYPE_CHECKING:
     import pandas

@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, Mask
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.evidence.pushes.recordings import PushRecord, ScanRecord
 
 MIT_ROD_RADIUS = 0.00475
 # The rod's centre lies this close to one radius from the outline while it touches: poses and clocks

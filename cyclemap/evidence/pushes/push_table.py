@@ -16,20 +16,20 @@ import numpy as np
 
 from cyclemap.arrays import Array, shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.columns import ENDS, RODS, Row, known_columns, our_names
 from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of, written_convention
-from cyclemap.evidence.pushes.data_kinds import CSV_SUFFIX
 from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import (
+from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.recordings import (
     LARGEST_ANGLE,
     LARGEST_POSITION,
-    SUFFIXES,
     PushRecord,
     ScanRecord,
-    read_push_file,
+    as_ours,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, doubt_degrees, pairs_in_table
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row, known_columns, our_names
+from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of, written_convention
+from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES
 from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
@@ -311,7 +311,7 @@ def _loaded(
                 frames.append(rows)
                 pairs |= {} if own is None else {str(path): own}
             else:
-                record = convention.record(read_push_file(path))
+                record = as_ours(read_push_file(path), convention)
                 if isinstance(record, PushRecord):
                     pushes.append(_push_row(path, record))
                 else:

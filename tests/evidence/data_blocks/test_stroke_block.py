@@ -32,8 +32,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     SURFACE,
 )
 from cyclemap.evidence.predicted_strokes import predicted_push_ends, push_from_contact
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, known_columns
 from cyclemap.evidence.pushes.measured_strokes import measured_drags
+from cyclemap.evidence.tables.columns import DRAG_ENDS, known_columns
 from cyclemap.mechanics import Pose, Pusher, Slider, WorldPush
 from cyclemap.text_files import read_csv_table
 

@@ -13,10 +13,11 @@ from refusals import refused
 import cyclemap as cm
 from cyclemap.evidence.data_blocks.collected_blocks import collected_blocks
 from cyclemap.evidence.motion_check import OtherConvention, check_pushes
-from cyclemap.evidence.pushes.conventions import Convention, as_read_name, written_convention
-from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
-from cyclemap.evidence.pushes.own_tables import read_own_table
 from cyclemap.evidence.pushes.push_table import PushTable
+from cyclemap.evidence.pushes.recordings import as_ours
+from cyclemap.evidence.tables.conventions import Convention, as_read_name, written_convention
+from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
+from cyclemap.evidence.tables.own_tables import read_own_table
 from cyclemap.mechanics import EllipseFriction, Pose, Pusher, QuasiStaticModel, Slider, WorldPush
 from cyclemap.mechanics.first_touch import first_contact
 
@@ -287,7 +288,7 @@ def test_a_recording_in_another_convention_is_brought_to_ours() -> None:
         [[t, x, -y, -a] for t, x, y, a in poses],
         [[0.0, 1.0, -2.0, -0.1]],
     )
-    found = Convention("clockwise", "mirrored").record(written)
+    found = as_ours(written, Convention("clockwise", "mirrored"))
     assert found.displacement == pytest.approx(record.displacement) and found.turn == pytest.approx(
         record.turn
     )

@@ -13,8 +13,8 @@ from refusals import refused
 
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence import load_pushes
-from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
-from cyclemap.evidence.pushes.own_tables import read_own_table
+from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
+from cyclemap.evidence.tables.own_tables import read_own_table
 
 pandas = pytest.importorskip("pandas")
 

@@ -14,10 +14,10 @@ from refusals import refused
 
 from cyclemap.errors import DataFileError
 from cyclemap.evidence import load_pushes
-from cyclemap.evidence.pushes import own_files
-from cyclemap.evidence.pushes.data_kinds import FileKind, file_kind
-from cyclemap.evidence.pushes.own_tables import read_own_table
 from cyclemap.evidence.pushes.theta0_pairs import read_theta0_pairs
+from cyclemap.evidence.tables import own_files
+from cyclemap.evidence.tables.data_kinds import FileKind, file_kind
+from cyclemap.evidence.tables.own_tables import read_own_table
 
 pandas = pytest.importorskip("pandas")
 

@@ -12,8 +12,8 @@ from foreign_tables import CONVENTIONS, agrees, truth
 
 import cyclemap as cm
 from cyclemap.errors import DataFileError
-from cyclemap.evidence.pushes.own_tables import read_own_table
-from cyclemap.evidence.pushes.pose_streams import UnclearStream, cut_stream
+from cyclemap.evidence.tables.own_tables import read_own_table
+from cyclemap.evidence.tables.pose_streams import UnclearStream, cut_stream
 
 pandas = pytest.importorskip("pandas")
 

@@ -18,8 +18,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number
 from cyclemap.errors import DataFileError, unknown_name
-from cyclemap.evidence.pushes.columns import COLUMNS, WRENCH_COLUMNS, Kind
-from cyclemap.evidence.pushes.push_files import PushRecord, ScanRecord
+from cyclemap.evidence.tables.columns import COLUMNS, WRENCH_COLUMNS, Kind
 from cyclemap.protocol.collection_file import data_table
 
 if TYPE_CHECKING:
@@ -139,26 +138,6 @@ class Convention:
             angle = "compass headings, clockwise from y"
         offset = f", {math.degrees(self.offset):.0f}° added" if self.offset else ""
         return f"axes {self.frame}, angles {angle}{offset}"
-
-    def record(self, record: PushRecord | ScanRecord) -> PushRecord | ScanRecord:
-        """Return a recording in our convention."""
-        if self.is_ours:
-            return record
-        if isinstance(record, PushRecord):
-            poses, tips = (
-                self._series(record.object_pose, True),
-                self._series(record.tip_pose, True),
-            )
-            return PushRecord(poses, tips, self._series(record.ft_wrench, False))
-        return ScanRecord(self._series(record.tip, True), self._series(record.ft_wrench, False))
-
-    def _series(self, table: Array, posed: bool) -> Array:
-        """Rows of time, x, y and an angle, or time, two forces and a torque."""
-        time, x, y, last = table.T
-        handed = 1.0 if self.frame == RIGHT_HANDED else -1.0
-        return np.column_stack(
-            [time, *self.place(x, y), self.theta(last) if posed else handed * last]
-        )
 
     def direction(self, angle: float) -> float:
         """Return the direction of a motion, rad, that data tell by its angle from their x towards

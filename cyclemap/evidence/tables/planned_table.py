@@ -21,9 +21,9 @@ import numpy as np
 
 from cyclemap.arrays import Place, shorter_way
 from cyclemap.errors import DataFileError, DoubtfulInput
-from cyclemap.evidence.pushes.columns import DRAG_ENDS, ENDS, RODS
-from cyclemap.evidence.pushes.own_files import raw_columns
-from cyclemap.evidence.pushes.text_tables import Columns
+from cyclemap.evidence.tables.columns import DRAG_ENDS, ENDS, RODS
+from cyclemap.evidence.tables.own_files import raw_columns
+from cyclemap.evidence.tables.text_tables import Columns
 from cyclemap.mechanics import Ellipse, Pose, Slider
 
 # How a push is set up: its number, where the rod touches, how far it goes; the pose that the object

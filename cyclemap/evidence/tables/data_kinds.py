@@ -11,7 +11,7 @@ from itertools import islice
 from pathlib import Path
 
 from cyclemap.errors import DataFileError
-from cyclemap.evidence.pushes.columns import (
+from cyclemap.evidence.tables.columns import (
     COLUMNS,
     DRAG_ENDS,
     ENDS,
@@ -19,10 +19,10 @@ from cyclemap.evidence.pushes.columns import (
     RODS,
     TWIST_COLUMNS,
     WRENCH_COLUMNS,
-    has_unit,
     our_names,
 )
-from cyclemap.evidence.pushes.own_files import (
+from cyclemap.evidence.tables.meaning import has_unit
+from cyclemap.evidence.tables.own_files import (
     BAG_INFO,
     BAGS,
     EXCEL,
@@ -31,11 +31,14 @@ from cyclemap.evidence.pushes.own_files import (
     PARQUET,
     raw_columns,
 )
-from cyclemap.evidence.pushes.planned_table import PLANNED
-from cyclemap.evidence.pushes.push_files import SUFFIXES, TABLES
+from cyclemap.evidence.tables.planned_table import PLANNED
 from cyclemap.plain_text import json_value
 from cyclemap.text_files import read_text
 
+HDF5_SUFFIXES = (".h5", ".hdf5")
+# Of recorded pushes and friction scans, and the tables in them.
+SUFFIXES = (*HDF5_SUFFIXES, ".json")
+TABLES = ("object_pose", "tip_pose", "ft_wrench", "tip_array")
 CSV_SUFFIX = ".csv"
 TEXTS = (CSV_SUFFIX, ".tsv", ".txt", ".dat")
 # Columns by which a table is known to be one of ours; else all of its columns have to be.

@@ -17,8 +17,8 @@ import numpy as np
 
 from cyclemap.checks import require_room
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.columns import QUATERNION
-from cyclemap.evidence.pushes.text_tables import (
+from cyclemap.evidence.tables.columns import QUATERNION
+from cyclemap.evidence.tables.text_tables import (
     Columns,
     cell_columns,
     is_table,

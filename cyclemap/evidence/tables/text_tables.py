@@ -15,7 +15,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.columns import unit_word
+from cyclemap.evidence.tables.meaning import unit_word
 from cyclemap.text_files import LARGEST_CONTENT
 
 if TYPE_CHECKING:

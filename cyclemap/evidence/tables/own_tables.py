@@ -17,19 +17,12 @@ from scipy.spatial.transform import Rotation
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.columns import (
-    COLUMNS,
-    PLACES,
-    QUATERNION,
-    Kind,
-    known_units,
-    meaning_of,
-    unit_of,
-)
-from cyclemap.evidence.pushes.conventions import OURS, Convention, convention_of
-from cyclemap.evidence.pushes.data_kinds import TEXTS
-from cyclemap.evidence.pushes.own_files import JSON_LINES, raw_columns
-from cyclemap.evidence.pushes.own_rows import (
+from cyclemap.evidence.tables.columns import COLUMNS, PLACES, QUATERNION, Kind
+from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of
+from cyclemap.evidence.tables.data_kinds import TEXTS
+from cyclemap.evidence.tables.meaning import known_units, meaning_of, unit_of
+from cyclemap.evidence.tables.own_files import JSON_LINES, raw_columns
+from cyclemap.evidence.tables.own_rows import (
     OwnTable,
     as_pushes,
     in_order,
@@ -37,7 +30,7 @@ from cyclemap.evidence.pushes.own_rows import (
     refuse_several,
     with_what_follows,
 )
-from cyclemap.evidence.pushes.text_tables import Columns
+from cyclemap.evidence.tables.text_tables import Columns
 from cyclemap.file_text import located
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.pushes.columns import ENDS, RODS, our_text
-from cyclemap.evidence.pushes.pose_streams import Segments, cut_stream
+from cyclemap.evidence.tables.columns import ENDS, RODS, our_text
+from cyclemap.evidence.tables.pose_streams import Segments, cut_stream
 
 if TYPE_CHECKING:
     import pandas

@@ -21,7 +21,7 @@ from scipy.ndimage import uniform_filter1d
 
 from cyclemap.arrays import Array, Mask, Whole, stretches
 from cyclemap.errors import DataFileError
-from cyclemap.evidence.pushes.columns import ENDS
+from cyclemap.evidence.tables.columns import ENDS
 
 if TYPE_CHECKING:
     import pandas
