@@ -747,11 +747,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{PUSHES}/test_theta0_pairs.py {PUSHES}",
         [("high if high >= low else high + TWO_PI", "high")],
     ),
+    "evidence/pushes/push_files.py": (
+        f"{PUSHES}/test_push_table.py {PUSHES}",
+        [("across / along if along else math.nan", "along / across if along else math.nan")],
+    ),
     "evidence/pushes/push_table.py": (
         f"{PUSHES}/test_push_table.py {PUSHES}",
         [
             ("number + 1.0), math.nan)", "number), math.nan)"),
-            ("across / along if along else math.nan", "along / across if along else math.nan"),
             ("if length > _LONGEST_PUSH:", "if length > 1e9 * _LONGEST_PUSH:"),
             ("known_columns(table, ENDS, _MOST_LOST)", "known_columns(table, ENDS)"),
         ],

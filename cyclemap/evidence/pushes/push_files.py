@@ -1,10 +1,14 @@
-"""Files of the MIT layout, one of each recorded push or friction scan: HDF5 or JSON."""
+"""Files of the MIT layout, one of each recorded push or friction scan, HDF5 or JSON, and what each
+tells as a row of a table.
+"""
 
 from __future__ import annotations
 
 import json
 import math
 import zlib
+from dataclasses import asdict, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,9 +16,13 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.mit_names import scan_facts
+from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
+from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
 from cyclemap.evidence.pushes.recordings import PUSH_TABLES, PushRecord, ScanRecord
+from cyclemap.evidence.tables.columns import ENDS, RODS, Row
+from cyclemap.evidence.tables.conventions import Convention
 from cyclemap.evidence.tables.data_kinds import HDF5_SUFFIXES, SUFFIXES, TABLES
+from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.text_files import LARGEST_CONTENT, read_json, write_whole
 
 if TYPE_CHECKING:
@@ -229,3 +237,49 @@ def write_push_file(path: str | Path, record: PushRecord | ScanRecord) -> int:
         ).encode()
     write_whole(path, content)
     return len(content)
+
+
+# -- as rows of a table
+
+
+def push_row(path: Path, record: PushRecord) -> Row:
+    """Return what a push and the name of its file tell, as a row of `PushTable.table`."""
+    facts = push_facts(path) or PushFacts()
+    outline = _mit_outline(facts.object)
+    tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
+    dx, dy = record.displacement
+    return {
+        **asdict(facts),
+        **dict(zip((*RODS, *ENDS), (*tips, *record.start, *record.end), strict=True)),
+        "dx": dx,
+        "dy": dy,
+        "dtheta": record.turn,
+        "length": record.length,
+        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
+        "samples": len(record.object_pose),
+        "path": str(path),
+    }
+
+
+def scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
+    """Return what a friction scan and the name of its file tell, as a row of `PushTable.scans`;
+    convention : in which it was written.
+    """
+    along, across = scan_forces(record)
+    facts = scan_facts(path) or ScanFacts()
+    if not convention.is_ours:
+        facts = replace(facts, direction=convention.direction(facts.direction))
+    return {
+        **asdict(facts),
+        "force_along": along,
+        "force_across": across,
+        "ratio": across / along if along else math.nan,
+        "samples": len(record.ft_wrench),
+        "path": str(path),
+    }
+
+
+@cache
+def _mit_outline(name: str | None) -> Array | None:
+    """The closed outline of an MIT shape as a polyline, m; None for any other object."""
+    return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None

@@ -7,30 +7,25 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
-from functools import cache
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
+from cyclemap.arrays import shorter_way
 from cyclemap.errors import DataFileError, InvalidInput
-from cyclemap.evidence.pushes.contact_forces import contact_force_ratio, scan_forces
-from cyclemap.evidence.pushes.mit_names import PushFacts, ScanFacts, push_facts, scan_facts
-from cyclemap.evidence.pushes.push_files import read_push_file
+from cyclemap.evidence.pushes.push_files import push_row, read_push_file, scan_row
 from cyclemap.evidence.pushes.recordings import (
     LARGEST_ANGLE,
     LARGEST_POSITION,
     PushRecord,
-    ScanRecord,
     as_ours,
 )
 from cyclemap.evidence.pushes.theta0_pairs import Theta0Pairs, doubt_degrees, pairs_in_table
 from cyclemap.evidence.tables.columns import ENDS, RODS, Row, known_columns, our_names
 from cyclemap.evidence.tables.conventions import OURS, Convention, convention_of, written_convention
 from cyclemap.evidence.tables.data_kinds import CSV_SUFFIX, SUFFIXES
-from cyclemap.mechanics.slider import MIT_SHAPE_NAMES, Slider
 from cyclemap.progress import Progress, part_of
 from cyclemap.text_files import LARGEST_CONTENT, CsvTable, read_csv_table
 
@@ -42,12 +37,15 @@ _MOST_PUSHES = LARGEST_CONTENT // 8 // 20
 # The share of rows that may have no pose; m, beyond which no push goes.
 _MOST_LOST, _LONGEST_PUSH = 0.5, 3.0
 SET_FACTS = ("surface", "object", "acceleration", "speed", "side", "fraction", "angle")
-_POSES = (*RODS, *ENDS, "dx", "dy", "dtheta")
 PUSH_COLUMNS = (
     *SET_FACTS,
     "repetition",
     "length",
-    *_POSES,
+    *RODS,
+    *ENDS,
+    "dx",
+    "dy",
+    "dtheta",
     "theta_next",
     "force_ratio",
     "tip_error",
@@ -313,9 +311,9 @@ def _loaded(
             else:
                 record = as_ours(read_push_file(path), convention)
                 if isinstance(record, PushRecord):
-                    pushes.append(_push_row(path, record))
+                    pushes.append(push_row(path, record))
                 else:
-                    scans.append(_scan_row(path, record, convention))
+                    scans.append(scan_row(path, record, convention))
         except DataFileError as error:
             reason = str(error).removeprefix(f"{path}").lstrip(":, ")
             unreadable.append(UnreadableFile(path, reason))
@@ -370,42 +368,6 @@ def _files(path: Path) -> tuple[list[Path], list[UnreadableFile]]:
         UnreadableFile(Path(e.filename), f"the folder cannot be entered ({e.strerror})")
         for e in errors
     ]
-
-
-def _push_row(path: Path, record: PushRecord) -> Row:
-    facts = push_facts(path) or PushFacts()
-    outline = _mit_outline(facts.object)
-    tips = record.tip_pose[[0, -1], 1:3].ravel().tolist()
-    poses = (*tips, *record.start, *record.end, *record.displacement, record.turn)
-    return {
-        **asdict(facts),
-        **dict(zip(_POSES, poses, strict=True)),
-        "length": record.length,
-        "force_ratio": math.nan if outline is None else contact_force_ratio(record, outline),
-        "samples": len(record.object_pose),
-        "path": str(path),
-    }
-
-
-def _scan_row(path: Path, record: ScanRecord, convention: Convention) -> Row:
-    along, across = scan_forces(record)
-    facts = scan_facts(path) or ScanFacts()
-    if not convention.is_ours:
-        facts = replace(facts, direction=convention.direction(facts.direction))
-    return {
-        **asdict(facts),
-        "force_along": along,
-        "force_across": across,
-        "ratio": across / along if along else math.nan,
-        "samples": len(record.ft_wrench),
-        "path": str(path),
-    }
-
-
-@cache
-def _mit_outline(name: str | None) -> Array | None:
-    """The closed outline of an MIT shape as a polyline, m; None for any other object."""
-    return Slider.mit(name).outline_points(360) if name in MIT_SHAPE_NAMES else None
 
 
 def _push_frame(frames: Sequence[pandas.DataFrame]) -> pandas.DataFrame:
