@@ -24,7 +24,7 @@ COLLECTION = "tests/collection/test_loop.py tests/collection"
 LAWS = "tests/evidence/laws"
 ORIENTATIONS = "tests/evidence/laws/test_circular_distance.py tests/evidence/comparison"
 IDENTIFICATION = "tests/evidence/identification"
-PUSHES = "tests/evidence/pushes"
+PUSHES, TABLES = "tests/evidence/pushes", "tests/evidence/tables"
 DESIGN = "tests/resets/test_orientation_law.py tests/resets/test_strategy.py tests/resets"
 MONITOR = "tests/resets/test_arc_evidence.py tests/resets/test_bias_monitor.py tests/resets"
 
@@ -707,7 +707,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/motion_check.py": (
-        f"{PUSHES}/test_conventions.py",
+        f"{TABLES}/test_conventions.py",
         [
             ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
             (
@@ -718,14 +718,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ],
     ),
     "evidence/tables/columns.py": (
-        f"{PUSHES}/test_push_table.py {PUSHES}",
+        f"{PUSHES} {TABLES}",
         [
             ('"theta{}_deg": DEGREE}', '"theta{}_deg": 1.0}'),
             ('{"tip_err_mm": 1e-3}', '{"tip_err_mm": 1.0}'),
         ],
     ),
     "evidence/tables/conventions.py": (
-        PUSHES,
+        TABLES,
         [
             ('"compass": (-1.0, 0.5 * math.pi),', '"compass": (-1.0, 0.0),'),
             (
@@ -770,8 +770,29 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("near & (force.real >= LEAST_PRESSING)", "near"),
         ],
     ),
+    "evidence/tables/meaning.py": (
+        TABLES,
+        [
+            ('"rad" if least <= _NO_RADIANS and', '"rad" if least > _NO_RADIANS and'),
+            (
+                "if {*_MIT_LETTERS.values()} <= {*by_name} else _MIT_UNITS",
+                "if by_name else _MIT_UNITS",
+            ),
+        ],
+    ),
+    "evidence/tables/own_rows.py": (
+        TABLES,
+        [
+            ('rows["repetition"] = _numbers_apart(number, rows)', 'rows["repetition"] = number'),
+            ("np.diff(_collections(rows)) == 0.0", "np.diff(_collections(rows)) < 9.0"),
+        ],
+    ),
+    "evidence/tables/text_tables.py": (
+        TABLES,
+        [('raise InvalidInput(f"{either} Write its numbers without commas")', 'thousands = ""')],
+    ),
     "evidence/tables/pose_streams.py": (
-        f"{PUSHES}/test_pose_streams.py",
+        f"{TABLES}/test_pose_streams.py",
         [
             (
                 "= bool((change[first:end] > high).any())",
