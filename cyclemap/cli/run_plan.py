@@ -32,8 +32,8 @@ from cyclemap.cli.output import (
     styled,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.errors import InvalidInput
-from cyclemap.evidence.data_blocks.collected_blocks import recognise
+from cyclemap.errors import DataFileError, InvalidInput
+from cyclemap.evidence.data_blocks.collected_blocks import files_of_data, recognise
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
 from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.candidates import SetPush
@@ -135,10 +135,15 @@ def _measured(asked: PlanOptions, loop: CollectionLoop) -> MeasuredPlan:
     """What the tables that were filled in tell; doubts about it go to stderr."""
     readable = readable_tables(asked.after, TableOptions(), asked.results.out)
     for path in readable:
-        sorts, unused = recognise(path)
-        if not sorts:
+        files, problems = files_of_data(path), list[str]()
+        for file in files:
+            try:
+                recognise(file)
+            except DataFileError as error:
+                problems.append(str(error))
+        if len(problems) == len(files):
             mend = "--after takes the table that cyclemap plan wrote, filled in"
-            raise InvalidInput(f"{path}: {unused[0].reason}; {mend}")
+            raise InvalidInput(f"{problems[0]}; {mend}")
     with progress_bar("identifying") as report:
         measured = measured_plan(loop, readable, seed=asked.seed, progress=report)
     for words in implausible(measured.identification, loop.slider.outline.extent):

@@ -129,42 +129,40 @@ class DataFile:
     table: CsvTable | None = None
 
 
-def recognise(path: str | Path) -> tuple[list[DataFile], list[UnreadableFile]]:
-    """Return the files that a file, folder or tree holds, each with its sort of data, and those of
-    unknown kind.
+def files_of_data(path: str | Path) -> list[Path]:
+    """Return what is looked at of a file, folder or tree: each CSV table, and the folder itself where
+    it has files of the MIT layout, or nothing.
 
-    A CSV file may hold two sorts; a folder of the MIT layout counts as one file; files of other
-    kinds in a folder are passed over. Raises InvalidInput where there is nothing at `path`.
+    Raises InvalidInput where there is nothing at `path`.
     """
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    files, unused = list[DataFile](), list[UnreadableFile]()
-    below = sorted(place.rglob("*")) if place.is_dir() else [place]
-    if any(file.suffix.lower() in SUFFIXES for file in below):
-        files.append(DataFile(place, RECORDS))
-    for file in below:
-        if file.suffix.lower() == CSV_SUFFIX:
-            try:
-                files += _sorts_of_table(read_csv_table(file))
-            except DataFileError as error:
-                reason = str(error).removeprefix(f"{file}").lstrip(":, ")
-                unused.append(UnreadableFile(file, reason))
-    if not files and not unused:
-        reason = f"a file of another kind ({place.suffix or 'no suffix'})"
-        if place.is_dir():
-            reason = "the folder holds no .h5, .json or .csv file"
-        unused.append(UnreadableFile(place, reason))
-    return files, unused
+    if not place.is_dir():
+        return [place]
+    below = sorted(place.rglob("*"))
+    tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
+    has_records = any(file.suffix.lower() in SUFFIXES for file in below)
+    return [place, *tables] if has_records or not tables else tables
 
 
-def _sorts_of_table(table: CsvTable) -> list[DataFile]:
-    """A table once for each sort of data that it holds; DataFileError where there is none."""
-    sorts = sorts_of_rows(table.header)
-    if not sorts:
-        words = f"a CSV table of unknown columns ({', '.join(table.header[:8])})"
-        raise DataFileError(words)
-    return [DataFile(table.path, sort, table) for sort in sorts]
+def recognise(place: Path) -> list[DataFile]:
+    """Return a CSV table once for each sort of data that it holds, a file or a folder of the MIT
+    layout once; DataFileError, saying why, where it is neither.
+    """
+    if place.suffix.lower() == CSV_SUFFIX and not place.is_dir():
+        table = read_csv_table(place)
+        sorts = sorts_of_rows(table.header)
+        if not sorts:
+            header = ", ".join(table.header[:8])
+            raise DataFileError(f"{place}: a CSV table of unknown columns ({header})")
+        return [DataFile(place, sort, table) for sort in sorts]
+    files = place.rglob("*") if place.is_dir() else [place]
+    if any(file.suffix.lower() in SUFFIXES for file in files):
+        return [DataFile(place, RECORDS)]
+    if place.is_dir():
+        raise DataFileError(f"{place}: the folder holds no .h5, .json or .csv file")
+    raise DataFileError(f"{place}: a file of another kind ({place.suffix or 'no suffix'})")
 
 
 def joined_notes(notes: Iterable[tuple[str, str]]) -> tuple[str, ...]:
@@ -705,16 +703,20 @@ def collected_blocks(
     collected = _Collected(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
-    recognised = [recognise(path) for path in paths]
-    files = list(
-        {(file.path, file.sort): file for known, _ in recognised for file in known}.values()
-    )
-    unused = list(dict.fromkeys(file for _, others in recognised for file in others))
+    files = list(dict.fromkeys(file for path in paths for file in files_of_data(path)))
+    unused = list[UnreadableFile]()
     surfaces, shapes = set[str](), set[str]()
     for index, file in enumerate(files):
-        on, of = collected.add_file(file, selection, part_of(progress, index, len(files)))
-        surfaces |= on
-        shapes |= of
+        try:
+            known = recognise(file)
+        except DataFileError as error:
+            reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+            unused.append(UnreadableFile(file, reason))
+            continue
+        for data in known:
+            on, of = collected.add_file(data, selection, part_of(progress, index, len(files)))
+            surfaces |= on
+            shapes |= of
     if len(surfaces) > 1:
         listed = ", ".join(sorted(surfaces))
         raise InvalidInput(f"the data are of several surfaces: {listed}; select one, surface=NAME")

@@ -150,12 +150,13 @@ def _names(headings: Cells) -> list[str]:
 
 def _counted(names: Sequence[str]) -> list[str]:
     """Names, of which those that are there twice are counted."""
-    seen, apart = Counter[str](), list[str]()
+    seen, taken, apart = Counter[str](), set[str](), list[str]()
     for name in names:
         own = name
-        while name and own in apart:
+        while name and own in taken:
             seen[name] += 1
             own = f"{name}.{seen[name]}"
+        taken.add(own)
         apart.append(own)
     return apart
 
