@@ -191,7 +191,7 @@ class _Collected:
     given, first, wear, most, push_length, target : see `collected_blocks`. path, plate,
         session, loop : of what is being read. filled : filled-in pushes by their numbers, and where
         each was read. set_up : see `CollectedBlocks`. noise : of each kind; infinite where some
-        data do not tell it.
+        data do not tell it. surfaces, objects : that the data tell of.
     """
 
     given: CollectionLoop
@@ -212,13 +212,27 @@ class _Collected:
     scans: list[Array] = field(default_factory=list)
     last_cycle: float = 0.0
     noise: dict[str, float] = field(default_factory=dict)
+    surfaces: set[str] = field(default_factory=set)
+    objects: set[str] = field(default_factory=set)
 
-    def add_file(
-        self, file: DataFile, selection: RowSelection, progress: Progress
-    ) -> tuple[frozenset[str], frozenset[str]]:
-        """Add the blocks of one sort of data in a file; return the surfaces and the objects that it
-        tells of.
-        """
+    def add_files(
+        self, files: Sequence[Path], selection: RowSelection, progress: Progress | None
+    ) -> list[UnreadableFile]:
+        """Add the blocks of all sorts of data in files; return the files of no use."""
+        unused = list[UnreadableFile]()
+        for index, file in enumerate(files):
+            try:
+                known = recognise(file)
+            except DataFileError as error:
+                reason = str(error).removeprefix(f"{file}").lstrip(":, ")
+                unused.append(UnreadableFile(file, reason))
+            else:
+                for data in known:
+                    self._add_file(data, selection, part_of(progress, index, len(files)))
+        return unused
+
+    def _add_file(self, file: DataFile, selection: RowSelection, progress: Progress) -> None:
+        """Add the blocks of one sort of data in a file."""
         self.path, sort = file.path, file.sort
         rows, pushes = None, None
         if sort in SORT_COLUMNS:
@@ -234,6 +248,8 @@ class _Collected:
         self._check(file, pushes)
         facts = [row for frame in frames for row in frame.to_dict("records")]
         surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+        self.surfaces |= surfaces
+        self.objects |= objects
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
             self.plate, self.loop = plate, loop_of_plate(self.given, plate)
@@ -245,7 +261,6 @@ class _Collected:
             elif pushes is not None:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
                 self._add_pushes(pushes_of(pushes, own), sort, done)
-        return surfaces, objects
 
     def _pushes_of(
         self, file: DataFile, selection: RowSelection, progress: Progress
@@ -704,19 +719,8 @@ def collected_blocks(
         loop, first, wear, whole_number("most strokes", most, least=2), length, target
     )
     files = list(dict.fromkeys(file for path in paths for file in files_of_data(path)))
-    unused = list[UnreadableFile]()
-    surfaces, shapes = set[str](), set[str]()
-    for index, file in enumerate(files):
-        try:
-            known = recognise(file)
-        except DataFileError as error:
-            reason = str(error).removeprefix(f"{file}").lstrip(":, ")
-            unused.append(UnreadableFile(file, reason))
-            continue
-        for data in known:
-            on, of = collected.add_file(data, selection, part_of(progress, index, len(files)))
-            surfaces |= on
-            shapes |= of
+    unused = collected.add_files(files, selection, progress)
+    surfaces, shapes = collected.surfaces, collected.objects
     if len(surfaces) > 1:
         listed = ", ".join(sorted(surfaces))
         raise InvalidInput(f"the data are of several surfaces: {listed}; select one, surface=NAME")

@@ -140,8 +140,8 @@ def _tables(path: Path) -> dict[str, Any]:
     except PermissionError as error:
         raise InvalidInput("there is no permission to read it") from error
     except _HDF5_FAULTS as error:
-        told = (str(error).splitlines() or [type(error).__name__])[0][:200]
-        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({told})") from error
+        cause = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise InvalidInput(f"not a whole HDF5 file, cut short or damaged ({cause})") from error
 
 
 def _hdf5_table(file: h5py.File, name: str) -> Array:
@@ -180,7 +180,7 @@ def _refuse_false_packing(name: str, table: h5py.Dataset, room: int) -> None:
     whatever there is.
     """
     properties = table.id.get_create_plist()
-    filters = [properties.get_filter(number)[0] for number in range(properties.get_nfilters())]
+    filters = [properties.get_filter(index)[0] for index in range(properties.get_nfilters())]
     if filters != [code for code in _FILTERS if code in filters]:
         raise InvalidInput(
             f"{name} is packed in a way that is not known; write it with gzip or without packing"

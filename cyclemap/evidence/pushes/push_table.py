@@ -121,8 +121,8 @@ def _refuse_other_units(table: CsvTable, frame: pandas.DataFrame) -> None:
     far = np.hypot(frame["x1"] - frame["x0"], frame["y1"] - frame["y0"])
     for line, length in zip(frame["line"], far, strict=True):
         if length > _LONGEST_PUSH:
-            told = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
-            raise table.error(line, f"{told} Say so, --units mm,rad")
+            far_off = f"the push moves the object by {length:.4g} m: are its places in millimetres?"
+            raise table.error(line, f"{far_off} Say so, --units mm,rad")
 
 
 @dataclass(frozen=True)
@@ -272,7 +272,7 @@ def load_pushes(
     'cut.json'
     """
     files, unreadable = _files(Path(path))
-    told = angles is not None or frame is not None or offset_deg is not None
+    is_told = angles is not None or frame is not None or offset_deg is not None
     convention = convention_of(path, angles, frame, offset_deg)
     loaded = _loaded(files, convention, progress)
     unreadable += loaded.unreadable
@@ -281,7 +281,7 @@ def load_pushes(
         loaded,
         unreadable=tuple(sorted(unreadable, key=lambda entry: entry.path)),
         # Of a table that was brought to ours before its name tells in which it was.
-        convention=convention if told else written,
+        convention=convention if is_told else written,
         convention_told=all_told or (angles is not None and frame is not None),
     )
 

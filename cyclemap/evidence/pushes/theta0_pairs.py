@@ -103,8 +103,8 @@ class Theta0Pairs:
         ):
             shape = None if angles is None else angles.shape
             if cycle is not None and (cycle.shape != shape or not np.isfinite(cycle).all()):
-                told = f"{name} has shape {cycle.shape} for angles of shape {shape}"
-                raise InvalidInput(f"{told}; give one number an angle")
+                shapes = f"{name} has shape {cycle.shape} for angles of shape {shape}"
+                raise InvalidInput(f"{shapes}; give one number an angle")
 
     @classmethod
     def along(
@@ -221,8 +221,8 @@ def read_theta0_pairs(
     >>> np.degrees(pairs.turn).round(6).tolist()
     [10.0, 15.0]
     """
-    told = convention or convention_of(path, angles, None, offset_deg)
-    return pairs_in_table(read_csv_table(path), told)
+    known = convention or convention_of(path, angles, None, offset_deg)
+    return pairs_in_table(read_csv_table(path), known)
 
 
 def pairs_in_table(table: CsvTable, convention: Convention) -> Theta0Pairs:

@@ -126,10 +126,10 @@ class Convention:
         >>> Convention("clockwise", "mirrored").options()
         '--angles clockwise --frame mirrored'
         """
-        told = [f"--angles {self.angles}"] if self.angles != "counter-clockwise" else []
-        told += [f"--frame {self.frame}"] if self.frame != RIGHT_HANDED else []
-        told += [f"--offset-deg {math.degrees(self.offset):.0f}"] if self.offset else []
-        return " ".join(told) or "--angles counter-clockwise --frame right-handed"
+        options = [f"--angles {self.angles}"] if self.angles != "counter-clockwise" else []
+        options += [f"--frame {self.frame}"] if self.frame != RIGHT_HANDED else []
+        options += [f"--offset-deg {math.degrees(self.offset):.0f}"] if self.offset else []
+        return " ".join(options) or "--angles counter-clockwise --frame right-handed"
 
     def words(self) -> str:
         """Return what it says, in words."""
@@ -196,14 +196,14 @@ def written_convention(data: str | Path) -> tuple[Convention, bool]:
     whether all was told.
     """
     name = Path(data).name
-    told: dict[str, object] = dict(data_table(data))
+    keys: dict[str, object] = dict(data_table(data))
     if name.endswith(AS_READ):
-        found = _NAMED_LAST.search(name)
-        assert found is not None
-        told = {key: value for key, value in zip(KEYS, found.groups(), strict=True) if value}
-        if "offset_deg" in told:
-            told["offset_deg"] = float(str(told["offset_deg"]))
-    return Convention.of_keys(told), {"angles", "frame"} <= set(told)
+        ending = _NAMED_LAST.search(name)
+        assert ending is not None
+        keys = {key: value for key, value in zip(KEYS, ending.groups(), strict=True) if value}
+        if "offset_deg" in keys:
+            keys["offset_deg"] = float(str(keys["offset_deg"]))
+    return Convention.of_keys(keys), {"angles", "frame"} <= {*keys}
 
 
 def convention_of(
@@ -218,8 +218,8 @@ def convention_of(
     A file that was brought to ours already, as its name tells, is in ours. Raises InvalidInput for
     an unknown word.
     """
-    told = {"angles": angles, "frame": frame, "offset_deg": offset_deg}
+    keys = {"angles": angles, "frame": frame, "offset_deg": offset_deg}
+    given = {name: value for name, value in keys.items() if value is not None}
     if Path(data).name.endswith(AS_READ):
-        return Convention.of_keys(told)
-    given = {name: value for name, value in told.items() if value is not None}
+        return Convention.of_keys(given)
     return Convention.of_keys({**data_table(data), **given})

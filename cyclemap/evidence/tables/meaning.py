@@ -76,10 +76,10 @@ def _bare(column: str) -> tuple[str, str]:
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", column.strip().lstrip("%/"))
     name = re.sub(r"[\s.\-/]+", "_", apart.lower())
     # One bracket, not a run of them: the search takes no longer than the name is.
-    found = _UNIT.search(name)
-    told = name[: found.start()].rstrip("_[(") if found else ""
-    unit = found.group(1) if found and told else ""
-    words = (told if unit else name).strip("_").split("_")
+    ending = _UNIT.search(name)
+    begin = name[: ending.start()].rstrip("_[(") if ending else ""
+    unit = ending.group(1) if ending and begin else ""
+    words = (begin if unit else name).strip("_").split("_")
     busy = [word for word in words if not re.fullmatch(_IDLE, word)]
     # A number of an object is none of a push.
     is_number = len(busy) < len(words) and COLUMNS["repetition"].fits("_".join(busy))
@@ -178,15 +178,15 @@ def unit_of(
     all places, are guessed to be alike.
     """
     known, column = UNITS_OF.get(COLUMNS[name].kind, {}), meaning[name]
-    told = next((unit for unit in units if unit in known), None)
-    if told is not None:
-        return known[told], f" in {told}"
+    said = next((unit for unit in units if unit in known), None)
+    if said is not None:
+        return known[said], f" in {said}"
     if _MIT_NAMES.get(name) == column.strip().lower():
         return COLUMNS[name].names[_MIT_NAMES[name]], ", as the MIT dataset names it"
     if not known:
         return 1.0, ""
-    unit, said = _unit_by_name_or_size(name, meaning, raw)
-    return known[unit], f" in {unit}{said}"
+    unit, how = _unit_by_name_or_size(name, meaning, raw)
+    return known[unit], f" in {unit}{how}"
 
 
 def _unit_by_name_or_size(
@@ -229,9 +229,9 @@ def _guessed_unit(kind: Kind, columns: Mapping[str, Array]) -> tuple[str, str]:
         unit = "rad" if least <= _NO_RADIANS and most <= _NO_RADIANS_UNWRAPPED else "deg"
         if _may_be_either(unit, most, columns):
             if len(columns) == 1:
-                told = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
+                reach = f"{next(iter(columns))} reaches {most:.4g} in steps that may be of either"
                 mend = "radians, or degrees? Say --units rad or --units deg"
-                raise InvalidInput(f"{told}: {mend}")
+                raise InvalidInput(f"{reach}: {mend}")
             # No two columns of degrees go on as smoothly.
             unit = "rad"
     else:
@@ -274,5 +274,7 @@ def _refuse_likely_turns(most: float, name: str, values: Array) -> None:
     """Refuse angles of up to 1 that fill as much of one turn as of one radian."""
     angles = values[np.isfinite(values)]
     if most <= 1.0 and angles.size >= _TELLING and float(np.ptp(angles)) > _MOST_OF_A_TURN:
-        told = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
-        raise DataFileError(f"{told}: are these turns, or radians? Say --units turn or --units rad")
+        reach = f"{name} runs from {angles.min():.3g} to {angles.max():.3g}"
+        raise DataFileError(
+            f"{reach}: are these turns, or radians? Say --units turn or --units rad"
+        )

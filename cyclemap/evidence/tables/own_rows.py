@@ -261,15 +261,13 @@ def in_order(table: OwnTable) -> OwnTable:
             return table.then(rows.iloc[order].reset_index(drop=True), *words)
         if name == "repetition":
             follows = np.diff(numbers) == 1.0
-            words = [
-                f"{what} of pushes are missing or there twice: rows are taken in their own order"
-            ]
             # Where few follow each other nobody knows what follows what.
             rows = rows.drop(columns=name)
             if 2 * follows.sum() > follows.size:
                 counted = np.cumsum(np.append(0.0, np.where(follows, 1.0, 2.0)))
                 rows = rows.assign(repetition=counted)
-            return table.then(rows, *words)
+            doubt = f"{what} of pushes are missing or there twice"
+            return table.then(rows, f"{doubt}: rows are taken in their own order")
     return table
 
 

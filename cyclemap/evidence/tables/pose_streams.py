@@ -118,25 +118,25 @@ def cut_stream(path: Path, stream: pandas.DataFrame) -> tuple[pandas.DataFrame, 
     poses = np.array([_mean_pose(t, course, *rest) for rest in rests.tolist()])
     counts = np.maximum(1.0, 2.0 * _MIDDLE * (np.diff(rests, axis=1)[:, 0] + 1))
     cycles = _cycles(poses, noise / np.sqrt(counts))
-    found = Segments(t, x, y, theta, rests, *cycles)
-    pushes, unclear = len(found.pushes), len(found.unclear)
+    seen = Segments(t, x, y, theta, rests, *cycles)
+    pushes, unclear = len(seen.pushes), len(seen.unclear)
     if pushes < 2 or unclear > _MOST_UNCLEAR * (pushes + unclear):
-        raise UnclearStream(f"{path}: {_unclear_words(found)}", found)
-    ends = np.hstack([poses[found.pushes[:, 0]], poses[found.pushes[:, 1]]])
+        raise UnclearStream(f"{path}: {_unclear_words(seen)}", seen)
+    ends = np.hstack([poses[seen.pushes[:, 0]], poses[seen.pushes[:, 1]]])
     rows = pandas.DataFrame(ends, columns=[*ENDS])
-    return rows.assign(repetition=found.numbers.astype(float)), found
+    return rows.assign(repetition=seen.numbers.astype(float)), seen
 
 
-def _unclear_words(found: Segments) -> str:
+def _unclear_words(seen: Segments) -> str:
     """What was seen of a stream that does not come apart, and what mends it."""
-    begins, ends = found.t[found.rests[:, 0]], found.t[found.rests[:, 1]]
-    listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in found.unclear[:3])
-    told = (
-        f"{len(found.rests) - 1} motions between rests, {len(found.pushes)} of them pushes and "
-        f"{len(found.unclear)} stretches unclear"
+    begins, ends = seen.t[seen.rests[:, 0]], seen.t[seen.rests[:, 1]]
+    listed = ", ".join(f"{ends[a]:.4g} to {begins[b]:.4g} s" for a, b in seen.unclear[:3])
+    counts = (
+        f"{len(seen.rests) - 1} motions between rests, {len(seen.pushes)} of them pushes and "
+        f"{len(seen.unclear)} stretches unclear"
     )
     mend = "give a column episode (1, 2, ... during each push, empty else), --columns episode=NAME"
-    return f"{told}{f' ({listed})' if listed else ''}: {mend}"
+    return f"{counts}{f' ({listed})' if listed else ''}: {mend}"
 
 
 def _mean_pose(t: Array, course: Array, first: int, last: int) -> Array:
@@ -165,9 +165,9 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
         if moves > _CLEAR * seen:
             break
     else:
-        told = f"its noise of {1e3 * noise:.2g} mm hides its motions"
+        hidden = f"its noise of {1e3 * noise:.2g} mm hides its motions"
         raise DataFileError(
-            f"{path}: {told}: give poses before and after each push, or smoother ones"
+            f"{path}: {hidden}: give poses before and after each push, or smoother ones"
         )
     low = max(_ENDED * seen / _SEEN, _ENDED_SHARE * moves)
     moving = _hysteresis(change, max(seen, _SEEN_SHARE * moves), low)
@@ -176,32 +176,31 @@ def _rests(path: Path, t: Array, course: Array) -> tuple[Whole, float]:
 
 def _noise(courses: Array) -> float:
     """The standard deviation of one sample's errors, from second differences."""
-    second = np.abs(np.diff(courses, n=2, axis=1))
-    return (
-        float(max(np.median(one[one > 0.0]) if (one > 0.0).mean() > 0.5 else 0.0 for one in second))
-        / 0.6745
-        / 6**0.5
-    )
+    usual = [0.0]
+    for second in np.abs(np.diff(courses, n=2, axis=1)):
+        changed = second[second > 0.0]
+        if 2 * changed.size > second.size:
+            usual.append(float(np.median(changed)))
+    return max(usual) / 0.6745 / 6**0.5
 
 
 def _change(courses: Array, half: int) -> Array:
     """How far the mean after each sample lies from the mean before it, (n,), m."""
     means = uniform_filter1d(courses, half, axis=1, mode="nearest")
     # A filter of this length is centred: its mean before a sample ends there.
-    ahead, behind = (
-        np.roll(means, -(half - half // 2), axis=1),
-        np.roll(means, half // 2 + 1, axis=1),
-    )
-    ahead[:, -half:], behind[:, : half + 1] = means[:, -1:], means[:, :1]
+    ahead = np.roll(means, -(half - half // 2), axis=1)
+    ahead[:, -half:] = means[:, -1:]
+    behind = np.roll(means, half // 2 + 1, axis=1)
+    behind[:, : half + 1] = means[:, :1]
     return np.asarray(np.sqrt(((ahead - behind) ** 2).sum(axis=0)))
 
 
 def _hysteresis(change: Array, high: float, low: float) -> Mask:
     """Where a stretch above `low` is above `high` somewhere."""
-    found = np.zeros(change.size, dtype=bool)
+    moving = np.zeros(change.size, dtype=bool)
     for first, end in stretches(change > low):
-        found[first:end] = bool((change[first:end] > high).any())
-    return found
+        moving[first:end] = bool((change[first:end] > high).any())
+    return moving
 
 
 def _joined(rests: Sequence[tuple[int, int]], t: Array, course: Array) -> Whole:
@@ -303,16 +302,16 @@ def _home(poses: Array, errors: Array) -> tuple[Mask | None, float]:
     if len(poses) < 5:
         return None, 1.0
     generator, limit = np.random.default_rng(0), np.maximum(_AGREE * errors, _AGREE_LEAST)
-    found = [
+    rings = [
         (int(agree.sum()), round(radius, 3), agree, sense)
         for sense in (1.0, -1.0)
         for agree, radius in _rings(poses, limit, sense, generator)
     ]
-    if not found:
+    if not rings:
         return None, 1.0
-    most = max(count for count, *_ in found)
+    most = max(count for count, *_ in rings)
     # Of those that explain nearly as many the ring nearest to the centre.
-    near = [entry for entry in found if entry[0] >= _NEARLY * most]
+    near = [entry for entry in rings if entry[0] >= _NEARLY * most]
     home, sense = min(near, key=lambda entry: (entry[1], -entry[0]))[2:]
     if home.mean() > _ALL_HOME:
         # Locked in: from two poses again and again no ring can be told, and the first one is taken
@@ -349,7 +348,7 @@ def _like_the_first(poses: Array) -> Mask:
 
 def _in_turn(poses: Array) -> tuple[Whole, Array, Whole, str]:
     """Every other motion a push, where the two kinds separate; else none."""
-    motions = np.array([_motion(poses, number, number + 1) for number in range(len(poses) - 1)])
+    motions = np.array([_motion(poses, rest, rest + 1) for rest in range(len(poses) - 1)])
     if len(motions) < 2:
         return _pairs([]), np.zeros(0), _pairs([]), "one motion"
     kinds = motions[::2], motions[1::2]
