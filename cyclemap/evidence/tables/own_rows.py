@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import pandas
 
 # What is taken of a table of poses.
-_FACTS = ("surface", "object", "speed", "acceleration", "side", "fraction", "angle", "length")
-_POSED = (*_FACTS, *ENDS, "theta_next", "repetition", *RODS, "tip_error")
+_FACTS = ("side", "fraction", "angle", "length", *RODS, "speed", "acceleration", "tip_error")
+_POSED = ("surface", "object", *ENDS, "theta_next", "repetition", *_FACTS)
 # So many orientations tell whether they begin anew each half a turn.
 _MANY_OF_HALVES = 20
 # So many rows a push are many; of a stream, places bend by less than this share of their spread.
