@@ -166,7 +166,8 @@ def sampled_values(
     friction ellipse are left out.
     """
     whole_number("draws", count, least=1)
-    errors, space = found.uncertainty, found.problem.space
+    errors = found.uncertainty
+    space = found.problem.space
     spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
     spread /= student_quantile(found.level, 1e9)
     size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
@@ -193,13 +194,16 @@ def derived_quantities(
     least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
     sampled = [SurfaceParameters.from_values(one) for one in sampled_values(found, draws, seed)]
-    free, best, told = found.problem.space.names, SurfaceParameters.from_values(found.values), []
+    free = found.problem.space.names
+    best = SurfaceParameters.from_values(found.values)
+    told = []
     ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
     for name, description, of, unit, period, least, quantity in _QUANTITIES:
         parts = [one for one in SURFACE.names if one.startswith(of)]
         if not {*free} >= {*parts} or not sampled:
             continue
-        value, sample = quantity(best), np.array([quantity(one) for one in sampled])
+        value = quantity(best)
+        sample = np.array([quantity(one) for one in sampled])
         vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
         if period:
             around = value + (sample - value + 0.5 * period) % period - 0.5 * period
@@ -218,7 +222,8 @@ def _may_vanish(found: Identification, index: list[int]) -> bool:
     F(2, freedom)."""
     from scipy.stats import f
 
-    vector, errors = found.fit.vector[index], found.uncertainty
+    vector = found.fit.vector[index]
+    errors = found.uncertainty
     covariance = errors.covariance[np.ix_(index, index)]
     if not np.all(np.isfinite(errors.standard_error[index])) or np.linalg.det(covariance) <= 0.0:
         return True
@@ -279,7 +284,8 @@ def identified_curves(
         for one in sampled_values(found, _BAND_DRAWS, seed)
     ]
     worn = worn_friction_of(found.values)
-    strokes, cycles = [], []
+    strokes = []
+    cycles = []
     for number, block in enumerate(found.problem.blocks):
         errors = found.fit.residuals[found.problem.block_index == number]
         if block.motions is None:
@@ -292,10 +298,8 @@ def identified_curves(
                 StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None)
             )
         else:
-            values, wears = (
-                block.own_values(found.values),
-                any(one.startswith("worn_") for one in block.parameters),
-            )
+            values = block.own_values(found.values)
+            wears = any(one.startswith("worn_") for one in block.parameters)
             late = block.curve(values, _AROUND, True) if wears else None
             cycles.append(
                 CycleFit(
@@ -383,7 +387,8 @@ def identified_material(
     told = {
         field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked
     }
-    worn, shifts = worn_friction_of(found.values), dict[str, list[float]]()
+    worn = worn_friction_of(found.values)
+    shifts = dict[str, list[float]]()
     for key, value in found.values.items():
         if key.startswith(("tip_offset_x", "tip_offset_y")):
             own = key.partition("[")[2].rstrip("]") or plate
@@ -432,12 +437,11 @@ def _posterior(
 
     before : samples of what was known; those of plates that the data are not of stay.
     """
-    rows, rng = list[dict[str, float]](), np.random.default_rng(0)
+    rows = list[dict[str, float]]()
+    rng = np.random.default_rng(0)
     for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
-        row, worn = (
-            _ellipse(SurfaceParameters.from_values(values).to_friction()),
-            worn_friction_of(values),
-        )
+        row = _ellipse(SurfaceParameters.from_values(values).to_friction())
+        worn = worn_friction_of(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
         off = rng.standard_normal(3) * found.session_spread
         floors = owned_shapes(values, FLOOR_NAMES)
@@ -538,7 +542,8 @@ def misfit_words(found: Identification) -> str:
             sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
             continue
         for one in alike:
-            left_out, isotropic = one.left_out_mean, one.isotropic_mean
+            left_out = one.left_out_mean
+            isotropic = one.isotropic_mean
             beside = [f"{unit.of_si(left_out):.3g} left out"] if left_out == left_out else []
             beside += [f"isotropic {unit.of_si(isotropic):.3g}"] if isotropic == isotropic else []
             told = f"{one.block}, {kind}: {unit.of_si(one.mean):.3g}{unit.sign}"

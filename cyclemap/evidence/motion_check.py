@@ -35,25 +35,34 @@ if TYPE_CHECKING:
 # Another reading beats the one taken where its median distance is this share of it or less, another
 # unit where it is that share: measured, a right reading lies 2 to 15 mm off on floors, a wrong one
 # 60 to 200 mm.
-_BEATEN, _BEATEN_UNIT = 0.5, 0.3
+_BEATEN = 0.5
+_BEATEN_UNIT = 0.3
 # Of readings within this factor and distance (m) of the best the simplest is named.
-_HARDLY, _NOTHING = 1.4, 5e-4
+_HARDLY = 1.4
+_NOTHING = 5e-4
 _SAME_ANGLE = math.radians(2.0)
 # Fewer pushes tell a reading from chance no more; more than so many tell nothing new.
-FEWEST, _MOST = 6, 400
+FEWEST = 6
+_MOST = 400
 # Objects that are told of one by one.
 _MOST_TOLD = 2
 # Shares of how far pushes move the object, turns by its lever: a reading nearer than the first
 # explains enough for any friction; one beyond the second, or with another zero of angles beyond the
 # third, explains nothing, be it the best; and of one beyond the last it is told.
-_WELL, _EXPLAINS, _EXPLAINS_TURNED, _FAR = 0.04, 0.4, 0.25, 0.6
+_WELL = 0.04
+_EXPLAINS = 0.4
+_EXPLAINS_TURNED = 0.25
+_FAR = 0.6
 # Angles whose zero is off by less (rad) may be the surface's doing; it is asked for where
 # directions are spread.
-_LEAST_OFFSET, _SPREAD = math.radians(20.0), 0.8
+_LEAST_OFFSET = math.radians(20.0)
+_SPREAD = 0.8
 # Another point of the object explains motions where it leaves this share of what any other reading
 # does, and pushes turn the object by so much (rad); lengths are in no unit where they are off by
 # this factor's logarithm.
-_CLEARLY, _LEAST_SWEPT, _SCALED = 0.8, 0.2, 0.1
+_CLEARLY = 0.8
+_LEAST_SWEPT = 0.2
+_SCALED = 0.1
 # No point of an object lies further from its origin than so many of its levers.
 _WITHIN = 2.2
 _TURNED = {"deg": DEGREE, "rad": 1.0 / DEGREE}
@@ -101,7 +110,9 @@ def check_pushes(pushes: PushTable, loop: CollectionLoop | None = None) -> tuple
     if loop is not None and not isinstance(loop, CollectionLoop):
         # Nobody knows what pushes of another kind of loop do.
         return ()
-    said, checks, convention = list[str](), list[MotionCheck](), pushes.convention
+    said = list[str]()
+    checks = list[MotionCheck]()
+    convention = pushes.convention
     followed = pushes.table[pushes.table["theta_next"].notna()]
     if len(followed) and followed["dtheta"].isna().all():
         now, later = followed[["theta0", "theta_next"]].to_numpy().T
@@ -156,7 +167,8 @@ def check_orientations(
     if theta.size < FEWEST or not isinstance(loop, CollectionLoop) or not convention.is_ours:
         return said
     chosen = evenly_spread(theta.size, _MOST)
-    coarse, off = replace(loop, accuracy=1e-6), dict[str, float]()
+    coarse = replace(loop, accuracy=1e-6)
+    off = dict[str, float]()
     for name, (sense, zero) in ANGLES.items():
         before, after = (sense * angle[chosen] + zero for angle in (theta, theta_next))
         off[name] = float(np.median(np.abs(shorter_way(after - coarse.next_theta(before)))))
@@ -164,15 +176,13 @@ def check_orientations(
     # Where the zero of angles makes no difference the plainer one is named.
     best = next(name for name in off if off[name] <= _HARDLY * min(off.values()) + _SAME_ANGLE)
     if off[best] < _BEATEN * here and here > _LEAST_OFFSET:
-        told = (
+        raise OtherConvention(
             f"cycles lie {math.degrees(here):.3g}° from the map of {loop.material.name}, in "
             f"the median of {len(chosen)}"
-        )
-        mend = (
+            f"; counted {best}, {math.degrees(off[best]):.3g}°: "
             f"give --angles {best} if they are counted so (in collection.toml: [data] angles "
             f'= "{best}")'
         )
-        raise OtherConvention(f"{told}; counted {best}, {math.degrees(off[best]):.3g}°: {mend}")
     return said
 
 
@@ -211,7 +221,8 @@ class _Written:
     @classmethod
     def of(cls, rows: pandas.DataFrame, convention: Convention) -> _Written:
         x0, y0, theta, x1, y1, turn = rows[_POSES].to_numpy(dtype=float).T
-        ends, ours = rows[[*RODS]].to_numpy(dtype=float), _Reading(convention)
+        ends = rows[[*RODS]].to_numpy(dtype=float)
+        ours = _Reading(convention)
         return cls(
             rows,
             ours.place(x0 + 1j * y0),
@@ -268,7 +279,8 @@ class _Looked:
 
     def explains(self, moved: float) -> bool:
         """Whether the other reading explains motions, of size `moved` (m), far better."""
-        other, here = self.other, self.here
+        other = self.other
+        here = self.here
         limit = _BEATEN if (other.length, other.angle) == (1.0, 1.0) else _BEATEN_UNIT
         most = (_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length * moved
         far_better = self.best <= min(limit * here, most) and here > _WELL * moved
@@ -300,7 +312,8 @@ def check_motion(
     if test is None or test.count < FEWEST:
         return None
     moved = float(np.median(np.hypot(np.abs(written.moved), test.lever * written.turn)))
-    looked, by_rod = _Looked.at(test, _Reading(convention)), False
+    looked = _Looked.at(test, _Reading(convention))
+    by_rod = False
     if loop is not None and looked.here > _EXPLAINS * moved and not isinstance(test, _WithTips):
         looked, by_rod = _by_rod(looked, written, loop)
     off_centre = looked.test.off_centre(
@@ -334,24 +347,28 @@ def _by_rod(looked: _Looked, written: _Written, loop: CollectionLoop) -> tuple[_
 def _doubt_far(looked: _Looked, limit: float) -> None:
     """Warn where no reading comes nearer than `limit`, m."""
     if min(looked.here, looked.best) > limit:
-        far = (
+        doubt = (
             f"{looked.test.what} {1e3 * looked.here:.3g} mm off in the median, and not less than "
-            f"{1e3 * looked.best:.3g} mm in any reading"
+            f"{1e3 * looked.best:.3g} mm in any reading: are object, push and units those of the "
+            "data?"
         )
-        doubt = f"{far}: are object, push and units those of the data?"
         warnings.warn(doubt, DoubtfulInput, stacklevel=4)
 
 
 def _refusal(looked: _Looked) -> str:
     """What is wrong, and the words that mend it."""
-    test, other, taken = looked.test, looked.other.convention, looked.taken.convention
+    test = looked.test
+    other = looked.other.convention
+    taken = looked.taken.convention
     off = f"{test.what} {1e3 * looked.here:.3g} mm off in the median of {test.count} pushes"
     nearer = f"{1e3 * looked.best:.3g} mm"
     scale = looked.other.length
     if looked.other.angle == 1.0 and _is_no_unit(scale):
         also = f", with {other.options()}" if other != taken else ""
-        told = f"were its lengths {scale:.3g} times as long{also}, {nearer}"
-        return f"{off}; {told}: are they pixels? Multiply them by the length of one first"
+        return (
+            f"{off}; were its lengths {scale:.3g} times as long{also}, {nearer}: are they pixels? "
+            "Multiply them by the length of one first"
+        )
     if scale != 1.0 or looked.other.angle != 1.0:
         unit, kind = _unit(looked.other)
         also = f" {other.options()}" if other != taken else ""
@@ -393,12 +410,12 @@ def _is_no_unit(scale: float) -> bool:
 
 
 def _words(looked: _Looked) -> str:
-    taken, other = looked.taken.convention, looked.other.convention
+    taken = looked.taken.convention
+    other = looked.other.convention
     here, best = (f"{1e3 * distance:.3g} mm" for distance in (looked.here, looked.best))
     told = f"read with {taken.words()}: {looked.test.what} {here} off in the median"
     if looked.best <= looked.here / _BEATEN and other != taken:
-        mirror = f"motions cannot tell that from {other.words()} ({best}): that is assumed"
-        return f"{told}; {mirror}"
+        return f"{told}; motions cannot tell that from {other.words()} ({best}): that is assumed"
     return f"{told}, {best} in the next best reading"
 
 
@@ -423,8 +440,12 @@ class _Predicted:
     def __init__(
         self, written: _Written, motion: Array, turn: Array, lever: float, lengths_known: bool
     ) -> None:
-        self.written, self.motion, self.turn, self.lever = written, motion, turn, lever
-        self.lengths_known, self.count = lengths_known, len(turn)
+        self.written = written
+        self.motion = motion
+        self.turn = turn
+        self.lever = lever
+        self.lengths_known = lengths_known
+        self.count = len(turn)
         # Directions that are spread tell a zero of angles.
         self.is_spread = abs(np.exp(1j * written.angle).mean()) <= _SPREAD
 
@@ -496,13 +517,12 @@ class _Predicted:
         is_other = left <= _CLEARLY * limit and abs(point) <= _WITHIN * self.lever
         if not is_other or self.distance(taken) <= least:
             return ""
-        where = f"({1e3 * point.real:.3g}, {1e3 * point.imag:.3g}) mm"
-        told = (
+        return (
             f"{self.what} {1e3 * self.distance(taken):.3g} mm off in the median; {1e3 * left:.3g}"
+            f" mm, were its places those of a point of the object ({1e3 * point.real:.3g}, "
+            f"{1e3 * point.imag:.3g}) mm from its origin: give the poses of its origin, or the "
+            "outline in the frame of that point"
         )
-        mend = "give the poses of its origin, or the outline in the frame of that point"
-        apart = f"a point of the object {where} from its origin"
-        return f"{told} mm, were its places those of {apart}: {mend}"
 
     def alternative(self, taken: _Reading) -> str:
         """What else would do; nothing."""
@@ -555,11 +575,13 @@ class _WithTips(_Predicted):
 
     def __init__(self, written: _Written, loop: CollectionLoop) -> None:
         super().__init__(written, np.zeros(0), np.zeros(0), 0.5 * loop.slider.outline.extent, False)
-        self.model, self.count = replace(loop, accuracy=1e-4).model, len(written.turn)
+        self.model = replace(loop, accuracy=1e-4).model
+        self.count = len(written.turn)
 
     def distances(self, reading: _Reading) -> Array:
         theta, _, turn = self.written.read(reading)
-        place, tips = reading.place(self.written.place), reading.place(self.written.tips)
+        place = reading.place(self.written.place)
+        tips = reading.place(self.written.tips)
         predicted = np.array(
             [
                 self._end(*push)
@@ -590,13 +612,15 @@ class _WithTips(_Predicted):
 def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
     """The pushes with what isotropic friction makes of them;
     None where it makes nothing of most."""
-    rows, plain = written.rows, _plain(loop)
+    rows = written.rows
+    plain = _plain(loop)
     labelled = rows[["side", "fraction"]].notna().all(axis=None)
     if not labelled and written.has_tips:
         return _WithTips(written, plain)
     contacts = rows[_CONTACT].assign(length=rows["length"].round(3))
     labels = contacts.groupby([*contacts], dropna=False).ngroup().to_numpy()
-    motion, turn = np.full(len(rows), np.nan, dtype=complex), np.full(len(rows), np.nan)
+    motion = np.full(len(rows), np.nan, dtype=complex)
+    turn = np.full(len(rows), np.nan)
     for label in np.unique(labels):
         alike = labels == label
         length = float(np.median(rows["length"][alike]))
@@ -605,9 +629,11 @@ def _prediction(written: _Written, loop: CollectionLoop) -> _Predicted | None:
             cycle = replace(plain, push=push).cycle(0.0)
         except CycleMapError:
             continue
-        motion[alike], turn[alike] = complex(*cycle.push_displacement), cycle.push_turn
+        motion[alike] = complex(*cycle.push_displacement)
+        turn[alike] = cycle.push_turn
     good = np.isfinite(turn)
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
         return _WithTips(written, plain) if written.has_tips else None
-    lever, lengths_known = 0.5 * loop.slider.outline.extent, bool(rows["length"].notna().all())
+    lever = 0.5 * loop.slider.outline.extent
+    lengths_known = bool(rows["length"].notna().all())
     return _Predicted(written.where(good), motion[good], turn[good], lever, lengths_known)

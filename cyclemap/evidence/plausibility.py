@@ -13,7 +13,8 @@ from cyclemap.evidence.identified_material import readable_kind
 _WORSE = 1.1
 # Half of the places are further off than this share of the object's reach, half of the turns than
 # that (rad): on floors they lie within a tenth, and within 10 degrees.
-_LOST_PLACE, _LOST_TURN = 0.5, math.radians(35.0)
+_LOST_PLACE = 0.5
+_LOST_TURN = math.radians(35.0)
 # Beliefs are held against values further away than this many of their standard deviations.
 _BEYOND_BELIEF = 4.0
 # No floor that was measured has axes of friction beyond 1.7 : 1.
@@ -42,9 +43,10 @@ def implausible(found: Identification, reach: float) -> tuple[str, ...]:
             and estimate.identifiable
             and abs(estimate.value - value) > _BEYOND_BELIEF * deviation
         ):
-            usual = f"{value:.3g} ± {deviation:.2g} is usual"
-            told = f"{estimate.name} is {estimate.value:.3g}, where {usual}"
-            said.append(f"{told} (--no-priors believes anything)")
+            said.append(
+                f"{estimate.name} is {estimate.value:.3g}, where {value:.3g} ± {deviation:.2g} is "
+                "usual (--no-priors believes anything)"
+            )
     law = found.friction()
     low, high = sorted((law.mu_a, law.mu_b))
     if high > MOST_RATIO * low and any(estimate.identifiable for estimate in found.estimates):

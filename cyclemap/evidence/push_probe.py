@@ -256,13 +256,13 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
     >>> found.found, round(found.ratio.value, 2)
     (True, 1.08)
     """
-    angles, moved = (
-        finite_array("theta", theta, ndim=1),
-        finite_array("change", change, last=3, ndim=2),
-    )
+    angles = finite_array("theta", theta, ndim=1)
+    moved = finite_array("change", change, last=3, ndim=2)
     if angles.size < FEWEST or len(moved) != angles.size:
-        told = f"{angles.size} orientations and {len(moved)} changes"
-        raise InvalidInput(f"{told}: give {FEWEST} or more, as many of both")
+        raise InvalidInput(
+            f"{angles.size} orientations and {len(moved)} changes: give {FEWEST} or more, as many "
+            "of both"
+        )
     gaps = np.diff(np.sort(np.mod(angles, 2.0 * math.pi)))
     if max(float(gaps.max(initial=0.0)), 2.0 * math.pi - float(gaps.sum())) > 0.5 * math.pi:
         raise InvalidInput(
@@ -281,11 +281,9 @@ def probe_pushes(theta: ArrayLike, change: ArrayLike, loop: CollectionLoop) -> P
             )
             found.append(Harmonic(name, number, *length))
     values, covariance, explained = _ellipse(angles, moved, noise, loop)
-    free, p_value, vector = (
-        3 * angles.size - 7,
-        _p_value(moved, fits, noise, order),
-        Anisotropy.of_components(values),
-    )
+    free = 3 * angles.size - 7
+    p_value = _p_value(moved, fits, noise, order)
+    vector = Anisotropy.of_components(values)
     # The logarithm of the axes' ratio is twice the length of the second harmonic's vector.
     ratio = Interval(
         *(math.exp(2.0 * part) for part in _length(values[2:], covariance[2:, 2:], free))
@@ -325,7 +323,8 @@ def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> flo
     """Of no dependence on orientation: the likelihood ratio of Wilks, with Rao's F for three
     outcomes.
     """
-    count, extra = len(moved), 2 * order
+    count = len(moved)
+    extra = 2 * order
     centred = (moved - moved.mean(axis=0)) / noise
     left = np.stack([fit.residuals for fit in fits], axis=-1) / noise
     floor = (_ROUNDING / noise) ** 2 * count * np.eye(3)
@@ -334,7 +333,8 @@ def _p_value(moved: Array, fits: Sequence[Any], noise: Array, order: int) -> flo
         - np.linalg.slogdet(centred.T @ centred + floor)[1]
     )
     s = math.sqrt((9.0 * extra**2 - 4.0) / (extra**2 + 4.0))
-    first, second = 3.0 * extra, (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
+    first = 3.0 * extra
+    second = (count - 3.0 - 0.5 * extra) * s - 1.5 * extra + 1.0
     root = math.exp(log_ratio / s)
     return float(stats.f.sf((1.0 - root) / max(root, 1e-300) * second / first, first, second))
 
@@ -345,7 +345,8 @@ def _ellipse(
     """The four numbers of the ellipse (see `Anisotropy.of_components`), their covariance, and the
     share explained.
     """
-    coarse, law = replace(loop, accuracy=min(loop.accuracy, 1e-7)), loop.material.friction
+    coarse = replace(loop, accuracy=min(loop.accuracy, 1e-7))
+    law = loop.material.friction
     mean = math.sqrt(law.mu_a * law.mu_b)
 
     def residuals(values: Array) -> Array:
@@ -450,7 +451,8 @@ def command_push(command: Sequence[str]) -> Push:
     except OSError as error:
         raise InvalidInput(f"{' '.join(command)}: cannot be started ({error.strerror})") from error
     assert process.stdin is not None and process.stdout is not None
-    reader, writer = process.stdout, process.stdin
+    reader = process.stdout
+    writer = process.stdin
 
     def push(theta: float) -> tuple[float, float, float]:
         line = ""
@@ -465,12 +467,13 @@ def command_push(command: Sequence[str]) -> Push:
                 math.radians(float(told["dtheta_deg"])),
             )
         except (OSError, ValueError, KeyError, TypeError) as error:
-            wanted = (
+            raise InvalidInput(
+                f"{command[0]} answered {line.strip()[:200]!r}"
+                f": "
                 'for each line {"theta_deg": ...} a line {"dx_mm": ..., "dy_mm": ..., '
                 '"dtheta_deg": ...} is wanted'
-            )
-            answer = f"{command[0]} answered {line.strip()[:200]!r}"
-            raise InvalidInput(f"{answer}: {wanted}, written out at once") from error
+                f", written out at once"
+            ) from error
 
     def close() -> None:
         process.terminate()

@@ -41,7 +41,9 @@ from cyclemap.text_files import UNFINISHED_SUFFIX, file_stem, only_writer, read_
 Arguments = dict[str, str | int | float | bool]
 
 # Streams of random numbers: what one cycle draws of each depends on the seed and its number alone.
-TURN, INSTRUMENTS, SCANS = 0, 1, 2
+TURN = 0
+INSTRUMENTS = 1
+SCANS = 2
 # Seconds between two records besides the way back, which takes as long as the push: time to get in
 # and out of the ring.
 _HANDLING_SECONDS = 10.0
@@ -51,7 +53,8 @@ TRUTH_FILE = "true_theta0.txt"
 _COMMENTS = (
     "The collection that these data are of; [simulation] is what was asked when they were made.",
 )
-PUSH_FOLDER, SCAN_FOLDER = "normal", "friction_scan"
+PUSH_FOLDER = "normal"
+SCAN_FOLDER = "friction_scan"
 # Longest step (m) of a recorded push, as a share of its travel: between the steps the record is
 # interpolated.
 _RECORDED = 60
@@ -178,7 +181,8 @@ class CollectionPlan:
         """Everything that the files depend on, by name: numbers and texts; long texts are cut to a
         hash.
         """
-        loop, noise = self.loop, self.noise
+        loop = self.loop
+        noise = self.noise
         wear = loop.material.wear if self.wear_to is None else self.wear_to.friction
         asked: Arguments = {
             "version": version("cyclemap"),
@@ -227,17 +231,14 @@ class CollectionFolder:
     """
 
     def __init__(self, folder: str | Path, plan: CollectionPlan) -> None:
-        self.folder, self.plan = Path(folder), plan
-        self.surface, self.shape = (
-            file_stem(plan.loop.material.name),
-            file_stem(plan.loop.slider.name),
-        )
+        self.folder = Path(folder)
+        self.plan = plan
+        self.surface = file_stem(plan.loop.material.name)
+        self.shape = file_stem(plan.loop.slider.name)
         self.home = self.folder / self.surface / self.shape
-        arguments, record, unfinished = (
-            plan.arguments(),
-            self.folder / FILE_NAME,
-            f".*{UNFINISHED_SUFFIX}",
-        )
+        arguments = plan.arguments()
+        record = self.folder / FILE_NAME
+        unfinished = f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
             table = read_toml(record).get(SIMULATION)
@@ -250,8 +251,10 @@ class CollectionFolder:
                     f"{name} is {found.get(name)} there and {arguments.get(name)} here"
                     for name in others
                 )
-                otherwise = f"{self.folder} holds a collection that was asked for otherwise: {told}"
-                raise InvalidInput(f"{otherwise}. Choose another folder")
+                raise InvalidInput(
+                    f"{self.folder} holds a collection that was asked for otherwise: {told}"
+                    f". Choose another folder"
+                )
         elif self.folder.is_dir() and not all(
             path.match(unfinished) for path in self.folder.iterdir()
         ):
@@ -275,7 +278,8 @@ class CollectionFolder:
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
-        push, plan = self.plan.new_loop_at(cycle).push, self.plan
+        push = self.plan.new_loop_at(cycle).push
+        plan = self.plan
         place = (float(push.side), push.fraction, push.angle, float(cycle))
         facts = PushFacts(self.surface, self.shape, 0.0, plan.speed, *place)
         return self.home / PUSH_FOLDER / f"{push_name(facts)}{plan.suffix}"
@@ -287,7 +291,8 @@ class CollectionFolder:
         Every line of the truth is sealed with the file of the push that led to its θ0, and with the
         line before; what comes behind a broken seal does not count, and goes.
         """
-        truth, theta = self.folder / TRUTH_FILE, [self.plan.start]
+        truth = self.folder / TRUTH_FILE
+        theta = [self.plan.start]
         lines = truth.read_bytes().splitlines(keepends=True) if truth.is_file() else []
         self._lines = [self._truth_line(0, self.plan.start, b"")]
         for cycle, line in enumerate(
@@ -439,7 +444,8 @@ def simulate_collection(
         # Scans are made anew if they are there: they are quick.
         scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
         for number, scan in enumerate(scans, 1):
-            friction, draws = loop.material.friction, plan.generator(SCANS, number)
+            friction = loop.material.friction
+            draws = plan.generator(SCANS, number)
             made = record_scan(
                 friction, loop.model.weight, scan.direction, plan.recording(0), draws
             )
@@ -452,8 +458,9 @@ def simulate_collection(
             try:
                 push, back = now.strokes(theta[-1], distance / _RECORDED)
             except CycleMapError as error:
-                place = f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees"
-                raise type(error)(f"{place}: {error}") from error
+                raise type(error)(
+                    f"cycle {cycle}, from θ0 = {math.degrees(theta[-1]):.3f} degrees: {error}"
+                ) from error
             record = record_push(
                 push, distance, plan.recording(cycle), plan.generator(INSTRUMENTS, cycle)
             )

@@ -674,7 +674,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))",
                 "math.sqrt(stats.f.ppf(CONFIDENCE, 2, free))",
             ),
-            ("count, extra = len(moved), 2 * order", "count, extra = len(moved), order"),
+            ("extra = 2 * order", "extra = order"),
             ("math.exp(2.0 * part)", "math.exp(part)"),
             ("free = moved.size - 7", "free = moved.size"),
         ],
@@ -709,7 +709,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/motion_check.py": (
         f"{PUSHES}/test_conventions.py",
         [
-            ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
+            ("_BEATEN = 0.5", "_BEATEN = 0.005"),
             (
                 "(_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length",
                 "_EXPLAINS * other.length",

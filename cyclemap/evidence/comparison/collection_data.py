@@ -45,7 +45,9 @@ _SAME_LENGTH = 0.5e-3
 # A rod that seems to begin farther from the object, as a share of its way, is in another frame than
 # the object.
 _LONGEST_GAP = 0.2
-_NO_POSES, _EARLY, _OTHER_SET = "no end pose", "among the first", "cycle of another set"
+_NO_POSES = "no end pose"
+_EARLY = "among the first"
+_OTHER_SET = "cycle of another set"
 _NO_OUTLINE = (
     "its outline is not told: give its material file, or put it with the data as collection.toml"
 )
@@ -180,7 +182,8 @@ def _of_pairs(pairs: Theta0Pairs, loop: CollectionLoop | None, first: int) -> Co
         raise InvalidInput(
             f"first is {first}: no cycle is left of {pairs.theta.size}; leave out fewer pushes"
         )
-    path, number = pairs.unbroken.path, pairs.unbroken.path_cycle
+    path = pairs.unbroken.path
+    number = pairs.unbroken.path_cycle
     if path is not None:
         number = np.arange(float(path.size)) if number is None else number
         late = number >= first
@@ -274,7 +277,8 @@ def _push_sets(
     """The sets with end poses whose pushes are as long as is known, each with the pushes that the
     data tell.
     """
-    loops, made = dict[str | None, CollectionLoop](), list[PushSet]()
+    loops = dict[str | None, CollectionLoop]()
+    made = list[PushSet]()
     for rows in sets:
         facts = _facts(rows)
         if facts["object"] not in loops:

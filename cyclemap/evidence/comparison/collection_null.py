@@ -91,9 +91,11 @@ class CollectionModel:
             return sample_staircases(
                 self.begun, self.noise, length - 1, np.full(count, start), seed
             )
-        found, used = np.empty((count, length)), self.samples[:count]
+        found = np.empty((count, length))
+        used = self.samples[:count]
         for number, one in enumerate(used):
-            rows, own = found[number :: len(used)], seed + _APART * (number + 1)
+            rows = found[number :: len(used)]
+            own = seed + _APART * (number + 1)
             rows[:] = replace(self, map=one, samples=()).paths(start, length, len(rows), own)
         return found
 
@@ -286,7 +288,8 @@ def collection_p_values(
         raise InvalidInput(
             f"theta holds {path.size} orientations: a chain needs at least two, in order"
         )
-    count, first_seed = whole_number("runs", runs, least=1), whole_number("seed", seed, least=0)
+    count = whole_number("runs", runs, least=1)
+    first_seed = whole_number("seed", seed, least=0)
     chosen = collection_statistics() if statistics is None else statistics
     size = max(count, 200) if refit is None else _REFIT_ENSEMBLE
     known = ensemble or simulated_ensemble(model, float(path[0]), path.size, size, first_seed + 1)
@@ -297,8 +300,10 @@ def collection_p_values(
         for name, measure in chosen.items():
             found[name] = finite_array("the statistic's values", measure(some, against))
             if found[name].shape != (len(some),):
-                told = f"shape {found[name].shape} for {len(some)} paths"
-                raise InvalidInput(f"the statistic gave {told}: give one value a path")
+                raise InvalidInput(
+                    f"the statistic gave shape {found[name].shape} for {len(some)} paths: give one "
+                    "value a path"
+                )
         return found
 
     observed = values(path[None], known)

@@ -221,7 +221,8 @@ def _cycles_asked(
     path = pairs.path
     if path is None or pairs.path_cycle is None or path.size < FEWEST_CYCLES:
         return replace(empty, cycle=cycle_agreement(prediction, pairs))
-    first, start = int(pairs.path_cycle[0]), float(path[0])
+    first = int(pairs.path_cycle[0])
+    start = float(path[0])
     uncertain = prediction.model(first, uncertain=True)
     ensemble = simulated_ensemble(prediction.model(first), start, path.size, ENSEMBLE, seed + 2)
     statistics = {**collection_statistics(), "map": map_misfit}

@@ -92,7 +92,8 @@ def cycle_agreement(
     """Set measured pairs, each of its own cycle (from 0 where they tell none), beside the predicted
     map.
     """
-    (predicted, *sampled), best = prediction.turns(pairs.theta, pairs.numbers), None
+    predicted, *sampled = prediction.turns(pairs.theta, pairs.numbers)
+    best = None
     with suppress(InvalidInput):
         best = fit_periodic_law(pairs.theta, pairs.turn, harmonics=HARMONICS)
     off = pairs.turn - predicted
@@ -141,7 +142,8 @@ def map_misfit(paths: Array, ensemble: Ensemble) -> Array:
         coefficients, _, rank, _ = np.linalg.lstsq(columns, values, rcond=1e-9)
         fitted = columns @ coefficients
         left = float(np.sum((values - fitted) ** 2))
-        explained, free = float(fitted @ fitted), values.size - rank
+        explained = float(fitted @ fitted)
+        free = values.size - rank
         ratios[index] = explained / rank * free / left if left > 0.0 else 0.0
     return ratios
 
@@ -237,9 +239,12 @@ def direction_agreement(
     measured = kernel_modes(path)
     stride = max(1, ensemble.paths.size // _POOLED)
     predicted = kernel_modes(ensemble.paths.ravel()[::stride])
-    simulated, matches = [kernel_modes(run) for run in null] if zones else [], []
+    simulated = [kernel_modes(run) for run in null] if zones else []
+    matches = []
     for zone in zones:
-        mode, off, p_value = _nearest(predicted, zone.centre), None, None
+        mode = _nearest(predicted, zone.centre)
+        off = None
+        p_value = None
         seen = None if mode is None else _nearest(measured, mode)
         if mode is not None and seen is not None:
             off = float(shorter_way(seen - mode))

@@ -20,7 +20,8 @@ from cyclemap.progress import Progress, part_of
 # Samples of a material's posterior that are used, and how good their maps are, rad: they tell a
 # spread.
 SAMPLES = 32
-_SAMPLE_TOLERANCE, _SAMPLE_BLEND = 1e-3, 1e-2
+_SAMPLE_TOLERANCE = 1e-3
+_SAMPLE_BLEND = 1e-2
 
 Predictor = CollectionLoop | CircleMap | DriftingMap
 

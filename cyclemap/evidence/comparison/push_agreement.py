@@ -29,7 +29,8 @@ QUANTITIES = ("dtheta", "dx", "dy")
 FEWEST = 3
 # A bias below this, rad or m, is none: no camera sees it, and of exact simulated pushes it is
 # rounding.
-SEEN_ANGLE, SEEN_LENGTH = np.radians(0.005), 5e-6
+SEEN_ANGLE = np.radians(0.005)
+SEEN_LENGTH = 5e-6
 # Pushes that are run on each sample of a posterior, of a set and of all sets: they tell how far the
 # mean moves.
 _SAMPLED_PUSHES = 100
@@ -259,8 +260,10 @@ def quantity_agreement(
     (0.5, 0.0, 0.5, 25.0)
     """
     off = predicted - measured
-    mean, deviation = float(np.mean(measured)), float(np.std(measured))
-    bias, rmse = float(np.mean(off)), float(np.sqrt(np.mean(off**2)))
+    mean = float(np.mean(measured))
+    deviation = float(np.std(measured))
+    bias = float(np.mean(off))
+    rmse = float(np.sqrt(np.mean(off**2)))
     error = mean_error(off, model_error)
     seen = SEEN_LENGTH if name in ("dx", "dy") else SEEN_ANGLE
     return QuantityAgreement(

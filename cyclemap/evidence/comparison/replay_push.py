@@ -27,7 +27,9 @@ _LARGEST_SHIFT = 5e-3
 _PIECES = 3600
 # What is left between rod and object after a shift, and how well gaps of touching rods are known,
 # m.
-_CLEARANCE, _ROUNDING, _MOST_SHIFTS = 1e-7, 1e-7, 10
+_CLEARANCE = 1e-7
+_ROUNDING = 1e-7
+_MOST_SHIFTS = 10
 # Between its samples a predicted pose is taken to be straight: half a millimetre leaves under a
 # micrometre.
 _SAMPLE_SPACING = 0.5e-3
@@ -57,7 +59,8 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
     Raises InvalidInput where the tip moves less than 1 mm.
     """
     place = finite_array("tip pose", tip_pose, ndim=2)[:, 1:3]
-    kept, spans = {0, len(place) - 1}, [(0, len(place) - 1)]
+    kept = {0, len(place) - 1}
+    spans = [(0, len(place) - 1)]
     while spans:
         first, last = spans.pop()
         off = _from_chord(place[first : last + 1])
@@ -82,7 +85,8 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
 
 def _from_chord(place: Array) -> Array:
     """Distance of each place from the segment between the first and the last."""
-    chord, offset = place[-1] - place[0], place - place[0]
+    chord = place[-1] - place[0]
+    offset = place - place[0]
     square = float(chord @ chord)
     share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(place))
     return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
@@ -126,12 +130,12 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
         shift = shift + (_CLEARANCE - gap) * normal
         if np.hypot(*shift) > _LARGEST_SHIFT:
             break
-    depth, most = 1e3 * np.hypot(*shift), 1e3 * _LARGEST_SHIFT
-    told = (
+    depth = 1e3 * np.hypot(*shift)
+    most = 1e3 * _LARGEST_SHIFT
+    raise InvalidInput(
         f"the rod starts {depth:.3g} mm inside the object, more than the {most:.0f} mm that a "
-        "calibration may be off"
+        "calibration may be off: check the object's outline and the rod's radius"
     )
-    raise InvalidInput(f"{told}: check the object's outline and the rod's radius")
 
 
 def push_along(
@@ -147,15 +151,19 @@ def push_along(
     UnsupportedContact where the rod touches two sides at once or enters the object,
     ConvergenceError where the contact cannot be solved.
     """
-    travels, poses = [np.zeros(1)], [np.array([[pose.x, pose.y, pose.theta]])]
-    done, touched, left = 0.0, False, False
+    travels = [np.zeros(1)]
+    poses = [np.array([[pose.x, pose.y, pose.theta]])]
+    done = 0.0
+    touched = False
+    left = False
     for (x, y), (end_x, end_y) in pairwise(corners.tolist()):
         length = math.hypot(end_x - x, end_y - y)
         if length == 0.0:
             continue
         if rod_gap(model, pose, (x, y))[0] < -_ROUNDING:
-            there = f"({x:.4f}, {y:.4f}) m"
-            raise UnsupportedContact(f"the rod would enter the object at {there} from behind")
+            raise UnsupportedContact(
+                f"the rod would enter the object at ({x:.4f}, {y:.4f}) m from behind"
+            )
         stroke = WorldPush((x, y), math.atan2(end_y - y, end_x - x), length)
         left = touched
         with suppress(RodMissesObject):
@@ -164,7 +172,9 @@ def push_along(
             at = done + length - model.unit * push.course.strokes.length
             travels += [np.array([at]), at + push.trajectory.path]
             poses += [poses[-1][-1:], push.trajectory.pose]
-            pose, touched, left = push.end, True, push.ended == "left"
+            pose = push.end
+            touched = True
+            left = push.ended == "left"
         done += length
         travels.append(np.array([done]))
         poses.append(poses[-1][-1:])
@@ -245,7 +255,8 @@ class Replay:
         """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and
         whether.
         """
-        weight, numbers = np.diff(self.travel), dict[str, float]()
+        weight = np.diff(self.travel)
+        numbers = dict[str, float]()
         for name, error in (("error", self.error), ("turn_error", self.turn_error)):
             # The root mean square along the rod's way, by the trapezium rule.
             middle = 0.5 * (error[1:] ** 2 + error[:-1] ** 2)
@@ -302,14 +313,16 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
     >>> round(1e3 * replay.summary()["predicted_motion"], 3)
     9.75
     """
-    (corners, way, straightness), start = tip_path(record.tip_pose), Pose(*record.start)
+    (corners, way, straightness) = tip_path(record.tip_pose)
+    start = Pose(*record.start)
     first = (float(corners[0, 0]) + offset[0], float(corners[0, 1]) + offset[1])
     shift = clearing_shift(model, start, first) + offset
     at, poses, touched, left = push_along(model, start, corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
     travel = np.interp(record.object_pose[:, 0], record.tip_pose[:, 0], way)
     bends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
-    predicted, tip = interpolated(travel, at, poses), interpolated(travel, bends, corners) + shift
+    predicted = interpolated(travel, at, poses)
+    tip = interpolated(travel, bends, corners) + shift
     onsets = []
     for course in (measured, predicted):
         # Travel at which the object begins to move; NaN: never.

@@ -91,13 +91,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MOST_STROKES = 2000
-PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
-    "push ends",
-    "drag-backs",
-    "wrenches",
-    "cycles",
-    "records",
-)
+PUSH_ENDS = "push ends"
+DRAG_BACKS = "drag-backs"
+WRENCHES = "wrenches"
+CYCLES = "cycles"
+RECORDS = "records"
 
 _COLUMNS = {
     PUSH_ENDS: (*ENDS, *RODS),
@@ -116,18 +114,21 @@ LAYOUTS = (
 
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones
 # where data are few.
-_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
+_LONGEST_GROUP = 25
+_FEWEST_GROUPS = 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
 # Pushes of rods that were set by marks, at most: each has two unknowns of its own. Pushes of a
 # session that are asked, at most, how far they turn.
-_MOST_SET, _MOST_TURNS = 200, 200
+_MOST_SET = 200
+_MOST_TURNS = 200
 # So many sessions tell how the floor's shape varies with the place.
 _SESSIONS_OF_A_FIELD = 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
-_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+_FEWEST_PIECES = 3
+_FEWEST_CYCLES = 5
 # Files of which the same is told are named one by one up to so many.
 _MOST_NAMED = 3
 
@@ -257,7 +258,8 @@ class _Collected:
                     self._note(words)
         sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
         for index, (plate, speed) in enumerate(sessions):
-            self.plate, self.loop = plate, loop_of_plate(self.given, plate)
+            self.plate = plate
+            self.loop = loop_of_plate(self.given, plate)
             self.session = self._session(sort, speed)
             chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
             own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
@@ -363,7 +365,8 @@ class _Collected:
             push = told_push(self.loop.push, row, row["length"])
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            slider, radius = self.loop.slider, self.loop.pusher.radius
+            slider = self.loop.slider
+            radius = self.loop.pusher.radius
             pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
         self._add_push_ends(pushes)
@@ -399,7 +402,8 @@ class _Collected:
     def _add_forces(self, records: Sequence[PushRecord]) -> None:
         outline = self.loop.slider.outline_points(360)
         sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
-        pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
+        pieces = sliding.ratio.size
+        count = len(np.unique(sliding.push))
         if pieces < _FEWEST_PIECES:
             self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
             return
@@ -441,11 +445,10 @@ class _Collected:
             readings = tuple(row[name] for name in (*ENDS, *RODS))
             here = f"{row['path']}, line {row['line']}"
             if readings in self.filled:
-                again = (
-                    f"the push of {self.filled[readings]}, again, all readings the same, "
-                    "would count twice"
+                raise DataFileError(
+                    f"{here}: the push of {self.filled[readings]}, again, all readings the same, "
+                    "would count twice: leave one of them out"
                 )
-                raise DataFileError(f"{here}: {again}: leave one of them out")
             self.filled[readings] = here
 
     def _add_table(self, sort: str, rows: pandas.DataFrame) -> None:
@@ -473,8 +476,10 @@ class _Collected:
     def _add_wrenches(self, rows: pandas.DataFrame) -> None:
         extent = self.loop.slider.outline.extent
         data = read_wrench_twists(rows, extent)
-        scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
-        words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
+        words = (
+            f"{len(data.twist)} pairs of wrench and twist, torque and turning rate scaled by "
+            f"{1e3 * extent:.2f} mm"
+        )
         self._add(wrench_twist_block(data, self.loop.slider), words)
         sources = told(rows["source"])
         if len(sources) > 1:
@@ -540,7 +545,8 @@ def _plates_and_speeds(
     m/s."""
     speeds: dict[str, set[float]] = {}
     for row in facts:
-        known, speed = row.get("object"), row.get("speed")
+        known = row.get("object")
+        speed = row.get("speed")
         own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
         if speed is not None and not math.isnan(speed):
             own.add(float(speed))
@@ -697,7 +703,8 @@ def collected_blocks(
     recognised = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in recognised for file in known))
     unused = list(dict.fromkeys(file for _, others in recognised for file in others))
-    surfaces, shapes = set[str](), set[str]()
+    surfaces = set[str]()
+    shapes = set[str]()
     for index, (path, sort) in enumerate(files):
         on, of = collected.add_file(path, sort, selection, part_of(progress, index, len(files)))
         surfaces |= on

@@ -40,7 +40,8 @@ SCAN_KIND = "scan force (N)"
 FEWEST_GROUPS = 4
 # Directions (rad) as near as this are one.
 _SAME_DIRECTION = 1e-6
-FORCE_KIND, TORQUE_KIND = "wrench force (N)", "wrench torque over radius (N)"
+FORCE_KIND = "wrench force (N)"
+TORQUE_KIND = "wrench torque over radius (N)"
 # Pieces of the outline that count as one place of contact each: 9 mm on a square of 90 mm.
 CONTACT_PIECES = 40
 _POINTS = 720
@@ -49,7 +50,8 @@ _STEP = 0.02
 RATIO_KIND = "force ratio (1)"
 # Slip per travel of the rod above which it slides and below which it sticks: between them the poses
 # do not tell.
-SLIDING, STICKING = 0.1, 0.03
+SLIDING = 0.1
+STICKING = 0.03
 
 
 def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
@@ -84,7 +86,8 @@ def scan_traction(scans: pandas.DataFrame | Mapping[str, ArrayLike], weight: flo
     [[0.25, 0.0625]]
     """
     direction, along, across = scan_columns(scans)
-    c, s = np.cos(direction), np.sin(direction)
+    c = np.cos(direction)
+    s = np.sin(direction)
     return np.stack([along * c - across * s, along * s + across * c], axis=-1) / positive_number(
         "weight", weight
     )
@@ -176,8 +179,10 @@ def _traction(surface: SurfaceParameters, way: Array) -> tuple[Array, Array]:
     """
     from scipy.linalg import expm, expm_frechet
 
-    by_x, by_y = np.array(((1.0, 0.0), (0.0, -1.0))), np.array(((0.0, 1.0), (1.0, 0.0)))
-    traction, mean = surface.to_friction().traction(way), math.exp(surface.friction_scale)
+    by_x = np.array(((1.0, 0.0), (0.0, -1.0)))
+    by_y = np.array(((0.0, 1.0), (1.0, 0.0)))
+    traction = surface.to_friction().traction(way)
+    mean = math.exp(surface.friction_scale)
     exponent = surface.ellipticity_x * by_x + surface.ellipticity_y * by_y
     push = way @ expm(exponent)
     square = np.sum(push * way, axis=1, keepdims=True)
@@ -285,7 +290,8 @@ class WrenchTwists:
         A single pusher's force passes through its contact: the line of action enters the outline
         there, as seen along the force. A line that misses the outline is no single push.
         """
-        rim, found = outline.points(_POINTS), np.full(len(self.wrench), -1)
+        rim = outline.points(_POINTS)
+        found = np.full(len(self.wrench), -1)
         step = np.diff(rim, axis=0)
         place = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
         for row, (fx, fy, torque) in enumerate(self.wrench.tolist()):
@@ -366,11 +372,10 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     >>> bool(np.allclose(residual, 0.0, atol=1e-9))
     True
     """
-    unit, law = np.array([1.0, 1.0, 1.0 / slider.outline.extent]), EllipseFriction.isotropic(1.0)
-    measured, parameters = (
-        (data.wrench * unit).ravel(),
-        ("friction_scale", "floor_dome", *PLATE_NAMES),
-    )
+    unit = np.array([1.0, 1.0, 1.0 / slider.outline.extent])
+    law = EllipseFriction.isotropic(1.0)
+    measured = (data.wrench * unit).ravel()
+    parameters = ("friction_scale", "floor_dome", *PLATE_NAMES)
 
     def wrench(shape: Array) -> Array:
         surface = SurfaceParameters(**dict(zip(PLATE_NAMES, shape.tolist(), strict=True)))
@@ -380,7 +385,8 @@ def wrench_twist_block(data: WrenchTwists, slider: Slider) -> DataBlock:
     def function(values: Values) -> tuple[Array, Array]:
         shape = np.array([values[name] for name in PLATE_NAMES])
         shape[0] += values["floor_dome"]
-        mean, force = math.exp(values["friction_scale"]), wrench(shape)
+        mean = math.exp(values["friction_scale"])
+        force = wrench(shape)
         steps = _STEP * np.eye(len(shape))
         slopes = [(wrench(shape + step) - wrench(shape - step)) / (2.0 * _STEP) for step in steps]
         return mean * force - measured, mean * np.column_stack([force, slopes[0], *slopes])
@@ -448,7 +454,8 @@ def sliding_forces(
     A piece is as many consecutive samples as a window of `contact_samples`, touching, with a slip
     of more than a tenth of the rod's travel of one sign in every window that a sample is part of.
     """
-    rows, sticking = [], 0
+    rows = []
+    sticking = 0
     for number, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):

@@ -328,10 +328,13 @@ def cycle_pair_block(
     >>> bool(np.abs(block.residuals(SurfaceParameters().values())[0]).max() < 1e-6)
     True
     """
-    angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
+    angles = finite_array("theta", theta, ndim=1)
+    measured = finite_array("turn", turn, ndim=1)
     if angles.size == 0 or measured.shape != angles.shape:
-        told = f"{angles.size} orientations and {measured.size} turns"
-        raise InvalidInput(f"{told}: give one turn for each, one at least")
+        raise InvalidInput(
+            f"{angles.size} orientations and {measured.size} turns: give one turn for each, one at "
+            "least"
+        )
     surfaces = _surfaces(angles.size, share)
     own_parameters = () if share is None else _WORN_PARAMETERS
     parameters = tuple(dict.fromkeys(name for _, names in surfaces for name in names))
@@ -346,7 +349,8 @@ def cycle_pair_block(
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
     def function(values: Values) -> Rows:
-        predicted, jacobian = np.zeros(angles.size), np.zeros((angles.size, len(parameters)))
+        predicted = np.zeros(angles.size)
+        jacobian = np.zeros((angles.size, len(parameters)))
         for weight, names in surfaces:
             turned, by_names = at_nodes(values, names)
             columns = [parameters.index(name) for name in names]

@@ -34,7 +34,8 @@ SESSION_KINDS = ("session dome (kPa)", "session bow (kPa)", "session bow (kPa)")
 BELIEF_KINDS = (PRIOR_KIND, *SESSION_KINDS)
 # Deviation of a session from the floor's mean, kPa, that so many sessions more are believed to have
 # had; also the width of what is believed of spreads.
-USUAL_SPREAD, _BELIEVED_SESSIONS = 2.0, 2
+USUAL_SPREAD = 2.0
+_BELIEVED_SESSIONS = 2
 # What is usual: how anisotropic floors are, rods and rings of steel on steel (a ring's lever is
 # the rod's friction times its radius), shapes of plates and floors, how well the frames of a robot
 # and a camera agree. Wide enough that data which know better overrule it.
@@ -168,8 +169,10 @@ class DataBlock:
             residual.size,
             len(self.parameters),
         ):
-            shapes = f"residuals {residual.shape} and derivatives {jacobian.shape}"
-            raise InvalidInput(f"block {self.name!r} of {self.groups.size} rows gave {shapes}")
+            raise InvalidInput(
+                f"block {self.name!r} of {self.groups.size} rows gave residuals {residual.shape} "
+                f"and derivatives {jacobian.shape}"
+            )
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
             raise ConvergenceError(
                 f"block {self.name!r} has residuals or derivatives that are not finite"
@@ -188,7 +191,9 @@ class DataBlock:
         """Return the block with the rows only where `keep` (n,) is true, whole strokes; its motions
         are left out.
         """
-        rows, whole, part = np.flatnonzero(keep), self.function, self.part
+        rows = np.flatnonzero(keep)
+        whole = self.function
+        part = self.part
 
         def some(values: Values) -> tuple[Array, Array]:
             residual, jacobian = whole(values)
@@ -287,7 +292,8 @@ class JointProblem:
         whatever a block raises.
         """
         values = self.values(vector)
-        residuals, jacobians = [], []
+        residuals = []
+        jacobians = []
         for block in self.blocks:
             residual, jacobian = block.residuals(values)
             residuals.append(residual)
@@ -299,7 +305,8 @@ class JointProblem:
 
         A free parameter that no block asks for any more is held at its value in `values`.
         """
-        chosen, parts = np.asarray(keep, dtype=bool), []
+        chosen = np.asarray(keep, dtype=bool)
+        parts = []
         for index, block in enumerate(self.blocks):
             rows = chosen[self.block_index == index]
             if rows.any():

@@ -52,7 +52,9 @@ def uncertainty(problem: JointProblem, fit: Fit, law: NoiseLaw | None = None) ->
     groups otherwise: the sandwich of Liang & Zeger. To both comes what estimating the weights of
     the kinds from the same data costs.
     """
-    law, scale, kinds = law or NoiseLaw(), problem.space.scale, problem.kind_index
+    law = law or NoiseLaw()
+    scale = problem.space.scale
+    kinds = problem.kind_index
     jacobian = fit.jacobian / fit.noise[kinds, None] * scale
     values, vectors = np.linalg.eigh(jacobian.T @ jacobian)
     seen = values > _RANK * np.max(values, initial=0.0)
@@ -104,7 +106,8 @@ def _kind_variance(
     """
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     redundancy = np.where(known, np.inf, np.maximum(np.bincount(kinds, 1.0 - leverage), 0.1))
-    total, share = np.zeros_like(inverse), np.zeros((len(redundancy), len(inverse)))
+    total = np.zeros_like(inverse)
+    share = np.zeros((len(redundancy), len(inverse)))
     for kind, rest in enumerate(redundancy):
         part = jacobian[kinds == kind] @ inverse
         square = part.T @ part
@@ -126,7 +129,9 @@ def _grouped_variance(
     unequal groups have little freedom.
     """
     order = np.argsort(groups, kind="stable")
-    meat, own, pull = [], [], []
+    meat = []
+    own = []
+    pull = []
     for rows in np.split(order, np.flatnonzero(np.diff(groups[order])) + 1):
         part = jacobian[rows]
         # The inverse square root; directions that the fit follows wholly have none and give zero.
@@ -136,7 +141,9 @@ def _grouped_variance(
         meat.append(freed.T @ errors[rows])
         own.append(np.sum((freed @ inverse) ** 2, axis=0))
         pull.append(part.T @ freed @ inverse)
-    scores, each, pulled = np.array(meat) @ inverse, np.array(own), np.array(pull)
+    scores = np.array(meat) @ inverse
+    each = np.array(own)
+    pulled = np.array(pull)
     # Trace squared over squared norm of the quadratic form that estimates the variance of parameter
     # p: its matrix is diag(each_p) - U inverse U^T, U = pulled[:, :, p].
     fed = np.einsum("ij,gjp->gip", inverse, pulled)

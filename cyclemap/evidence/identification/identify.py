@@ -101,7 +101,9 @@ def random_folds(problem: JointProblem, folds: int, seed: int = 0) -> Labels:
     groups = len(np.unique(problem.groups[~stays]))
     if not 2 <= whole_number("folds", folds) <= groups:
         raise InvalidInput(f"folds must be from 2 to the {groups} groups of the data, not {folds}")
-    rng, dealt, fold = np.random.default_rng(seed), 0, np.full(int(np.max(problem.groups)) + 1, -1)
+    rng = np.random.default_rng(seed)
+    dealt = 0
+    fold = np.full(int(np.max(problem.groups)) + 1, -1)
     for block in range(len(problem.blocks)):
         members = rng.permutation(
             np.unique(problem.groups[(problem.block_index == block) & ~stays])
@@ -124,8 +126,10 @@ def cross_validate(
     Returns residuals (n,), predicted less measured, nan where a row was never left out (fold -1) or
     its fold had no answer, and why folds had none. `progress` is called with the fraction done.
     """
-    count, whole = int(np.max(fold)) + 1, problem.values(fit.vector)
-    residuals, failures = np.full(len(fold), np.nan), []
+    count = int(np.max(fold)) + 1
+    whole = problem.values(fit.vector)
+    residuals = np.full(len(fold), np.nan)
+    failures = []
     for one in range(count):
         try:
             part = problem.subset(fold != one, whole)
@@ -149,7 +153,8 @@ def kind_errors(
     """Return the sizes of the errors of every kind in every block; also of rows left out, and of
     flat isotropy.
     """
-    nothing, found = np.full(len(fit.residuals), np.nan), []
+    nothing = np.full(len(fit.residuals), np.nan)
+    found = []
     told = [nothing if one is None else one for one in (fit.residuals, left_out, isotropic)]
     for number, block in enumerate(problem.blocks):
         for kind in np.unique(block.kinds).tolist():
@@ -381,7 +386,9 @@ def identify(
     """
     student_quantile(level, 10.0)
     whole_number("seed", seed, least=0)
-    law, believed, known = NoiseLaw(student), dict(priors or {}), dict(noise or {})
+    law = NoiseLaw(student)
+    believed = dict(priors or {})
+    known = dict(noise or {})
     if believed:
         blocks = (*blocks, prior_block(believed))
     if any(PRIOR_KIND in block.kinds for block in blocks):
@@ -396,7 +403,8 @@ def identify(
     )
     fit = found.best
     errors = uncertainty(problem, fit, law)
-    left_out, failures = None, list[str]()
+    left_out = None
+    failures = list[str]()
     if fold is not None:
         left_out, failures = cross_validate(
             problem, fit, fold, law, lambda done: report(0.6 + 0.4 * done)
@@ -467,7 +475,8 @@ def _estimates(
     found = []
     for one, value, error, freedom in told:
         half = student_quantile(level, float(freedom)) * error if np.isfinite(error) else np.inf
-        open_below, open_above = bool(value - half <= one.lower), bool(value + half >= one.upper)
+        open_below = bool(value - half <= one.lower)
+        open_above = bool(value + half >= one.upper)
         nearer = "lower" if value - one.lower <= one.upper - value else "upper"
         estimate = Estimate(
             one.name,
@@ -490,7 +499,9 @@ def _notes(
     found: MultiStart, errors: Uncertainty, estimates: tuple[Estimate, ...], believed: Beliefs
 ) -> list[str]:
     """All that qualifies the result, in words."""
-    fit, notes, failed = found.best, [*errors.open], len(found.failures)
+    fit = found.best
+    notes = [*errors.open]
+    failed = len(found.failures)
     if not fit.converged:
         notes.append(f"the search did not converge: {fit.message}")
     if failed:

@@ -23,13 +23,15 @@ from cyclemap.mechanics import Material, PlatePressure
 # What a session may be off by, kPa, of which no spread is known; less is no spread.
 _LEAST_SPREAD = 0.2
 # What a floor tells of the friction ellipse, but for its size, which no motion tells, and the ring.
-_ELLIPSE, _RING = SURFACE.names[1:5], "pin_friction_radius"
+_ELLIPSE = SURFACE.names[1:5]
+_RING = "pin_friction_radius"
 FLOOR_TOLD = (*_ELLIPSE, _RING)
 _FOUND = ("pusher_friction", _RING)
 # Samples that differ by less than this share of their mean are all the same.
 _ALIKE = 1e-9
 # How well a material knows what it has no samples of.
-_SURE, _SURE_SHAPE = {"pusher_friction": 0.02, _RING: 5e-4}, 0.5
+_SURE = {"pusher_friction": 0.02, _RING: 5e-4}
+_SURE_SHAPE = 0.5
 
 
 def known_beliefs(
@@ -47,7 +49,8 @@ def known_beliefs(
     if floor is None:
         return {}
     count = 0 if floor.posterior is None else len(floor.posterior)
-    drawn, believed = [floor.sample(number) for number in range(count)], {}
+    drawn = [floor.sample(number) for number in range(count)]
+    believed = {}
     for name in names:
         plain, _, owner = name.partition("[")
         rows = [_told(one, plain, owner.rstrip("]") or plate) for one in (floor, *drawn)]

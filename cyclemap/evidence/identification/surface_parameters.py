@@ -374,7 +374,8 @@ class SurfaceParameters:
 
     def __post_init__(self) -> None:
         for name in SURFACE.names:
-            value, bounds = finite_number(name, getattr(self, name)), SURFACE[name]
+            value = finite_number(name, getattr(self, name))
+            bounds = SURFACE[name]
             object.__setattr__(self, name, value)
             if not bounds.lower <= value <= bounds.upper:
                 raise InvalidInput(
@@ -397,11 +398,10 @@ class SurfaceParameters:
         for name in others:
             if name not in SURFACE.names[5:]:
                 raise unknown_name("parameter besides friction", name, SURFACE.names[5:])
-        mean, ratio = (
-            math.sqrt(friction.mu_a * friction.mu_b),
-            math.log(friction.mu_a / friction.mu_b),
-        )
-        c, k = math.cos(friction.phi), math.sin(friction.phi)
+        mean = math.sqrt(friction.mu_a * friction.mu_b)
+        ratio = math.log(friction.mu_a / friction.mu_b)
+        c = math.cos(friction.phi)
+        k = math.sin(friction.phi)
         return cls(
             math.log(mean),
             ratio * math.cos(2.0 * friction.phi),
@@ -422,8 +422,10 @@ class SurfaceParameters:
         would gain energy.
         """
         ratio, phi, mean = *self._ellipse(), math.exp(self.friction_scale)
-        c, k = math.cos(phi), math.sin(phi)
-        m0, n0 = c * self.offset_x + k * self.offset_y, -k * self.offset_x + c * self.offset_y
+        c = math.cos(phi)
+        k = math.sin(phi)
+        m0 = c * self.offset_x + k * self.offset_y
+        n0 = -k * self.offset_x + c * self.offset_y
         return EllipseFriction(
             mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
         )
@@ -472,17 +474,21 @@ class SurfaceParameters:
                 f"{len(names)} names"
             )
         ratio, phi = self._ellipse()
-        law, mean = self.to_friction(), math.exp(self.friction_scale)
+        law = self.to_friction()
+        mean = math.exp(self.friction_scale)
         # The derivative (k,) of each of the mechanics' parameters by SURFACE; that of phi has no
         # bound at a circle.
         double = np.array((math.cos(2 * phi), math.sin(2 * phi)))
         across = np.array((-math.sin(2 * phi), math.cos(2 * phi)))
-        c, k = math.cos(phi), math.sin(phi)
+        c = math.cos(phi)
+        k = math.sin(phi)
         friction = np.zeros((5, len(SURFACE)))
         friction[:4, 0] = law.mu_a, law.mu_b, law.m0, law.n0
-        friction[0, 1:3], friction[1, 1:3] = 0.5 * law.mu_a * double, -0.5 * law.mu_b * double
+        friction[0, 1:3] = 0.5 * law.mu_a * double
+        friction[1, 1:3] = -0.5 * law.mu_b * double
         friction[4, 1:3] = across / (2.0 * ratio)
-        friction[2, 1:3], friction[3, 1:3] = law.n0 * friction[4, 1:3], -law.m0 * friction[4, 1:3]
+        friction[2, 1:3] = law.n0 * friction[4, 1:3]
+        friction[3, 1:3] = -law.m0 * friction[4, 1:3]
         friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
         table = dict(
             zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True)
@@ -539,7 +545,8 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         )
     if start is not None:
         loop = loop.with_material(start)
-    pressed, unit = loop.footprint, mean_pressure(loop.slider)
+    pressed = loop.footprint
+    unit = mean_pressure(loop.slider)
     floor, plate = (
         (pressed.floor, pressed.plate) if isinstance(pressed, PressedFootprint) else (FLAT, FLAT)
     )

@@ -125,7 +125,8 @@ class CircularLaw:
         step = TWO_PI / self.cells
         cell = np.minimum((angle / step).astype(np.int64), self.cells - 1)
         t = (angle - self.knots[cell]) / step
-        low, mass = self.masses[cell], self.masses[cell + 1] - self.masses[cell]
+        low = self.masses[cell]
+        mass = self.masses[cell + 1] - self.masses[cell]
         # At most three times the mean slope: the cubic then never falls.
         rise = np.minimum(self.heights[cell] * step, 3.0 * mass)
         end = np.minimum(self.heights[cell + 1] * step, 3.0 * mass)
@@ -202,7 +203,8 @@ def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Arr
         pair = _two_samples(sample, law)
         angles = np.unique(np.concatenate(pair))
         shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
-        levels, gaps = shares[0] - shares[1], np.diff(angles, append=angles[0] + TWO_PI)
+        levels = shares[0] - shares[1]
+        gaps = np.diff(angles, append=angles[0] + TWO_PI)
         order = np.argsort(levels)
         median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]
         return np.asarray(np.abs(levels - median) @ gaps)[()]
@@ -226,21 +228,22 @@ def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
         np.concatenate([law.cumulative(rows), masses], axis=1), order, axis=1
     )
     steps = np.cumsum(order < size, axis=1) / size
-    high, low = (
-        steps - reached,
-        steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1),
-    )
+    high = steps - reached
+    low = steps - np.concatenate([reached[:, 1:], np.ones((count, 1))], axis=1)
     # The level that it lies below on half of the circle, by bisection.
     span = np.where(high > low, high - low, 1.0)
     rate = np.where(high > low, 1.0 / span, 1e300)
-    bottom, top = np.min(low, axis=1), np.max(high, axis=1)
+    bottom = np.min(low, axis=1)
+    top = np.max(high, axis=1)
     for _ in range(_HALVINGS):
         middle = 0.5 * (bottom + top)
         share = np.clip((middle[:, None] - low) * rate, 0.0, 1.0)
         under = np.einsum("ij,ij->i", share, width) < np.pi
-        bottom, top = np.where(under, middle, bottom), np.where(under, top, middle)
+        bottom = np.where(under, middle, bottom)
+        top = np.where(under, top, middle)
     level = 0.5 * (bottom + top)[:, None]
-    above, below = high - level, low - level
+    above = high - level
+    below = low - level
     crossing = (above > 0.0) & (below < 0.0)
     mean = np.where(crossing, (above**2 + below**2) / (2.0 * span), 0.5 * np.abs(above + below))
     return np.asarray(np.sum(width * mean, axis=1))
@@ -347,7 +350,9 @@ def monte_carlo_p_value(observed: float, simulated: ArrayLike) -> PValue:
     if null.size == 0:
         raise InvalidInput("there are no simulated values: run at least one")
     reached = int(np.sum(null >= mark - _TIE * max(1.0, abs(mark))))
-    more, fewer, total = reached + 1, null.size - reached + 1, null.size + 2
+    more = reached + 1
+    fewer = null.size - reached + 1
+    total = null.size + 2
     error = float(np.sqrt(more * fewer / (total**2 * (total + 1))))
     quantiles = read_only(np.quantile(null, PValue.LEVELS))
     return PValue((1 + reached) / (null.size + 1), null.size, mark, quantiles, error)

@@ -28,10 +28,12 @@ from cyclemap.written import ANGLE
 
 _RUNS = 200
 # A predicted turn is followed for this many times the pushes that the measured one took, and some.
-_PATIENCE, _LEAST = 3, 60
+_PATIENCE = 3
+_LEAST = 60
 # Early and late are told an eighth of the run from its ends: polynomials are least certain at the
 # very ends.
-_EARLY, _LATE = 0.125, 0.875
+_EARLY = 0.125
+_LATE = 0.875
 # From here on the turns are counted: a new surface wears in during the first quarter.
 _WORN_IN = 0.25
 _GRID = 1440
@@ -40,13 +42,15 @@ _AROUND = TWO_PI * np.arange(_GRID) / _GRID
 FEWEST_FOR_WEAR = 100
 # Residuals within 10 degrees tell by how much a law is off there; where their mean is this many
 # standard errors from 0, it is: by chance some window of the circle is in one fit of twenty.
-_MISFIT_REACH, _MISFIT = float(np.radians(10.0)), 3.0
+_MISFIT_REACH = float(np.radians(10.0))
+_MISFIT = 3.0
 # Scatter is told where so many pairs, or as many as there are anywhere, lie as near.
 _CROWD = 10
 # Paths that lie less often than this where orientations were measured foretell nothing.
 _INSIDE = 0.98
 # Orientations that stand for all paths, and paths whose distance from these is measured.
-_POOLED, _COMPARED = 20_000, 40
+_POOLED = 20_000
+_COMPARED = 40
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +111,14 @@ def turn_pace(
 
     Raises InvalidInput where the map was fitted without cycle numbers.
     """
-    runs, sign = whole_number("runs", runs, least=1), 1.0 if path[-1] >= path[0] else -1.0
+    runs = whole_number("runs", runs, least=1)
+    sign = 1.0 if path[-1] >= path[0] else -1.0
     places = full_turns(path, level)
     measured = np.diff(cycle[places])
     quantiles = []
     for k, (place, taken) in enumerate(zip(places[:-1], measured, strict=True)):
-        start, patience = float(path[place]), int(_PATIENCE * float(taken)) + _LEAST
+        start = float(path[place])
+        patience = int(_PATIENCE * float(taken)) + _LEAST
         # A turn begins a little past its mark: by so much less it has to climb to the next.
         past = np.remainder(sign * start - sign * level, TWO_PI)
         paths = fitted.paths(
@@ -336,7 +342,8 @@ def measured_cycle_map(
     part_of(progress, 1, 2)(1.0)
     # Measured less fitted turns, each beside the law of its own cycle, and those within 10 degrees
     # of each place.
-    worn, seen = fitted.wear, is_covered(pairs.theta, _AROUND)
+    worn = fitted.wear
+    seen = is_covered(pairs.theta, _AROUND)
     off = pairs.turn - fitted.law(pairs.theta)
     if worn is not None and pairs.cycle is not None:
         off = pairs.turn - worn.turns(pairs.theta, pairs.cycle)
@@ -362,7 +369,8 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     """The fitted map after a share of the cycles; bias : mean of the ``crowd`` of residuals about
     each place.
     """
-    worn, theta = fitted.wear, _AROUND
+    worn = fitted.wear
+    theta = _AROUND
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
     # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked
@@ -374,11 +382,10 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
         1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size
     )
     stated = quantile * law.standard_error(theta) * np.sqrt((1.0 + alike) / (1.0 - alike))
-    misfit, chance = np.abs(bias), law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
-    turn, error = (
-        law(theta),
-        stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0),
-    )
+    misfit = np.abs(bias)
+    chance = law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
+    turn = law(theta)
+    error = stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
@@ -450,7 +457,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
 
 def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> WornForecast | None:
     pairs = pairs.unbroken
-    path, cycle = pairs.path, pairs.path_cycle
+    path = pairs.path
+    cycle = pairs.path_cycle
     if (
         pairs.cycle is None
         or path is None

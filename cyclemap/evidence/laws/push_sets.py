@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
+SURROUNDINGS = SET_FACTS[:4]
+CONTACT = SET_FACTS[4:]
+_TEXT = SET_FACTS[:2]
 _LETTERS = {
     "acceleration": ("a", 1e3),
     "speed": ("v", 1e3),

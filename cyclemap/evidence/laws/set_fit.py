@@ -184,7 +184,8 @@ def motion_law(
     angles = np.asarray(theta, dtype=float)
     values = np.asarray(value, dtype=float)
     known = np.isfinite(values) & np.isfinite(angles)
-    angles, values = angles[known], values[known]
+    angles = angles[known]
+    values = values[known]
     if values.size < FEWEST:
         reason = f"too few pushes with a known end for a law: {values.size} of {FEWEST}"
         return MotionLaw(quantity, angles, values, None, float("nan"), reason)
@@ -197,11 +198,10 @@ def motion_law(
         return MotionLaw(quantity, angles, values, None, float("nan"), str(error))
     # Laws of the same order and weights, at blocks of successive pushes left out. Order and scatter
     # were chosen with all values: for a law of few coefficients that flatters it little.
-    columns, weight = (
-        fourier_columns(angles, law.harmonics),
-        scatter_weights(angles, law.log_variance),
-    )
-    size, fold = np.array([law.coefficients.size]), cycle_folds(values.size, seed)
+    columns = fourier_columns(angles, law.harmonics)
+    weight = scatter_weights(angles, law.log_variance)
+    size = np.array([law.coefficients.size])
+    fold = cycle_folds(values.size, seed)
     errors = nested_errors(columns, values, size, fold, weight)[:, 0]
     return MotionLaw(quantity, angles, values, law, float(np.sqrt(np.mean(errors / weight))))
 
@@ -325,7 +325,8 @@ def turn_histogram(
     (400, True)
     """
     angles, values = paired_arrays("value", theta, value)
-    centre, noise = law(angles), law.noise(angles)
+    centre = law(angles)
+    noise = law.noise(angles)
     reach = _MARGIN * noise
     low = min(np.min(values), np.min(centre - reach))
     high = max(np.max(values), np.max(centre + reach))
@@ -333,7 +334,8 @@ def turn_histogram(
         raise InvalidInput(f"all values are {values[0]:g}: there is no histogram to compare")
     edges = np.linspace(low, high, whole_number("bins", bins, least=2) + 1)
     grid = np.linspace(low, high, _FINER * bins + 1)
-    seen, alone = _empirical(grid, values), _empirical(grid, centre)
+    seen = _empirical(grid, values)
+    alone = _empirical(grid, centre)
     spread = _mixture(grid, centre, noise)
     total_variation = _bin_distance(seen[::_FINER], spread[::_FINER])
     null = np.empty(whole_number("runs", runs, least=1))
@@ -361,7 +363,8 @@ def _refit(theta: Array, law: PeriodicLaw) -> Callable[[Array], tuple[Array, flo
     and the size of its scatter over that of the given law.
     """
     noise = law.noise(theta)
-    columns, free = fourier_columns(theta, law.harmonics), theta.size - law.coefficients.size
+    columns = fourier_columns(theta, law.harmonics)
+    free = theta.size - law.coefficients.size
     inverse = weighted_least_squares(columns, law(theta), noise**-2)[1]
     solve = inverse @ (columns / noise[:, np.newaxis] ** 2).T
 
@@ -482,7 +485,8 @@ def fit_set(
     30
     """
     laws = set_laws(pushes, harmonics=harmonics, seed=seed, progress=part_of(progress, 0, 2))
-    histogram, turns = None, laws.dtheta
+    histogram = None
+    turns = laws.dtheta
     if turns.law is not None and turns.law.total_std != 0.0:
         histogram = turn_histogram(turns.theta, turns.value, turns.law, seed=seed)
     cycle_map = rest = None
