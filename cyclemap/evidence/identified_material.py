@@ -171,7 +171,7 @@ def sampled_values(
     spread = np.array([student_quantile(found.level, float(freedom)) for freedom in errors.freedom])
     spread /= student_quantile(found.level, 1e9)
     size = np.sqrt(np.maximum(np.diag(errors.covariance), 0.0))
-    squares, vectors = np.linalg.eigh(np.asarray(errors.correlation))
+    squares, vectors = np.linalg.eigh(errors.correlation)
     root = vectors * np.sqrt(np.maximum(squares, 0.0))
     draws = np.random.default_rng(seed).standard_normal((count, len(space))) @ root.T
     drawn = []
@@ -179,6 +179,7 @@ def sampled_values(
         values = found.problem.values(vector)
         with suppress(InvalidInput):
             SurfaceParameters.from_values(values).to_friction()
+            worn_friction_of(values)
             drawn.append(values)
     return tuple(drawn)
 

@@ -199,7 +199,7 @@ class _Reading:
         inverse.
         """
         x, y = self.convention.place(written.real, written.imag)
-        return np.asarray(self.length * (x + 1j * y))
+        return self.length * (x + 1j * y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -455,7 +455,7 @@ class _Predicted:
         away = np.abs(motion - self.motion)
         # Turns were taken the shorter way round in the unit as read: of another they tell nothing.
         off = 0.0 if reading.angle != 1.0 else self.lever * (turn - self.turn)
-        return np.asarray(np.hypot(away, off))
+        return np.hypot(away, off)
 
     def distance(self, reading: _Reading) -> float:
         """The median of `distances`."""

@@ -291,4 +291,4 @@ def in_kpa(slider: Slider, names: Sequence[str], by_engine: Array) -> Array:
     per_kpa = 1.0 / mean_pressure(slider)
     units = [per_kpa if name in ENGINE_NAMES else 1.0 for name in names]
     columns = [PARAMETERS.index(ENGINE_NAMES.get(name, name)) for name in names]
-    return np.asarray(by_engine[..., columns] * units)
+    return by_engine[..., columns] * units

@@ -196,7 +196,7 @@ def collection_statistics() -> dict[str, CollectionStatistic]:
     """
 
     def climb(paths: Array) -> Array:
-        return np.asarray(paths[:, -1] - paths[:, 0])
+        return paths[:, -1] - paths[:, 0]
 
     return {
         "wasserstein": lambda paths, ensemble: circular_wasserstein(paths, ensemble.law),

@@ -249,7 +249,7 @@ class Replay:
     @property
     def turn_error(self) -> Array:
         """(n,) rad, predicted minus measured turn."""
-        return np.asarray(self.predicted[:, 2] - self.measured[:, 2])
+        return self.predicted[:, 2] - self.measured[:, 2]
 
     def summary(self) -> dict[str, float]:
         """Numbers of the whole push, as `ReplayedPushes.table` tells them: m, rad, counts and

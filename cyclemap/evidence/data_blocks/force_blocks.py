@@ -63,15 +63,10 @@ def scan_columns(scans: pandas.DataFrame | Mapping[str, ArrayLike]) -> Array:
         raise InvalidInput(
             f"friction scans need {', '.join(SCAN_FIELDS)}: {', '.join(missing)} is missing"
         )
-    columns = [np.asarray(scans[name], dtype=float) for name in SCAN_FIELDS]
-    if (
-        columns[0].ndim != 1
-        or any(column.shape != columns[0].shape for column in columns)
-        or not len(columns[0])
-    ):
-        raise InvalidInput(
-            f"friction scans must be columns of one length, not {[c.shape for c in columns]}"
-        )
+    columns = [np.atleast_1d(np.asarray(scans[name], dtype=float)) for name in SCAN_FIELDS]
+    lengths = [len(column) for column in columns]
+    if len({*lengths}) > 1 or not lengths[0]:
+        raise InvalidInput(f"friction scans must be columns of one length, not {lengths}")
     for row in np.flatnonzero(~np.all(np.isfinite(columns), axis=0))[:1]:
         raise InvalidInput(f"friction scan {row} has no direction or no force (NaN): leave it out")
     return np.array(columns)
@@ -290,25 +285,17 @@ class WrenchTwists:
         A single pusher's force passes through its contact: the line of action enters the outline
         there, as seen along the force. A line that misses the outline is no single push.
         """
-        rim = outline.points(_POINTS)
-        found = np.full(len(self.wrench), -1)
-        step = np.diff(rim, axis=0)
-        place = np.concatenate([[0.0], np.cumsum(np.hypot(*step.T))])
-        for row, (fx, fy, torque) in enumerate(self.wrench.tolist()):
-            height = rim[:, 0] * fy - rim[:, 1] * fx - torque
-            crossing = np.flatnonzero(height[:-1] * height[1:] <= 0.0)
-            if fx == fy == 0.0 or not crossing.size:
-                continue
-            drop = height[crossing] - height[crossing + 1]
-            share = np.clip(
-                np.where(drop == 0.0, 0.0, height[crossing] / np.where(drop == 0.0, 1.0, drop)),
-                0.0,
-                1.0,
-            )
-            first = int(np.argmin((rim[crossing] + share[:, None] * step[crossing]) @ (fx, fy)))
-            entry = place[crossing[first]] + share[first] * np.diff(place)[crossing[first]]
-            found[row] = min(int(entry / place[-1] * CONTACT_PIECES), CONTACT_PIECES - 1)
-        return found
+        corners = outline.points(_POINTS)
+        way = np.append(0.0, np.cumsum(np.hypot(*np.diff(corners, axis=0).T)))
+        along = np.linspace(0.0, way[-1], _POINTS + 1)
+        x, y = (np.interp(along, way, coordinate) for coordinate in corners.T)
+        force_x, force_y, torque = self.wrench.T[..., None]
+        # How far the rim is beside the line of action, and how far along it.
+        beside = x * force_y - y * force_x - torque
+        crosses = (beside[:, :-1] * beside[:, 1:] <= 0.0) & ((force_x != 0.0) | (force_y != 0.0))
+        reached = np.where(crosses, (x * force_x + y * force_y)[:, :-1], np.inf)
+        entry = np.argmin(reached, axis=1)
+        return np.where(crosses.any(axis=1), entry * CONTACT_PIECES // _POINTS, -1)
 
 
 def read_wrench_twists(rows: pandas.DataFrame, rho: float) -> WrenchTwists:

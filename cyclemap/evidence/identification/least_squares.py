@@ -227,7 +227,7 @@ class Search:
         lower = self.problem.space.lower
         upper = self.problem.space.upper
         width = np.where(np.isfinite(upper - lower), upper - lower, 1.0)
-        return np.asarray(np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width))
+        return np.clip(vector, lower + 1e-9 * width, upper - 1e-9 * width)
 
     def minimise(self, start: Array, noise: Array, tolerance: float) -> Fit:
         """Minimise the deviance at given noise (kinds,) from a start (k,) by a trust region within

@@ -151,7 +151,7 @@ def orientations(name: str, sample: ArrayLike, single: bool = False) -> Array:
         )
     wrapped = np.mod(angles, TWO_PI)
     # An angle a hair below 0 wraps to exactly 2π.
-    return np.asarray(np.where(wrapped >= TWO_PI, 0.0, wrapped))
+    return np.where(wrapped >= TWO_PI, 0.0, wrapped)
 
 
 def _two_samples(sample: ArrayLike, second: ArrayLike) -> tuple[Array, Array]:

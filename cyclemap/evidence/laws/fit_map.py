@@ -101,9 +101,7 @@ class WornLaw:
     def turns(self, theta: Array, cycle: Array) -> Array:
         """The law (n,) at the angles ``theta`` (n,), rad, each in its own ``cycle`` (n,)."""
         polynomials = _polynomials(cycle, self.first, self.last, self.degree)
-        return np.asarray(
-            series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel()
-        )
+        return series_columns(theta, polynomials, self.harmonics) @ self.coefficients.T.ravel()
 
     def at(self, cycle: float) -> PeriodicLaw:
         """The law of one cycle (any real number), with the covariance of that cycle's

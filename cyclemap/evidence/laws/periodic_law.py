@@ -256,24 +256,19 @@ class PeriodicLaw:
 
     def __call__(self, theta: ArrayLike) -> Array:
         """The law at θ (radians, any shape)."""
-        return np.asarray(fourier_columns(theta, self.harmonics) @ self.coefficients)
+        return fourier_columns(theta, self.harmonics) @ self.coefficients
 
     def slope(self, theta: ArrayLike) -> Array:
         """dy/dθ, per radian."""
         order = np.arange(self.harmonics + 1)
         multiples = np.multiply.outer(np.asarray(theta, dtype=np.float64), order)
-        return np.asarray(
-            np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
-        )
+        return np.cos(multiples) @ (order * self.sine) - np.sin(multiples) @ (order * self.cosine)
 
     def standard_error(self, theta: ArrayLike) -> Array:
         """The standard error of the law itself at θ: scatter not included."""
         columns = fourier_columns(theta, self.harmonics)
-        return np.asarray(
-            np.sqrt(
-                np.maximum(np.einsum("...i,ij,...j->...", columns, self.covariance, columns), 0.0)
-            )
-        )
+        variance = np.einsum("...i,ij,...j->...", columns, self.covariance, columns)
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
     def noise(self, theta: ArrayLike) -> Array:
         """The standard deviation of one value about the law at θ."""
