@@ -15,7 +15,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError, UnsupportedContact
 from cyclemap.evidence.comparison.collection_data import PushSet
-from cyclemap.evidence.comparison.prediction import posterior_samples
+from cyclemap.evidence.comparison.collection_null import posterior_samples
 from cyclemap.evidence.laws.linear_fit import fit_linear
 from cyclemap.evidence.predicted_strokes import FAILING, predicted_motions
 from cyclemap.evidence.pushes.columns import Row
