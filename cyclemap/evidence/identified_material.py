@@ -59,6 +59,8 @@ _FOUND_UNITS = {
 }
 # What people are told SI units in.
 _READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
+# Means of errors, by what is said before them.
+_MOMENTS = {"": "mean", "left out ": "left_out_mean", "isotropic ": "isotropic_mean"}
 WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
@@ -194,28 +196,29 @@ def derived_quantities(
     offset, bow) may be zero by Hotelling's test, its direction is not known and its size has its
     least value, 1 or 0, for a lower end: drawn vectors never are zero.
     """
-    sampled = [SurfaceParameters.from_values(one) for one in sampled_values(found, draws, seed)]
+    drawn = [SurfaceParameters.from_values(draw) for draw in sampled_values(found, draws, seed)]
     free = found.problem.space.names
     best = SurfaceParameters.from_values(found.values)
-    told = []
     ends = (0.5 - found.level / 2.0, 0.5 + found.level / 2.0)
+    derived = []
     for name, description, of, unit, period, least, quantity in _QUANTITIES:
-        parts = [one for one in SURFACE.names if one.startswith(of)]
-        if not {*free} >= {*parts} or not sampled:
+        parameters = [parameter for parameter in SURFACE.names if parameter.startswith(of)]
+        if not drawn or not {*free} >= {*parameters}:
             continue
         value = quantity(best)
-        sample = np.array([quantity(one) for one in sampled])
-        vanishes = len(parts) == 2 and _may_vanish(found, [free.index(one) for one in parts])
+        off = np.array([quantity(surface) for surface in drawn]) - value
+        vanishes = len(parameters) == 2 and _may_vanish(found, [*map(free.index, parameters)])
         if period:
-            around = value + (sample - value + 0.5 * period) % period - 0.5 * period
-            lower, upper = np.quantile(around, ends).tolist()
+            off = (off + 0.5 * period) % period - 0.5 * period
+        lower, upper = (value + np.quantile(off, ends)).tolist()
+        known = True
+        if period:
             known = upper - lower < _ALL_AROUND * found.level * period and not vanishes
-            told.append(Derived(name, description, unit, value, lower, upper, known))
         else:
-            lower, upper = np.quantile(sample, ends).tolist()
             lower = least if vanishes else min(lower, value)
-            told.append(Derived(name, description, unit, value, lower, max(upper, value)))
-    return tuple(told)
+            upper = max(upper, value)
+        derived.append(Derived(name, description, unit, value, lower, upper, known))
+    return tuple(derived)
 
 
 def _may_vanish(found: Identification, index: list[int]) -> bool:
@@ -280,37 +283,32 @@ def identified_curves(
 ) -> IdentifiedCurves:
     """Compute what is drawn of an identification; `scans` : (s, 2) tractions
     of its friction scans."""
-    laws = [
-        SurfaceParameters.from_values(one).to_friction()
-        for one in sampled_values(found, _BAND_DRAWS, seed)
-    ]
     worn = worn_friction_of(found.values)
+    samples = []
+    for values in sampled_values(found, _BAND_DRAWS, seed):
+        samples.append(_outline(SurfaceParameters.from_values(values).to_friction()))
     strokes = []
     cycles = []
-    for number, block in enumerate(found.problem.blocks):
-        errors = found.fit.residuals[found.problem.block_index == number]
+    for index, block in enumerate(found.problem.blocks):
         if block.motions is None:
             continue
         theta, turn = block.motions.T
         if block.curve is None:
             # Each stroke's last row is its turn, those before its place.
+            errors = found.fit.residuals[found.problem.block_index == index]
             *place, off = errors.reshape(turn.size, -1).T
-            strokes.append(
-                StrokeFit(block.name, turn, turn + off, np.stack(place, -1) if place else None)
-            )
+            ends = np.stack(place, -1) if place else None
+            strokes.append(StrokeFit(block.name, turn, turn + off, ends))
         else:
             values = block.own_values(found.values)
-            wears = any(one.startswith("worn_") for one in block.parameters)
+            wears = any(name.startswith("worn_") for name in block.parameters)
             late = block.curve(values, _AROUND, True) if wears else None
-            cycles.append(
-                CycleFit(
-                    block.name, theta, turn, _AROUND, block.curve(values, _AROUND, False), late
-                )
-            )
+            fitted = block.curve(values, _AROUND, False)
+            cycles.append(CycleFit(block.name, theta, turn, _AROUND, fitted, late))
     return IdentifiedCurves(
         _outline(found.friction()),
         None if worn is None else _outline(worn),
-        np.array([_outline(law) for law in laws]).reshape(-1, _AROUND.size, 2),
+        np.reshape(samples, (-1, _AROUND.size, 2)),
         scans,
         "friction_scale" in found.problem.space.names,
         tuple(strokes),
@@ -384,21 +382,21 @@ def identified_material(
     """
     if not name.strip():
         raise InvalidInput("a material needs a name")
-    asked = {part.partition("[")[0] for block in found.problem.blocks for part in block.parameters}
-    told = {
+    asked = {name.partition("[")[0] for block in found.problem.blocks for name in block.parameters}
+    rod_and_ring = {
         field.name: found.values[field.name] for field in fields(FoundWith) if field.name in asked
     }
     worn = worn_friction_of(found.values)
     shifts = dict[str, list[float]]()
     for key, value in found.values.items():
-        if key.startswith(("tip_offset_x", "tip_offset_y")):
-            own = key.partition("[")[2].rstrip("]") or plate
-            shifts.setdefault(own, [0.0, 0.0])[key.startswith("tip_offset_y")] = value
+        if key.startswith("tip_offset_"):
+            axis, _, owner = key.removeprefix("tip_offset_").partition("[")
+            shifts.setdefault(owner.rstrip("]") or plate, [0.0, 0.0])["xy".index(axis)] = value
     floors = found.floors
     before = Material(name, found.friction()) if floor is None else floor
-    plates = [PlatePressure(named or plate, shape=shape) for named, shape in found.plates.items()]
+    plates = [PlatePressure(owner or plate, shape=shape) for owner, shape in found.plates.items()]
     sessions = [FloorSession(session, shape) for session, shape in floors.items() if session]
-    frames = [FrameShift(named, *shift) for named, shift in sorted(shifts.items())]
+    frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
     wear = None
     if worn is not None and last_cycle > 0.0:
         wear = Wear(worn, last_cycle, floor=owned_shapes(found.values, WORN_FLOOR)[""])
@@ -408,9 +406,9 @@ def identified_material(
         provenance_words(found, sources),
         misfit_words(found),
         inferred=True,
-        found_with=FoundWith(**{**vars(before.found_with), **told}),
+        found_with=replace(before.found_with, **rod_and_ring),
         plates=_joined(
-            [one for one in before.plates if not any(one.shares.values())], plates, "plate"
+            [known for known in before.plates if not any(known.shares.values())], plates, "plate"
         ),
         wear=wear,
         frames=_joined(before.frames, frames, "plate"),
@@ -427,8 +425,7 @@ def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, .
     """What was known, each of a name of its own, then what is new, which takes the place of what
     has its name.
     """
-    names = {getattr(one, key) for one in new}
-    return (*(one for one in before if getattr(one, key) not in names), *new)
+    return tuple({getattr(row, key): row for row in (*before, *new)}.values())
 
 
 def _posterior(
@@ -440,7 +437,7 @@ def _posterior(
     """
     rows = list[dict[str, float]]()
     rng = np.random.default_rng(0)
-    for number, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
+    for index, values in enumerate(sampled_values(found, POSTERIOR_SAMPLES)):
         row = _ellipse(SurfaceParameters.from_values(values).to_friction())
         worn = worn_friction_of(values)
         # Sessions of the posterior are new ones: they differ from the mean by the spread.
@@ -455,16 +452,14 @@ def _posterior(
         for key, (name, factor) in _FOUND_UNITS.items():
             if name in values and getattr(material.found_with, name) is not None:
                 row[key] = factor * values[name]
-        for named, shape in owned_shapes(values, PLATE_NAMES).items():
-            row |= {
-                f"{named or plate}.{key}": size
-                for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items()
-            }
+        for owner, shape in owned_shapes(values, PLATE_NAMES).items():
+            for key, size in shape_numbers(shape, PLATE_SHAPE_KEYS).items():
+                row[f"{owner or plate}.{key}"] = size
         if before is not None:
-            old = zip(before.parameters, before.samples[number % len(before)], strict=True)
+            known = zip(before.parameters, before.samples[index % len(before)], strict=True)
             kept = {
                 key: value
-                for key, value in old
+                for key, value in known
                 if key in _FOUND_UNITS or material.pressure_of(key.partition(".")[0])
             }
             row = kept | row
@@ -485,17 +480,15 @@ def provenance_words(found: Identification, sources: Sequence[str]) -> str:
     blocks = [block for block in found.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
     data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
     origin = f" in {', '.join(sources)}" if sources else ""
-    told = []
-    for one in found.lasting:
-        unit = readable_unit(one.unit)
+    estimates = []
+    for row in found.lasting:
+        unit = readable_unit(row.unit)
         value, lower, upper = (
-            f"{round(unit.of_si(number), 6):.4g}" for number in (one.value, one.lower, one.upper)
+            f"{round(unit.of_si(size), 6):.4g}" for size in (row.value, row.lower, row.upper)
         )
-        words = (
-            f"{value} ({lower} to {upper}){unit.sign}" if one.identifiable else "not identifiable"
-        )
-        told.append(f"{one.name} {words}")
-    free = "; ".join(told)
+        interval = f"{value} ({lower} to {upper}){unit.sign}"
+        estimates.append(f"{row.name} {interval if row.identifiable else 'not identifiable'}")
+    free = "; ".join(estimates)
     text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
     if found.priors:
         text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
@@ -511,13 +504,15 @@ def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
     >>> belief_words({**domes, "plate_warp_x[hex]": (2.0, 0.5)})
     'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
     """
-    told = list[str]()
-    for plain in dict.fromkeys(name.partition("[")[0] for name in beliefs):
-        own = {name: belief for name, belief in beliefs.items() if name.partition("[")[0] == plain}
-        if len({*own.values()}) == 1:
-            own = {plain: next(iter(own.values()))}
-        told += [f"{name} {mean:.4g} +- {deviation:.4g}" for name, (mean, deviation) in own.items()]
-    return ", ".join(told)
+    own: dict[str, dict[str, tuple[float, float]]] = {}
+    for name, belief in beliefs.items():
+        own.setdefault(name.partition("[")[0], {})[name] = belief
+    words = []
+    for plain, alike in own.items():
+        if len({*alike.values()}) == 1:
+            alike = {plain: next(iter(alike.values()))}
+        words += [f"{name} {mean:.4g} +- {width:.4g}" for name, (mean, width) in alike.items()]
+    return ", ".join(words)
 
 
 def misfit_words(found: Identification) -> str:
@@ -525,30 +520,21 @@ def misfit_words(found: Identification) -> str:
     their ranges.
     """
     sentences = []
-    for named in dict.fromkeys(one.kind for one in found.errors):
-        kind, unit = readable_kind(named)
-        alike = [one for one in found.errors if one.kind == named]
+    for written in dict.fromkeys(row.kind for row in found.errors):
+        kind, unit = readable_kind(written)
+        alike = [row for row in found.errors if row.kind == written]
+        groups = {f"{row.block}, {kind}": [row] for row in alike}
         if len(alike) > 2:
-            beside = []
-            for word, size in (
-                ("", "mean"),
-                ("left out ", "left_out_mean"),
-                ("isotropic ", "isotropic_mean"),
-            ):
-                sizes = [
-                    unit.of_si(value) for one in alike if (value := getattr(one, size)) == value
-                ]
-                beside += [f"{word}{min(sizes):.3g} to {max(sizes):.3g}"] if sizes else []
-            told = f"{kind} in {len(alike)} blocks: {beside.pop(0)}{unit.sign}"
-            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
-            continue
-        for one in alike:
-            left_out = one.left_out_mean
-            isotropic = one.isotropic_mean
-            beside = [f"{unit.of_si(left_out):.3g} left out"] if left_out == left_out else []
-            beside += [f"isotropic {unit.of_si(isotropic):.3g}"] if isotropic == isotropic else []
-            told = f"{one.block}, {kind}: {unit.of_si(one.mean):.3g}{unit.sign}"
-            sentences.append(told + (f" ({', '.join(beside)})" if beside else ""))
+            groups = {f"{kind} in {len(alike)} blocks": alike}
+        for name, rows in groups.items():
+            sizes = []
+            for word, moment in _MOMENTS.items():
+                known = [unit.of_si(getattr(row, moment)) for row in rows]
+                known = [size for size in known if math.isfinite(size)]
+                ends = dict.fromkeys(f"{end(known):.3g}" for end in (min, max) if known)
+                sizes += [word + " to ".join(ends)] if ends else []
+            beside = f" ({', '.join(sizes[1:])})" if sizes[1:] else ""
+            sentences.append(f"{name}: {sizes[0]}{unit.sign}{beside}")
     return "; ".join(sentences)
 
 
