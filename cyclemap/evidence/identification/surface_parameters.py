@@ -458,21 +458,10 @@ class SurfaceParameters:
         ndarray, shape (..., k)
             Derivatives by these parameters.
 
-        Raises
-        ------
-        InvalidInput
-            For an unknown name.
-
         Notes
         -----
         Of a circle's phi, which has no meaning, the derivatives cancel with errors below 1e-6.
         """
-        columns = np.asarray(jacobian, dtype=float)
-        if columns.shape[-1:] != (len(names),):
-            raise InvalidInput(
-                f"the jacobian has shape {columns.shape}: its last axis must match the "
-                f"{len(names)} names"
-            )
         ratio, phi = self._ellipse()
         law = self.to_friction()
         mean = math.exp(self.friction_scale)
@@ -490,17 +479,10 @@ class SurfaceParameters:
         friction[2, 1:3] = law.n0 * friction[4, 1:3]
         friction[3, 1:3] = -law.m0 * friction[4, 1:3]
         friction[2:4, 3:5] = mean * np.array(((c, k), (-k, c)))
-        table = dict(
-            zip((*SURFACE.names, *FRICTION_NAMES), [*np.eye(len(SURFACE)), *friction], strict=True)
-        )
-        for name in names:
-            if name not in table:
-                raise unknown_name("parameter of the mechanics", name, table)
-        for name in parameters:
-            if name not in SURFACE.names:
-                raise unknown_name("parameter", name, SURFACE.names)
-        rows = np.array([table[name] for name in names]).reshape(len(names), len(SURFACE))
-        return np.asarray(columns @ rows[:, [SURFACE.names.index(name) for name in parameters]])
+        by_all = np.vstack([np.eye(len(SURFACE)), friction])
+        rows = [(*SURFACE.names, *FRICTION_NAMES).index(name) for name in names]
+        columns = [SURFACE.names.index(name) for name in parameters]
+        return np.asarray(jacobian @ by_all[np.ix_(rows, columns)])
 
     def _ellipse(self) -> tuple[float, float]:
         """Return log(mu_a/mu_b), never quite zero, and phi."""

@@ -191,11 +191,6 @@ class PeriodicLaw:
         Root mean square error in values left out, by order, inf where it cannot be fitted; None
         where the order was given.
 
-    Raises
-    ------
-    InvalidInput
-        For shapes that do not fit each other.
-
     Examples
     --------
     >>> import numpy as np
@@ -218,17 +213,6 @@ class PeriodicLaw:
     rmse_by_order: Array | None = None
 
     def __post_init__(self) -> None:
-        size = finite_array("coefficients", self.coefficients, ndim=1).size
-        if (
-            size % 2 == 0
-            or np.shape(self.covariance) != (size, size)
-            or np.size(self.log_variance) % 2 == 0
-        ):
-            raise InvalidInput(
-                "coefficients, covariance, log_variance have shapes "
-                f"{np.shape(self.coefficients)}, {np.shape(self.covariance)}, "
-                f"{np.shape(self.log_variance)}, not (p,), (p, p), (q,), odd"
-            )
         for name in ("coefficients", "covariance", "log_variance"):
             object.__setattr__(self, name, read_only(getattr(self, name)))
 
@@ -275,15 +259,13 @@ class PeriodicLaw:
         columns = fourier_columns(theta, self.log_variance.size // 2)
         return np.asarray(np.exp(0.5 * (columns @ self.log_variance)))
 
-    def half_bands(self, theta: ArrayLike, level: float = 0.95) -> tuple[Array, Array]:
-        """How far Student's bands reach to either side of the law.
+    def half_bands(self, theta: ArrayLike) -> tuple[Array, Array]:
+        """How far Student's bands of 95 %, one angle at a time, reach to either side of the law.
 
         Parameters
         ----------
         theta : array_like
             Angles θ, rad, any shape.
-        level : float, default 0.95
-            Probability of each to hold at one angle at a time, in (0, 1).
 
         Returns
         -------
@@ -292,17 +274,12 @@ class PeriodicLaw:
         value : ndarray
             That of one new value, t·√(se² + noise²).
 
-        Raises
-        ------
-        InvalidInput
-            For a level outside (0, 1).
-
         Notes
         -----
         Exact for independent normal scatter of constant size about a law of the fitted order, else
         close for many values; errors of the order are not in them.
         """
-        quantile = student_quantile(level, self.count - self.coefficients.size)
+        quantile = student_quantile(0.95, self.count - self.coefficients.size)
         error = self.standard_error(theta)
         return quantile * error, quantile * np.hypot(error, self.noise(theta))
 
