@@ -425,7 +425,8 @@ def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, .
     """What was known, each of a name of its own, then what is new, which takes the place of what
     has its name.
     """
-    return tuple({getattr(row, key): row for row in (*before, *new)}.values())
+    names = {getattr(row, key) for row in new}
+    return (*(row for row in before if getattr(row, key) not in names), *new)
 
 
 def _posterior(

@@ -85,24 +85,20 @@ def tip_path(tip_pose: Array) -> tuple[Array, Array, float]:
 
 def _from_chord(place: Array) -> Array:
     """Distance of each place from the segment between the first and the last."""
-    chord = place[-1] - place[0]
-    offset = place - place[0]
-    square = float(chord @ chord)
-    share = np.clip(offset @ chord / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(place))
-    return np.asarray(np.hypot(*(offset - share[:, None] * chord).T))
+    return np.asarray(np.hypot(*(place - nearest_on_polyline(place, place[[0, -1]])[0]).T))
 
 
-def rod_gap(model: QuasiStaticModel, pose: Pose, place: Place) -> tuple[float, Array]:
+def rod_gap(model: QuasiStaticModel, pose: Pose, place: Array) -> tuple[float, Array]:
     """Return the gap (m) between a rod at `place` (m, world frame) and the object, and the outward
     normal (2,) there.
 
     The gap is negative where the rod reaches into the object; the normal is in the world frame.
     """
     outline = model.slider.outline
-    rod = np.array(pose.to_object(*place))
+    rod = np.array(pose.to_object(*place.tolist()))
     corners = outline.points(_PIECES)
-    (place_on,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
-    offset = rod - place_on
+    (nearest,), (edge,) = nearest_on_polyline(rod[np.newaxis], corners)
+    offset = rod - nearest
     distance = float(np.hypot(*offset))
     inside = bool(outline.contains(rod))
     outward = -offset if inside else offset
@@ -115,7 +111,7 @@ def rod_gap(model: QuasiStaticModel, pose: Pose, place: Place) -> tuple[float, A
     return gap, np.array(Pose(theta=pose.theta).to_world(*outward))
 
 
-def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
+def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Array) -> Array:
     """Return the least shift (2,), m, world frame, that takes a rod at `place` out of the object;
     zero outside.
 
@@ -124,7 +120,7 @@ def clearing_shift(model: QuasiStaticModel, pose: Pose, place: Place) -> Array:
     """
     shift = np.zeros(2)
     for _ in range(_MOST_SHIFTS):
-        gap, normal = rod_gap(model, pose, (place[0] + float(shift[0]), place[1] + float(shift[1])))
+        gap, normal = rod_gap(model, pose, place + shift)
         if gap >= 0.5 * _CLEARANCE:
             return shift
         shift = shift + (_CLEARANCE - gap) * normal
@@ -156,15 +152,16 @@ def push_along(
     done = 0.0
     touched = False
     left = False
-    for (x, y), (end_x, end_y) in pairwise(corners.tolist()):
-        length = math.hypot(end_x - x, end_y - y)
+    for corner, way in zip(corners, np.diff(corners, axis=0), strict=False):
+        x, y = corner.tolist()
+        length = math.hypot(*way)
         if length == 0.0:
             continue
-        if rod_gap(model, pose, (x, y))[0] < -_ROUNDING:
+        if rod_gap(model, pose, corner)[0] < -_ROUNDING:
             raise UnsupportedContact(
                 f"the rod would enter the object at ({x:.4f}, {y:.4f}) m from behind"
             )
-        stroke = WorldPush((x, y), math.atan2(end_y - y, end_x - x), length)
+        stroke = WorldPush((x, y), math.atan2(way[1], way[0]), length)
         left = touched
         with suppress(RodMissesObject):
             push = model.push(pose, stroke, _SAMPLE_SPACING)
@@ -313,9 +310,9 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
     >>> round(1e3 * replay.summary()["predicted_motion"], 3)
     9.75
     """
-    (corners, way, straightness) = tip_path(record.tip_pose)
+    corners, way, straightness = tip_path(record.tip_pose)
     start = Pose(*record.start)
-    first = (float(corners[0, 0]) + offset[0], float(corners[0, 1]) + offset[1])
+    first = corners[0] + offset
     shift = clearing_shift(model, start, first) + offset
     at, poses, touched, left = push_along(model, start, corners + shift)
     measured = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
@@ -329,9 +326,8 @@ def replay_push(record: PushRecord, model: QuasiStaticModel, offset: Place = (0.
         off = course - course[0]
         far = np.hypot(*off[:, :2].T) + model.unit * np.abs(off[:, 2]) > _MOVED
         onsets.append(float(travel[far.argmax()]) if far.any() else math.nan)
-    last = (float(tip[-1, 0]), float(tip[-1, 1]))
     apart = [
-        rod_gap(model, Pose(*poses[-1].tolist()), last)[0] > CONTACT_SLACK
+        rod_gap(model, Pose(*poses[-1].tolist()), tip[-1])[0] > CONTACT_SLACK
         for poses in (measured, predicted)
     ]
     return Replay(
