@@ -10,6 +10,7 @@ dome, bow cos 2 axis and bow sin 2 axis, in kPa at 50 mm (`SurfaceShape`).
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -18,6 +19,7 @@ import numpy as np
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
+from cyclemap.collection.fingerprint import Anisotropy
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import (
@@ -150,13 +152,12 @@ class ParameterSpace:
     scale: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "names", tuple(one.name for one in self.parameters))
+        object.__setattr__(self, "names", tuple(row.name for row in self.parameters))
         if len(set(self.names)) < len(self.names):
             raise InvalidInput(f"a parameter is named twice: {self.names}")
         for key in ("lower", "upper", "start", "scale"):
-            object.__setattr__(
-                self, key, np.array([getattr(one, key) for one in self.parameters], dtype=float)
-            )
+            column = np.array([getattr(row, key) for row in self.parameters], dtype=float)
+            object.__setattr__(self, key, column)
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -398,18 +399,9 @@ class SurfaceParameters:
         for name in others:
             if name not in SURFACE.names[5:]:
                 raise unknown_name("parameter besides friction", name, SURFACE.names[5:])
-        mean = math.sqrt(friction.mu_a * friction.mu_b)
-        ratio = math.log(friction.mu_a / friction.mu_b)
-        c = math.cos(friction.phi)
-        k = math.sin(friction.phi)
-        return cls(
-            math.log(mean),
-            ratio * math.cos(2.0 * friction.phi),
-            ratio * math.sin(2.0 * friction.phi),
-            (c * friction.m0 - k * friction.n0) / mean,
-            (k * friction.m0 + c * friction.n0) / mean,
-            **others,
-        )
+        scale = 0.5 * math.log(friction.mu_a * friction.mu_b)
+        offset_x, offset_y, half_x, half_y = Anisotropy.of(friction).seen_from(0.0).tolist()
+        return cls(scale, 2.0 * half_x, 2.0 * half_y, offset_x, offset_y, **others)
 
     def values(self) -> dict[str, float]:
         """Return the values by name."""
@@ -421,14 +413,11 @@ class SurfaceParameters:
         Raises InvalidInput where the offset leaves the ellipse, so that some direction of sliding
         would gain energy.
         """
-        ratio, phi, mean = *self._ellipse(), math.exp(self.friction_scale)
-        c = math.cos(phi)
-        k = math.sin(phi)
-        m0 = c * self.offset_x + k * self.offset_y
-        n0 = -k * self.offset_x + c * self.offset_y
-        return EllipseFriction(
-            mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
-        )
+        ratio, phi = self._ellipse()
+        mean = math.exp(self.friction_scale)
+        stretch = math.exp(ratio / 2.0)
+        centre = mean * complex(self.offset_x, self.offset_y) * cmath.exp(-1j * phi)
+        return EllipseFriction(mean * stretch, mean / stretch, centre.real, centre.imag, phi)
 
     def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
         """Return how an object rests on the surface, in its own mean pressures; field : of the
