@@ -546,8 +546,8 @@ def readable_kind(kind: str) -> tuple[str, Unit]:
     >>> kind, unit.sign
     ('push place', ' mm')
     """
-    found = re.fullmatch(r"(.*) \((\S+)\)", kind)
-    return (kind, NUMBER) if found is None else (found[1], readable_unit(found[2]))
+    match = re.fullmatch(r"(.*) \((\S+)\)", kind)
+    return (kind, NUMBER) if match is None else (match[1], readable_unit(match[2]))
 
 
 def readable_unit(unit: str) -> Unit:

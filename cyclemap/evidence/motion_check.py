@@ -12,6 +12,7 @@ import cmath
 import math
 import warnings
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, ClassVar
@@ -21,7 +22,7 @@ import numpy as np
 from cyclemap.arrays import Array, Mask, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import CycleMapError, DoubtfulInput, InvalidInput
-from cyclemap.evidence.predicted_strokes import predicted_push_ends
+from cyclemap.evidence.predicted_strokes import predicted_motions, predicted_push_ends
 from cyclemap.evidence.pushes.columns import DEGREE, LENGTH_UNITS, RODS
 from cyclemap.evidence.pushes.conventions import ANGLES, FRAMES, OURS, RIGHT_HANDED, Convention
 from cyclemap.evidence.pushes.measured_strokes import MeasuredPush, told_push
@@ -303,7 +304,7 @@ def check_motion(
     table: pandas.DataFrame,
     loop: CollectionLoop | None,
     convention: Convention = OURS,
-    told: bool = False,
+    is_told: bool = False,
 ) -> MotionCheck | None:
     """Test the reading of pushes, rows of `PushTable.table`, against their motions; None where
     these cannot tell.
@@ -311,7 +312,7 @@ def check_motion(
     loop : who is pushed where; None: then pushes alike are asked to move the object alike in its
         own frame, which tells whether angles and axes turn the same way, not which way that is.
     convention : in which the table was read.
-    told : whether somebody said it, who is then warned, not refused.
+    is_told : whether somebody said it, who is then warned, not refused.
 
     Raises OtherConvention where another reading explains the motions far better, with the options
     that say it.
@@ -333,7 +334,7 @@ def check_motion(
     )
     if looked.explains(moved) or off_centre:
         line = off_centre or _refusal(looked)
-        if not told:
+        if not is_told:
             raise OtherConvention(line)
         warnings.warn(line, DoubtfulInput, stacklevel=3)
     elif loop is not None and looked.test.lengths_known:
@@ -634,20 +635,19 @@ def _prediction(written: _Written, loop: CollectionLoop) -> _Test | None:
     labelled = rows[["side", "fraction"]].notna().all(axis=None)
     if not labelled and written.has_tips:
         return _WithTips.on(written, plain)
-    contacts = rows[_CONTACT].assign(length=rows["length"].round(3))
-    labels = contacts.groupby([*contacts], dropna=False).ngroup().to_numpy()
-    motion = np.full(len(rows), np.nan, dtype=complex)
-    turn = np.full(len(rows), np.nan)
-    for label in np.unique(labels):
-        alike = labels == label
-        length = float(np.median(rows["length"][alike]))
-        try:
-            push = told_push(loop.push, dict(rows[_CONTACT][alike].iloc[0]), length)
-            cycle = replace(plain, push=push).cycle(0.0)
-        except CycleMapError:
-            continue
-        motion[alike] = complex(*cycle.push_displacement)
-        turn[alike] = cycle.push_turn
+    model = plain.model
+    start = plain.start_pose(0.0)
+    known = []
+    courses = []
+    for index, row in enumerate(rows.to_dict("records")):
+        with suppress(CycleMapError):
+            push = told_push(loop.push, row, row["length"])
+            courses.append(model.course(model.push_strokes(start, push), start))
+            known.append(index)
+    moved = np.full((len(rows), 3), np.nan)
+    moved[known] = predicted_motions(courses, most_failing=1.0)
+    turn = moved[:, 0]
+    motion = moved[:, 1] + 1j * moved[:, 2]
     good = np.isfinite(turn)
     if good.sum() < max(FEWEST, 0.5 * len(rows)):
         return _WithTips.on(written, plain) if written.has_tips else None

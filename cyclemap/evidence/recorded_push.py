@@ -181,10 +181,10 @@ def _states(push: PushResult, distance: float, travel: Array) -> Array:
     state = np.empty((len(travel), 7))
     # Each phase begins with a row of its own, where the one before it ended, and is constant where
     # it has no length.
-    for number in range(course.phase[-1] + 1):
-        path = course.path[course.phase == number]
-        own = rows[course.phase == number]
-        on = travel >= (path[0] if number else -math.inf)
+    for phase in range(course.phase[-1] + 1):
+        path = course.path[course.phase == phase]
+        own = rows[course.phase == phase]
+        on = travel >= (path[0] if phase else -math.inf)
         kept = np.diff(path, prepend=-math.inf) > 0.0
         state[on] = (
             CubicSpline(path[kept], own[kept])(travel[on])
@@ -203,8 +203,8 @@ def scan_set(surface: str, shape: str, speed: float) -> list[ScanFacts]:
     """The scans of one object on one surface, as the dataset names them; speed in m/s."""
     directions = np.radians((np.arange(0, 360, 5) + 180) % 360).tolist()
     return [
-        ScanFacts(surface, shape, 0.0, speed, one, repetition)
-        for one in directions
+        ScanFacts(surface, shape, 0.0, speed, direction, repetition)
+        for direction in directions
         for repetition in (0.0, 1.0)
     ]
 

@@ -125,10 +125,10 @@ class CollectionPlan:
                 raise InvalidInput(
                     f"{name} has {len(given)} entries for {self.cycles} cycles: give one a cycle"
                 )
-        for number, loop in enumerate(self.cycle_loops or ()):
+        for cycle, loop in enumerate(self.cycle_loops or ()):
             if replace(loop, push=self.loop.push, reset=self.loop.reset) != self.loop:
                 raise InvalidInput(
-                    f"cycle_loops: the loop of cycle {number} differs in more than push and reset"
+                    f"cycle_loops: the loop of cycle {cycle} differs in more than push and reset"
                 )
         for turn in self.gripper_turns or ():
             finite_number("gripper turn", turn)
@@ -208,8 +208,11 @@ class CollectionPlan:
         if self.cycle_noise is not None:
             asked["cycle_noise"] = _short(repr(self.cycle_noise))
         if self.cycle_loops is not None or self.gripper_turns is not None:
-            told = [(loop.push, loop.reset) for loop in self.cycle_loops or ()], self.gripper_turns
-            asked["cycle_by_cycle"] = hashlib.sha256(repr(told).encode()).hexdigest()
+            cycle_by_cycle = (
+                [(loop.push, loop.reset) for loop in self.cycle_loops or ()],
+                self.gripper_turns,
+            )
+            asked["cycle_by_cycle"] = hashlib.sha256(repr(cycle_by_cycle).encode()).hexdigest()
         return asked
 
 
@@ -236,35 +239,19 @@ class CollectionFolder:
         self.surface = file_stem(plan.loop.material.name)
         self.shape = file_stem(plan.loop.slider.name)
         self.home = self.folder / self.surface / self.shape
-        arguments = plan.arguments()
+        asked = {SIMULATION: plan.arguments()}
         record = self.folder / FILE_NAME
         unfinished = f".*{UNFINISHED_SUFFIX}"
         begun = record.is_file()
         if begun:
-            table = read_toml(record).get(SIMULATION)
-            found = table if isinstance(table, dict) else {}
-            others = [
-                name for name in {**arguments, **found} if arguments.get(name) != found.get(name)
-            ]
-            if others:
-                told = "; ".join(
-                    f"{name} is {found.get(name)} there and {arguments.get(name)} here"
-                    for name in others
-                )
-                raise InvalidInput(
-                    f"{self.folder} holds a collection that was asked for otherwise: {told}"
-                    f". Choose another folder"
-                )
-        elif self.folder.is_dir() and not all(
-            path.match(unfinished) for path in self.folder.iterdir()
-        ):
+            self._require_same(read_toml(record).get(SIMULATION), asked[SIMULATION])
+        elif any(not path.match(unfinished) for path in self.folder.glob("*")):
             raise InvalidInput(
                 f"{self.folder} holds other files; give a new or empty folder for the collection"
             )
         for path in self.folder.rglob(unfinished):
             path.unlink(missing_ok=True)
         if not begun:
-            asked = {SIMULATION: arguments}
             try:
                 # The loop as every command reads it; without it where no setting can say it.
                 text = collection_text(
@@ -275,6 +262,20 @@ class CollectionFolder:
                     asked, (*_COMMENTS, f"Not told here: object, push and reset, for {error}")
                 )
             write_whole(record, text.encode())
+
+    def _require_same(self, table: object, asked: Arguments) -> None:
+        """Raise InvalidInput where the folder's collection was asked for otherwise."""
+        there = table if isinstance(table, dict) else {}
+        differences = [
+            f"{name} is {there.get(name)} there and {asked.get(name)} here"
+            for name in {**asked, **there}
+            if asked.get(name) != there.get(name)
+        ]
+        if differences:
+            raise InvalidInput(
+                f"{self.folder} holds a collection that was asked for otherwise: "
+                f"{'; '.join(differences)}. Choose another folder"
+            )
 
     def push_path(self, cycle: int) -> Path:
         """Where the push of `cycle` is kept."""
@@ -320,11 +321,11 @@ class CollectionFolder:
         """
         push = self.push_path(cycle - 1) if cycle else None
         content = push.read_bytes() if push is not None and push.is_file() else b""
-        told = f"{cycle} {theta!r}".encode()
+        words = f"{cycle} {theta!r}".encode()
         return (
-            told
+            words
             + b" # "
-            + hashlib.sha256(b"\0".join((before, told, content))).hexdigest()[:16].encode()
+            + hashlib.sha256(b"\0".join((before, words, content))).hexdigest()[:16].encode()
             + b"\n"
         )
 
@@ -443,9 +444,9 @@ def simulate_collection(
         begun = CollectionFolder(folder, plan)
         # Scans are made anew if they are there: they are quick.
         scans = scan_set(begun.surface, begun.shape, plan.speed) if plan.scans else []
-        for number, scan in enumerate(scans, 1):
+        for index, scan in enumerate(scans, 1):
             friction = loop.material.friction
-            draws = plan.generator(SCANS, number)
+            draws = plan.generator(SCANS, index)
             made = record_scan(
                 friction, loop.model.weight, scan.direction, plan.recording(0), draws
             )

@@ -198,9 +198,9 @@ def _of_table(
     given: PushTable, loop: CollectionLoop | None, first: int, length: float
 ) -> CollectionData:
     repetition = given.table["repetition"].to_numpy()
-    number = np.where(np.isnan(repetition), np.arange(repetition.size), repetition)
-    table = given.table.assign(number=number)[number >= first]
-    left_out = Counter({_EARLY: int(np.sum(number < first))})
+    numbers = np.where(np.isnan(repetition), np.arange(repetition.size), repetition)
+    table = given.table.assign(number=numbers)[numbers >= first]
+    left_out = Counter({_EARLY: int(np.sum(numbers < first))})
     sets = [rows for _, rows in table.groupby([*SET_FACTS], dropna=False, sort=False)]
     pushes = list[PosedSet]()
     if loop is not None:
@@ -211,7 +211,7 @@ def _of_table(
     if not pushes and pairs is None:
         reasons = "; ".join(f"{count}: {reason}" for reason, count in counts.items())
         raise InvalidInput(
-            f"nothing is left of {number.size} pushes to compare with "
+            f"nothing is left of {numbers.size} pushes to compare with "
             f"({reasons or 'it holds none'})"
         )
     return CollectionData(tuple(pushes), pairs, counts, own, len(given.unreadable))
@@ -301,7 +301,7 @@ def _cycles(
     left_out: Counter[str],
 ) -> tuple[Theta0Pairs | None, CollectionLoop | None]:
     """The pairs of the set that has most cycles, and the loop that makes them."""
-    counts = [rows["theta_next"].count() for rows in sets]
+    counts = [int(rows["theta_next"].count()) for rows in sets]
     most = max(counts, default=0)
     if most < FEWEST_CYCLES:
         left_out[f"cycles, fewer than {FEWEST_CYCLES} of one set"] += sum(counts)
@@ -316,10 +316,10 @@ def _cycles(
             return None, loop
         loop = _pushing(loop, told_push(loop.push, _facts(rows), far))
     rows = rows.sort_values("number", kind="stable")
-    theta, ahead, number = rows[["theta0", "theta_next", "number"]].to_numpy().T
+    theta, ahead, numbers = rows[["theta0", "theta_next", "number"]].to_numpy().T
     known = np.isfinite(ahead)
-    path, run = _longest_run(theta, ahead, number)
-    return Theta0Pairs(theta[known], ahead[known], path, cycle=number[known], path_cycle=run), loop
+    path, run = _longest_run(theta, ahead, numbers)
+    return Theta0Pairs(theta[known], ahead[known], path, cycle=numbers[known], path_cycle=run), loop
 
 
 def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
@@ -334,16 +334,16 @@ def _pushing(loop: CollectionLoop, push: SidePush) -> CollectionLoop:
 
 
 def _longest_run(
-    theta: Array, theta_next: Array, number: Array
+    theta: Array, theta_next: Array, numbers: Array
 ) -> tuple[Array | None, Array | None]:
     """The path of the longest run of pushes numbered without a gap, and its numbers; None without
     any.
     """
-    linked = np.isfinite(theta_next[:-1]) & (np.diff(number) == 1.0)
+    linked = np.isfinite(theta_next[:-1]) & (np.diff(numbers) == 1.0)
     runs = stretches(linked)
     if not runs:
         return None, None
     low, high = max(runs, key=lambda run: run[1] - run[0])
     steps = np.cumsum(theta_next[low:high] - theta[low:high])
     path = theta[low] + np.concatenate([[0.0], steps])
-    return path, number[low : high + 1]
+    return path, numbers[low : high + 1]

@@ -105,13 +105,13 @@ class CollectionModel:
             return sample_staircases(
                 self.begun, self.noise, length - 1, np.full(count, start), seed
             )
-        found = np.empty((count, length))
+        paths = np.empty((count, length))
         used = self.samples[:count]
-        for number, one in enumerate(used):
-            rows = found[number :: len(used)]
-            own = seed + _APART * (number + 1)
-            rows[:] = replace(self, map=one, samples=()).paths(start, length, len(rows), own)
-        return found
+        for index, own_map in enumerate(used):
+            rows = paths[index :: len(used)]
+            own = seed + _APART * (index + 1)
+            rows[:] = replace(self, map=own_map, samples=()).paths(start, length, len(rows), own)
+        return paths
 
     def map_at(self, cycle: float) -> CircleMap:
         """The map of one cycle."""
@@ -396,15 +396,15 @@ def collection_p_values(
     paths = model.paths(float(path[0]), path.size, count, first_seed)
 
     def values(some: Array, against: Ensemble) -> dict[str, Array]:
-        found = {}
+        measured = {}
         for name, measure in chosen.items():
-            found[name] = finite_array("the statistic's values", measure(some, against))
-            if found[name].shape != (len(some),):
+            measured[name] = finite_array("the statistic's values", measure(some, against))
+            if measured[name].shape != (len(some),):
                 raise InvalidInput(
-                    f"the statistic gave shape {found[name].shape} for {len(some)} paths: give one "
+                    f"the statistic gave shape {measured[name].shape} for {len(some)} paths: give one "
                     "value a path"
                 )
-        return found
+        return measured
 
     observed = values(path[None], known)
     if refit is None:
@@ -418,6 +418,6 @@ def collection_p_values(
             )
             parts.append(values(made[None], own))
             part_of(progress, index, len(paths))(1.0)
-        null = {name: np.concatenate([part[name] for part in parts]) for name in chosen}
+        null = {name: np.concatenate([row[name] for row in parts]) for name in chosen}
     part_of(progress, 0, 1)(1.0)
     return {name: monte_carlo_p_value(float(observed[name][0]), null[name]) for name in chosen}

@@ -195,7 +195,7 @@ class ReplayedPushes:
         )
         mean = groups.mean(numeric_only=True)
         median = groups.median(numeric_only=True)
-        found = {
+        gathered = {
             "count": groups.size(),
             "mean_error": mean["error"],
             "median_error": median["error"],
@@ -211,7 +211,7 @@ class ReplayedPushes:
             "isotropic_mean_error": mean["isotropic_error"],
             "isotropic_mean_turn_error": mean["isotropic_turn_error"],
         }
-        return self.table.__class__(found).reset_index()
+        return self.table.__class__(gathered).reset_index()
 
 
 def replay_pushes(
@@ -348,8 +348,8 @@ class _Replayer:
             "isotropic_error": float(beside.error[-1]),
             "isotropic_turn_error": float(beside.turn_error[-1]),
         }
-        told = {column: push[column] for column in (*_FACTS, "path")}
-        return {**told, **replay.summary(), **isotropic}, replay
+        facts = {column: push[column] for column in (*_FACTS, "path")}
+        return {**facts, **replay.summary(), **isotropic}, replay
 
 
 def _record(push: Row, origin: Place) -> PushRecord:

@@ -143,23 +143,23 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    found: list[tuple[Path, str]] = []
+    files: list[tuple[Path, str]] = []
     unused: list[UnreadableFile] = []
     tables = [place]
     if place.is_dir():
         below = sorted(place.rglob("*"))
         tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
     if any(file.suffix.lower() in SUFFIXES for file in (below if place.is_dir() else [place])):
-        found.append((place, RECORDS))
+        files.append((place, RECORDS))
         tables = [file for file in tables if file != place]
     for file in tables:
         sorts, reason = _sorts_of_table(file)
-        found += [(file, sort) for sort in sorts]
+        files += [(file, sort) for sort in sorts]
         if reason:
             unused.append(UnreadableFile(file, reason))
-    if not found and not unused:
+    if not files and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
-    return found, unused
+    return files, unused
 
 
 def _sorts_of_table(file: Path) -> tuple[list[str], str]:
@@ -784,9 +784,9 @@ def telling_parameters(
     }
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
-    owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
-    told = asked & {"pusher_friction", *by_cycles, *(believed or ())}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in told]
+    owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}
+    beside = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in beside]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:

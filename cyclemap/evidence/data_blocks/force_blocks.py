@@ -443,7 +443,7 @@ def sliding_forces(
     """
     rows = []
     sticking = 0
-    for number, (record, outline) in enumerate(pushes):
+    for index, (record, outline) in enumerate(pushes):
         samples = contact_samples(record, outline, rod_radius)
         for sign in (-1.0, 1.0):
             slides = samples.touching & _steady(sign * samples.slip > SLIDING, samples.window)
@@ -451,7 +451,7 @@ def sliding_forces(
                 for start in range(first, end - samples.window + 1, samples.window):
                     piece = slice(start, start + samples.window)
                     ratio = np.sum(samples.tangential[piece]) / np.sum(samples.pressing[piece])
-                    rows.append((sign * ratio, number, samples.window))
+                    rows.append((sign * ratio, index, samples.window))
         sticking += int(
             np.sum(samples.touching & _steady(np.abs(samples.slip) < STICKING, samples.window))
         )

@@ -68,8 +68,8 @@ def named_blocks(
     owners = [row.session or first.get(row.plate, row.plate) for row in known]
     of_floor = {parameter.name for parameter in SESSION_OWNED}
     both = zip(owners, known, strict=True)
-    told = (owner for owner, row in both if of_floor & {*row.block.parameters})
-    sessions = list(dict.fromkeys(told))
+    telling = (owner for owner, row in both if of_floor & {*row.block.parameters})
+    sessions = list(dict.fromkeys(telling))
     has_sessions = len(sessions) > 1 or (population and bool(sessions))
     has_plates = len({row.plate for row in known}) > 1
     blocks = []

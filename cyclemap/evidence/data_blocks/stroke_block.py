@@ -143,8 +143,8 @@ def set_ups(first: int, count: int) -> tuple[Parameter, ...]:
     far each rod was off its mark, x and y, and how each object lay turned, in turn.
     """
     parameters = list[Parameter]()
-    for number in range(first, first + count):
-        push = f"push {number}"
+    for index in range(first, first + count):
+        push = f"push {index}"
         for axis in "xy":
             words = f"how far the rod of {push} was set off its mark, along {axis}"
             name = f"{ROD_OFF}{axis}[{push}]"
@@ -399,7 +399,7 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified
     along with it.
     """
-    found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
-    material = Material("identified", surface.to_friction(), found_with=found)
+    rod_and_ring = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
+    material = Material("identified", surface.to_friction(), found_with=rod_and_ring)
     changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

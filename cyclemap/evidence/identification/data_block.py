@@ -279,9 +279,9 @@ class JointProblem:
         labels = np.stack([index, np.concatenate([block.groups for block in self.blocks])])
         groups = np.unique(labels, axis=1, return_inverse=True)[1].reshape(-1)
         kinds = np.concatenate([block.kinds for block in self.blocks])
-        found, kind_index = np.unique(kinds, return_inverse=True)
+        kind_names, kind_index = np.unique(kinds, return_inverse=True)
         set_fields(self, fixed=fixed, block_index=index, groups=groups, kinds=kinds)
-        set_fields(self, kind_names=tuple(found.tolist()), kind_index=kind_index.reshape(-1))
+        set_fields(self, kind_names=tuple(kind_names.tolist()), kind_index=kind_index.reshape(-1))
 
     def values(self, vector: Array) -> dict[str, float]:
         """Return every parameter's value by name, at values (k,) of the free ones."""

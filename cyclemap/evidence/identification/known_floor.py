@@ -49,11 +49,11 @@ def known_beliefs(
     if floor is None:
         return {}
     count = 0 if floor.posterior is None else len(floor.posterior)
-    drawn = [floor.sample(number) for number in range(count)]
+    drawn = [floor.sample(index) for index in range(count)]
     believed = {}
     for name in names:
         plain, _, owner = name.partition("[")
-        rows = [_told(one, plain, owner.rstrip("]") or plate) for one in (floor, *drawn)]
+        rows = [_told(known, plain, owner.rstrip("]") or plate) for known in (floor, *drawn)]
         if any(row is None for row in rows) or (plain in FLOOR_NAMES and owner):
             continue
         stated, *samples = np.array(rows, dtype=float).tolist()
@@ -107,10 +107,12 @@ def known_shapes(
     """
     asked = {name for block in blocks for name in block.parameters}
     values: dict[str, float] = {}
-    for one in plates:
-        for name, size in zip(PLATE_NAMES, one.shape.bend.tolist(), strict=True):
-            alone = {name: size} if one.plate == plate and name in asked else {}
-            values |= {f"{name}[{one.plate}]": size} if f"{name}[{one.plate}]" in asked else alone
+    for known in plates:
+        for name, size in zip(PLATE_NAMES, known.shape.bend.tolist(), strict=True):
+            alone = {name: size} if known.plate == plate and name in asked else {}
+            values |= (
+                {f"{name}[{known.plate}]": size} if f"{name}[{known.plate}]" in asked else alone
+            )
     return values
 
 

@@ -191,14 +191,14 @@ class Search:
         if self.floor is None:
             self.floor = np.maximum(_LEAST_NOISE * first, 1e-30)
         noise = np.where(np.isnan(held), np.maximum(first, self.floor), held)
-        told = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
+        counts = np.where(np.isin(self.problem.kind_names, BELIEF_KINDS), _LOOSE, 1.0)
         tolerance = _FIRST
         close = float(np.clip(_OFF / index.size, _LATER, 10.0 * _LATER))
         for _ in range(_ROUNDS):
             fit = self.minimise(vector, noise, tolerance)
             vector = fit.vector
             new = self.estimated_noise(fit, self.floor)
-            change = float(np.max(np.abs(np.log(new / noise)) * told))
+            change = float(np.max(np.abs(np.log(new / noise)) * counts))
             noise = new
             if tolerance == close and change < _NOISE_TOLERANCE:
                 break
@@ -217,9 +217,9 @@ class Search:
         key = vector.tobytes()
         if key not in self._known:
             self.count += 1
-            found = self.problem.evaluate(vector)
+            both = self.problem.evaluate(vector)
             self.progress(self.count / (self.count + _HALF_WAY))
-            self._known = dict([*self._known.items()][-8:]) | {key: found}
+            self._known = dict([*self._known.items()][-8:]) | {key: both}
         return self._known[key]
 
     def inside(self, vector: Array) -> Array:
@@ -251,7 +251,7 @@ class Search:
             except NO_ANSWER:
                 return np.full(len(size), np.inf)
 
-        found = least_squares(
+        minimum = least_squares(
             residuals,
             begin,
             lambda vector: self.at(vector)[1] / size[:, None],
@@ -263,7 +263,7 @@ class Search:
             gtol=1e-12,
             max_nfev=_MOST,
         )
-        return self.fit(found.x, noise, found.status > 0, found.message)
+        return self.fit(minimum.x, noise, minimum.status > 0, minimum.message)
 
     def fit(self, vector: Array, noise: Array, converged: bool, message: str) -> Fit:
         """Return what there is to tell of a minimum at this noise (kinds,)."""
@@ -321,9 +321,9 @@ class Search:
             half = 0.5 * left_over * USUAL_SPREAD**2
             tame = half * (np.sqrt(1.0 + 2.0 * variance / half) - 1.0)
             variance = np.where(between_sessions, tame, variance)
-            found = np.maximum(np.sqrt(variance), floor)
+            sizes = np.maximum(np.sqrt(variance), floor)
             before = noise
-            noise = np.where(np.isnan(held), found, held)
+            noise = np.where(np.isnan(held), sizes, held)
             if np.max(np.abs(np.log(noise / before))) < _SETTLED:
                 break
             weight = self.law.weight((fit.residuals / noise[index]) ** 2)
@@ -365,13 +365,13 @@ def multi_start(
     search = Search(problem, law, known)
     fits = []
     failures = []
-    for number, start in enumerate(starts):
-        part = part_of(progress, number, len(starts))
+    for index, start in enumerate(starts):
+        report = part_of(progress, index, len(starts))
         try:
-            fits.append(search.solve(start, part))
+            fits.append(search.solve(start, report))
         except NO_ANSWER as cause:
             failures.append(f"{type(cause).__name__}: {cause}")
-        part(1.0)
+        report(1.0)
     if not fits:
         raise ConvergenceError(
             f"none of {len(starts)} starts has an answer; the first: {failures[0]}"

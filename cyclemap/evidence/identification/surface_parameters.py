@@ -529,7 +529,7 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
         **dict(zip(PLATE_NAMES, (unit * plate.bend).tolist(), strict=True)),
     ).values()
     space = ParameterSpace(
-        tuple(replace(one, nominal=values[one.name]) for one in SURFACE.parameters)
+        tuple(replace(row, nominal=values[row.name]) for row in SURFACE.parameters)
     )
     if start is None:
         return space
@@ -537,5 +537,5 @@ def starting_space(loop: CollectionLoop, start: Material | None = None) -> Param
     margin = 0.01 * (space.upper - space.lower)
     inside = np.clip(space.vector(values), space.lower + margin, space.upper - margin).tolist()
     return ParameterSpace(
-        tuple(replace(one, start=at) for one, at in zip(space.parameters, inside, strict=True))
+        tuple(replace(row, start=at) for row, at in zip(space.parameters, inside, strict=True))
     )

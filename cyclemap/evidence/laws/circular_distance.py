@@ -202,7 +202,7 @@ def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Arr
         # F - G is constant from one angle of either sample to the next.
         pair = _two_samples(sample, law)
         angles = np.unique(np.concatenate(pair))
-        shares = [np.searchsorted(np.sort(one), angles, side="right") / one.size for one in pair]
+        shares = [np.searchsorted(np.sort(own), angles, side="right") / own.size for own in pair]
         levels = shares[0] - shares[1]
         gaps = np.diff(angles, append=angles[0] + TWO_PI)
         order = np.argsort(levels)
@@ -211,8 +211,8 @@ def circular_wasserstein(sample: ArrayLike, law: CircularLaw | ArrayLike) -> Arr
     angles = orientations("sample", sample)
     rows = angles.reshape(-1, angles.shape[-1])
     block = max(1, _BLOCK // (rows.shape[1] + law.cells))
-    found = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
-    return np.concatenate(found).reshape(angles.shape[:-1])[()]
+    distances = [_wasserstein_rows(rows[at : at + block], law) for at in range(0, len(rows), block)]
+    return np.concatenate(distances).reshape(angles.shape[:-1])[()]
 
 
 def _wasserstein_rows(rows: Array, law: CircularLaw) -> Array:
@@ -286,15 +286,15 @@ def total_variation(
     if not isinstance(law, CircularLaw):
         pair = _two_samples(sample, law)
         first, second = (
-            np.bincount(bin_index(one, bins), minlength=bins) / one.size for one in pair
+            np.bincount(bin_index(own, bins), minlength=bins) / own.size for own in pair
         )
         return np.asarray(0.5 * np.sum(np.abs(first - second)))[()]
     angles = orientations("sample", sample)
     rows = bin_index(angles, bins).reshape(-1, angles.shape[-1])
     flat = rows + bins * np.arange(len(rows))[:, None]
     shares = np.bincount(flat.ravel(), minlength=len(rows) * bins).reshape(-1, bins) / rows.shape[1]
-    found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
-    return np.asarray(found).reshape(angles.shape[:-1])[()]
+    distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)
+    return np.asarray(distances).reshape(angles.shape[:-1])[()]
 
 
 @dataclass(frozen=True, eq=False)

@@ -546,8 +546,10 @@ def measured_staircase(pairs: Theta0Pairs, seed: int = 0) -> MeasuredStaircase:
     gap = float(np.diff(places, append=places[0] + TWO_PI).max())
     harmonics = min(HARMONICS, (pairs.theta.size - _FEWEST_FREE) // 4)
     if gap > _WIDEST_GAP:
-        told = f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
-        return MeasuredStaircase(path, steps, None, told)
+        problem = (
+            f"θ0 leave a gap of {math.degrees(gap):.0f}°, and what cycles do there nothing tells"
+        )
+        return MeasuredStaircase(path, steps, None, problem)
     if harmonics < 1:
         return MeasuredStaircase(
             path, steps, None, f"{pairs.theta.size} cycles are too few to fit a map to"

@@ -141,8 +141,8 @@ def nested_errors(
     design = design * root[:, np.newaxis]
     value = value * root
     errors = np.full((value.size, sizes.size), np.inf)
-    for one in range(int(fold.max()) + 1):
-        out = fold == one
+    for index in range(int(fold.max()) + 1):
+        out = fold == index
         q, r = np.linalg.qr(design[~out])
         projected = q.T @ value[~out]
         for j, size in enumerate(sizes.tolist()):
@@ -170,7 +170,7 @@ def simplest_good(errors: Array, sizes: Whole, fold: Whole) -> tuple[int, Array]
     best = int(np.argmin(mean))
     finite = np.where(np.isfinite(errors), errors, 0.0)
     excess = np.array(
-        [np.mean((finite - finite[:, [best]])[fold == one], axis=0) for one in range(folds)]
+        [np.mean((finite - finite[:, [best]])[fold == index], axis=0) for index in range(folds)]
     )
     spread = np.std(excess, axis=0, ddof=1) / np.sqrt(folds)
     # Errors of rounding size differ by chance: there the floor decides for the simpler.

@@ -15,6 +15,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.circular_distance import circular_wasserstein, total_variation
 from cyclemap.evidence.laws.fit_map import FittedMap, fit_map, map_of_turn
 from cyclemap.evidence.laws.linear_fit import student_quantile
+from cyclemap.evidence.laws.periodic_law import PeriodicLaw
 from cyclemap.evidence.laws.push_sets import FEWEST
 from cyclemap.evidence.pushes.theta0_pairs import (
     AngleHistogram,
@@ -354,11 +355,11 @@ def measured_cycle_map(
     bias = sums[:, 1] / np.maximum(crowd, 1)
     # Where ten pairs or more scatter least and most, root mean square; of fewer in all, the largest
     # crowds count.
-    told = np.flatnonzero(seen & (crowd > 0))
-    told = told[crowd[told] >= min(_CROWD, int(np.max(crowd[told])))]
-    size = np.sqrt(sums[told, 2] / crowd[told])
+    crowded = np.flatnonzero(seen & (crowd > 0))
+    crowded = crowded[crowd[crowded] >= min(_CROWD, int(np.max(crowd[crowded])))]
+    size = np.sqrt(sums[crowded, 2] / crowd[crowded])
     quietest, loudest = (
-        ScatterPlace(float(_AROUND[told[k]]), float(size[k]))
+        ScatterPlace(float(_AROUND[crowded[k]]), float(size[k]))
         for k in (np.argmin(size), np.argmax(size))
     )
     early, late = (_map_state(fitted, share, seen, bias, crowd) for share in (_EARLY, _LATE))
@@ -373,19 +374,8 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     theta = _AROUND
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    # Half of the 95 % interval of the turn: what the law states (the least of all turns is asked
-    # for, and a law of p coefficients is free in p places), more where residuals are alike, and its
-    # misfit: a law of too low an order is off by what its residuals have in common thereabouts,
-    # which no covariance knows.
-    alike = min(max(law.lag_correlation, 0.0), 0.99)
-    quantile = student_quantile(
-        1.0 - 0.05 / law.coefficients.size, law.count - law.coefficients.size
-    )
-    stated = quantile * law.standard_error(theta) * np.sqrt((1.0 + alike) / (1.0 - alike))
-    misfit = np.abs(bias)
-    chance = law.noise(theta) / np.sqrt(np.maximum(crowd, 1))
     turn = law(theta)
-    error = stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0)
+    error = _turn_error(law, bias, crowd)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
@@ -423,6 +413,22 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     return MapState(cycle, tuple(sure), tuple(slow), tuple(undecided), slowest)
 
 
+def _turn_error(law: PeriodicLaw, bias: Array, crowd: Whole) -> Array:
+    """Half of the 95 % interval of the turn at each place.
+
+    What the law states (the least of all turns is asked for, and a law of p coefficients is free in
+    p places), more where residuals are alike, and its misfit: a law of too low an order is off by
+    what its residuals have in common thereabouts, which no covariance knows.
+    """
+    alike = min(max(law.lag_correlation, 0.0), 0.99)
+    count = law.coefficients.size
+    quantile = student_quantile(1.0 - 0.05 / count, law.count - count)
+    stated = quantile * law.standard_error(_AROUND) * np.sqrt((1.0 + alike) / (1.0 - alike))
+    misfit = np.abs(bias)
+    chance = law.noise(_AROUND) / np.sqrt(np.maximum(crowd, 1))
+    return np.asarray(stated + np.where(misfit > _MISFIT * chance, misfit + 2.0 * chance, 0.0))
+
+
 def _least(values: Array, places: Whole) -> int:
     """The one of these places where the values are least: in the middle,
     where they are all alike."""
@@ -443,8 +449,8 @@ def _fitted(pairs: Theta0Pairs, harmonics: int | None, wear: bool, seed: int) ->
     )
     if pairs.cycle is None or np.ptp(pairs.cycle) == 0.0:
         return fit(cycle=None)
-    told = wear and pairs.theta.size >= FEWEST_FOR_WEAR
-    fitted = fit(wear_degree=None if told else 0)
+    may_wear = wear and pairs.theta.size >= FEWEST_FOR_WEAR
+    fitted = fit(wear_degree=None if may_wear else 0)
     worn = fitted.wear
     if worn is None or worn.degree == 0 or worn.rmse_by_order is None:
         return fitted
@@ -496,7 +502,7 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
         total_variation=float(total_variation(path, whole.ravel())),
         wasserstein=float(circular_wasserstein(path, pooled)),
         run_distances=np.array(
-            [float(circular_wasserstein(one, pooled)) for one in whole[:_COMPARED]]
+            [float(circular_wasserstein(run, pooled)) for run in whole[:_COMPARED]]
         ),
         pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )

@@ -150,8 +150,8 @@ def _noise_harmonics(theta: Array, design: Array, value: Array, seed: int) -> in
     losses = np.empty((value.size, orders.size))
     for order in orders.tolist():
         columns = fourier_columns(theta, order)
-        for one in range(int(fold.max()) + 1):
-            out = fold == one
+        for index in range(int(fold.max()) + 1):
+            out = fold == index
             level = columns[out] @ fit_log_variance(columns[~out], squares[~out])
             # A law that leaves no scatter at all where something was left out is lost by any
             # measure.
@@ -385,9 +385,9 @@ def fit_series(
             # Each degree with all orders, which are nested, by what is left out of the folds.
             fold = cycle_folds(values.size, seed)
             squares = []
-            sizes = [(2 * np.array(orders) + 1) * (one + 1) for one in degrees]
-            for one, size in zip(degrees, sizes, strict=True):
-                design = series_columns(angles, polynomials[:, : one + 1], max(orders))
+            sizes = [(2 * np.array(orders) + 1) * (candidate + 1) for candidate in degrees]
+            for candidate, size in zip(degrees, sizes, strict=True):
+                design = series_columns(angles, polynomials[:, : candidate + 1], max(orders))
                 squares.append(nested_errors(design, values, size, fold, weight))
             chosen, mean = simplest_good(np.hstack(squares), np.concatenate(sizes), fold)
             errors = np.sqrt(mean).reshape(len(degrees), len(orders))
