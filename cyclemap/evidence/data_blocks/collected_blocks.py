@@ -7,8 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -64,7 +65,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
     measured_drags,
     measured_pushes,
     push_noise,
-    pushes_of,
     select_pushes,
     selected,
     session_name,
@@ -236,18 +236,18 @@ class _Collected:
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
             table = convention_of(path).table(read_csv_table(path))
-            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
-            facts = told_rows.to_dict("records")
+            rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
+            frames = [rows]
         else:
             reading = part_of(progress, 0, 2)
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
-            frames = (pushes.table, pushes.scans)
-            facts = [row for frame in frames for row in frame.to_dict("records")]
+            frames = [pushes.table, pushes.scans]
             if pushes.unreadable:
                 bad = pushes.unreadable[0]
                 reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
                 self._leave_out(reason, len(pushes.unreadable))
-        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+        surfaces = frozenset[str]().union(*(told(frame["surface"]) for frame in frames))
+        objects = frozenset[str]().union(*(told(frame["object"]) for frame in frames))
         for reason, count in left_out.items():
             self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
@@ -256,26 +256,31 @@ class _Collected:
                 # A table that was planned tells its axes and angles.
                 if not by_marks:
                     self._note(words)
-        sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
-        for index, (plate, speed) in enumerate(sessions):
-            self.plate = plate
-            self.loop = loop_of_plate(self.given, plate)
+        owners = [_plates_and_speeds(frame, self.given.slider.name) for frame in frames]
+        sessions = [] if len(surfaces) > 1 else sorted({*chain(*owners)})
+        for index, session in enumerate(sessions):
+            self.plate, speed = session
+            self.loop = loop_of_plate(self.given, self.plate)
             self.session = self._session(sort, speed)
-            chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
-            own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
+            own = []
+            for frame, of_rows in zip(frames, owners, strict=True):
+                kept = [of_row == session for of_row in of_rows]
+                own.append(frame[np.array(kept, dtype=bool)].reset_index(drop=True))
             if is_table:
-                self._add_table(sort, selected(told_rows, own)[0])
+                self._add_table(sort, own[0])
             else:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
-                self._add_pushes(pushes_of(pushes, own), sort, done)
+                self._add_pushes(replace(pushes, table=own[0], scans=own[1]), sort, done)
         return surfaces, objects
 
-    def _session(self, sort: str, speed: float | None) -> str:
+    def _session(self, sort: str, speed: float) -> str:
         """The name of a session: its plate and speed, of orientations alone its file; empty where
         nothing tells.
         """
-        if speed is None and sort != CYCLES:
-            return ""
+        if math.isinf(speed):
+            if sort != CYCLES:
+                return ""
+            speed = math.nan
         session = session_name(self.plate, speed, self.path.stem)
         if self.known_sessions.setdefault((session, sort), self.path) != self.path:
             session += f", {self.path.stem}"
@@ -538,22 +543,13 @@ def _told_noise(
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
-def _plates_and_speeds(
-    facts: Sequence[Mapping[str, Any]], plate: str
-) -> list[tuple[str, float | None]]:
-    """The plates that rows tell of, else the one given, each with every speed that they tell,
-    m/s."""
-    speeds: dict[str, set[float]] = {}
-    for row in facts:
-        known = row.get("object")
-        speed = row.get("speed")
-        own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
-        if speed is not None and not math.isnan(speed):
-            own.add(float(speed))
-    pairs = list[tuple[str, float | None]]()
-    for name in sorted(speeds):
-        pairs += [(name, speed) for speed in sorted(speeds[name])] or [(name, None)]
-    return pairs
+def _plates_and_speeds(rows: pandas.DataFrame, plate: str) -> list[tuple[str, float]]:
+    """The plate and the speed, m/s, of each row: the plate given where it names none, and no end of
+    speed where it tells none.
+    """
+    speeds = rows["speed"].astype(float).fillna(math.inf).round(9)
+    names = [name if isinstance(name, str) and name else plate for name in rows["object"]]
+    return list(zip(names, speeds.tolist(), strict=True))
 
 
 def _cycle_groups(count: int) -> Labels:

@@ -352,3 +352,17 @@ def test_files_that_tell_the_same_are_counted(tmp_path) -> None:
     found = collected_blocks(files, LOOP)
     assert len(found.notes) < 5
     assert any(note.startswith(f"{files[0]} and 4 more like it: ") for note in found.notes)
+
+
+def test_a_row_that_does_not_tell_its_plate_or_its_speed_counts_once(tmp_path) -> None:
+    """Rows of two plates, of two speeds, and of neither: each is one push of one session."""
+    rows = []
+    for place in range(24):
+        cells = push_row(place, shape=("rect1", "hex", "")[place % 3]).split(",")
+        cells[2] = ("10", "20", "")[place // 3 % 3]
+        rows.append(",".join(cells))
+    found = collected_blocks([write(tmp_path / "ends.csv", ENDS, rows)], LOOP)
+    ends = [block for block in found.blocks if block.motions is not None]
+    counts = {block.name: len(block.motions) for block in ends}
+    assert sum(counts.values()) == 24
+    assert {name.partition(" ")[0] for name in counts} == {"rect1", "hex"}
