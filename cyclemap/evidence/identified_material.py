@@ -5,7 +5,6 @@ material.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
@@ -16,7 +15,6 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.identification.data_block import BELIEF_KINDS
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
@@ -26,6 +24,7 @@ from cyclemap.evidence.identification.surface_parameters import (
     floor_field,
     owned_shapes,
 )
+from cyclemap.evidence.identified_words import misfit_words, provenance_words
 from cyclemap.evidence.laws.linear_fit import student_quantile
 from cyclemap.mechanics import (
     EllipseFriction,
@@ -44,7 +43,6 @@ from cyclemap.mechanics.material import (
     FloorSession,
     shape_numbers,
 )
-from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Unit
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -57,10 +55,6 @@ _FOUND_UNITS = {
     "pusher_mu": ("pusher_friction", 1.0),
     "pin_friction_mm": ("pin_friction_radius", 1e3),
 }
-# What people are told SI units in.
-_READABLE = {"rad": DEGREES, "m": MILLIMETRES, "1": NUMBER}
-# Means of errors, by what is said before them.
-_MOMENTS = {"": "mean", "left out ": "left_out_mean", "isotropic ": "isotropic_mean"}
 WORN_FLOOR = ("worn_floor_dome", "worn_floor_bow_x", "worn_floor_bow_y")
 
 
@@ -474,82 +468,3 @@ def _ellipse(law: EllipseFriction) -> dict[str, float]:
         **{key: getattr(law, key) for key in ("mu_a", "mu_b", "m0", "n0")},
         "phi_deg": math.degrees(law.phi),
     }
-
-
-def provenance_words(found: Identification, sources: Sequence[str]) -> str:
-    """Return where the numbers come from, in one paragraph."""
-    blocks = [block for block in found.problem.blocks if not {*block.kinds} & {*BELIEF_KINDS}]
-    data = ", ".join(f"{block.name} ({len(block.groups)} values)" for block in blocks)
-    origin = f" in {', '.join(sources)}" if sources else ""
-    estimates = []
-    for row in found.lasting:
-        unit = readable_unit(row.unit)
-        value, lower, upper = (
-            f"{round(unit.of_si(size), 6):.4g}" for size in (row.value, row.lower, row.upper)
-        )
-        interval = f"{value} ({lower} to {upper}){unit.sign}"
-        estimates.append(f"{row.name} {interval if row.identifiable else 'not identifiable'}")
-    free = "; ".join(estimates)
-    text = f"inferred from {data}{origin}: {free}, intervals of {100 * found.level:g} %"
-    if found.priors:
-        text += f"; believed beforehand, in SI units: {belief_words(found.priors)}"
-    held = "; ".join(f"{name} {value:.4g}" for name, value in sorted(found.problem.fixed.items()))
-    return text + (f"; held: {held}" if held else "")
-
-
-def belief_words(beliefs: Mapping[str, tuple[float, float]]) -> str:
-    """Return beliefs (value, standard deviation) in words; those alike for all plates or sessions
-    are told once.
-
-    >>> domes = {"plate_dome[hex]": (0.0, 6.0), "plate_dome[tri1]": (0.0, 6.0)}
-    >>> belief_words({**domes, "plate_warp_x[hex]": (2.0, 0.5)})
-    'plate_dome 0 +- 6, plate_warp_x 2 +- 0.5'
-    """
-    own: dict[str, dict[str, tuple[float, float]]] = {}
-    for name, belief in beliefs.items():
-        own.setdefault(name.partition("[")[0], {})[name] = belief
-    words = []
-    for plain, alike in own.items():
-        if len({*alike.values()}) == 1:
-            alike = {plain: next(iter(alike.values()))}
-        words += [f"{name} {mean:.4g} +- {width:.4g}" for name, (mean, width) in alike.items()]
-    return ", ".join(words)
-
-
-def misfit_words(found: Identification) -> str:
-    """Return the mean of every kind of error, beside what isotropic friction misses; of many blocks
-    their ranges.
-    """
-    sentences = []
-    for written in dict.fromkeys(row.kind for row in found.errors):
-        kind, unit = readable_kind(written)
-        alike = [row for row in found.errors if row.kind == written]
-        groups = {f"{row.block}, {kind}": [row] for row in alike}
-        if len(alike) > 2:
-            groups = {f"{kind} in {len(alike)} blocks": alike}
-        for name, rows in groups.items():
-            sizes = []
-            for word, moment in _MOMENTS.items():
-                known = [unit.of_si(getattr(row, moment)) for row in rows]
-                known = [size for size in known if math.isfinite(size)]
-                ends = dict.fromkeys(f"{end(known):.3g}" for end in (min, max) if known)
-                sizes += [word + " to ".join(ends)] if ends else []
-            beside = f" ({', '.join(sizes[1:])})" if sizes[1:] else ""
-            sentences.append(f"{name}: {sizes[0]}{unit.sign}{beside}")
-    return "; ".join(sentences)
-
-
-def readable_kind(kind: str) -> tuple[str, Unit]:
-    """Return a kind of noise without its unit, and the unit that it is told in.
-
-    >>> kind, unit = readable_kind("push place (m)")
-    >>> kind, unit.sign
-    ('push place', ' mm')
-    """
-    match = re.fullmatch(r"(.*) \((\S+)\)", kind)
-    return (kind, NUMBER) if match is None else (match[1], readable_unit(match[2]))
-
-
-def readable_unit(unit: str) -> Unit:
-    """Return the unit that people are told numbers of an SI unit in."""
-    return _READABLE.get(unit, Unit(unit, float))

@@ -10,7 +10,6 @@ dome, bow cos 2 axis and bow sin 2 axis, in kPa at 50 mm (`SurfaceShape`).
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -415,9 +414,13 @@ class SurfaceParameters:
         """
         ratio, phi = self._ellipse()
         mean = math.exp(self.friction_scale)
-        stretch = math.exp(ratio / 2.0)
-        centre = mean * complex(self.offset_x, self.offset_y) * cmath.exp(-1j * phi)
-        return EllipseFriction(mean * stretch, mean / stretch, centre.real, centre.imag, phi)
+        c = math.cos(phi)
+        k = math.sin(phi)
+        m0 = c * self.offset_x + k * self.offset_y
+        n0 = -k * self.offset_x + c * self.offset_y
+        return EllipseFriction(
+            mean * math.exp(ratio / 2.0), mean * math.exp(-ratio / 2.0), mean * m0, mean * n0, phi
+        )
 
     def footprint(self, slider: Slider, field: FloorField | None = None) -> PressedFootprint:
         """Return how an object rests on the surface, in its own mean pressures; field : of the
