@@ -10,6 +10,7 @@ from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import finite_array, finite_number, positive_number, read_only, whole_number
@@ -50,10 +51,10 @@ class CircularLaw:
     ----------
     knots : ndarray, shape (cells + 1,)
         Ends of the cells, rad.
-    heights : ndarray, shape (cells + 1,)
-        Density at the knots, per radian.
     masses : ndarray, shape (cells + 1,)
         Distribution function at the knots.
+    by_cell : scipy.interpolate.PPoly
+        Distribution function of an angle counted in cells.
 
     Raises
     ------
@@ -85,8 +86,8 @@ class CircularLaw:
     density: Density
     cells: int = 2048
     knots: Array = field(init=False, repr=False)
-    heights: Array = field(init=False, repr=False)
     masses: Array = field(init=False, repr=False)
+    by_cell: PPoly = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not callable(self.density):
@@ -115,24 +116,20 @@ class CircularLaw:
             )
         below = np.append(0.0, np.cumsum(parts) / total)
         below[-1] = 1.0
+        mass = np.diff(below)
+        # At most three times the mean slope: the cubic then never falls.
+        heights = values[::2] * (TWO_PI / (total * count))
+        rise = np.minimum(heights[:-1], 3.0 * mass)
+        end = np.minimum(heights[1:], 3.0 * mass)
+        cubic = [rise + end - 2.0 * mass, 3.0 * mass - 2.0 * rise - end, rise, below[:-1]]
         object.__setattr__(self, "knots", read_only(np.linspace(0.0, TWO_PI, count + 1)))
-        object.__setattr__(self, "heights", read_only(values[::2] / total))
         object.__setattr__(self, "masses", read_only(below))
+        object.__setattr__(self, "by_cell", PPoly(cubic, np.arange(count + 1.0)))
 
     def cumulative(self, theta: ArrayLike) -> Array:
         """Probability of the arc from 0 to θ mod 2π, any shape."""
         angle = np.mod(finite_array("theta", theta), TWO_PI)
-        step = TWO_PI / self.cells
-        cell = np.minimum((angle / step).astype(np.int64), self.cells - 1)
-        t = (angle - self.knots[cell]) / step
-        low = self.masses[cell]
-        mass = self.masses[cell + 1] - self.masses[cell]
-        # At most three times the mean slope: the cubic then never falls.
-        rise = np.minimum(self.heights[cell] * step, 3.0 * mass)
-        end = np.minimum(self.heights[cell + 1] * step, 3.0 * mass)
-        return np.asarray(
-            low + t * (rise + t * (3.0 * mass - 2.0 * rise - end + t * (rise + end - 2.0 * mass)))
-        )
+        return np.asarray(self.by_cell(angle * (self.cells / TWO_PI)))
 
     def bin_probabilities(self, bins: int) -> Array:
         """Probability of each of ``bins`` equal bins over [0, 2π)."""
