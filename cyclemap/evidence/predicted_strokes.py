@@ -85,12 +85,12 @@ def frame_shift(material: Material, plate: str) -> Place:
 
 
 def push_from_contact(
-    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose, contact: int = 0
+    slider: Slider, radius: float, push: SidePush, start: Pose, end: Pose
 ) -> MeasuredPush:
     """Return a measured push whose rod, of a radius in m, went from its first touch on."""
     place, way = first_contact(slider, push, radius)
     tips = (start.to_world(*place), start.to_world(*(place + push.distance * way)))
-    return MeasuredPush(start, end, *tips, contact=contact)
+    return MeasuredPush(start, end, *tips)
 
 
 def predicted_ends(

@@ -366,15 +366,16 @@ class _Collected:
         rows = table[posed].fillna({"length": self.push_length})
         known = rows[rows["length"].notna()]
         pushes: list[MeasuredPush] = []
+        places: list[tuple[float, float]] = []
         for row in known.to_dict("records"):
             push = told_push(self.loop.push, row, row["length"])
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            slider = self.loop.slider
             radius = self.loop.pusher.radius
-            pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
+            pushes.append(push_from_contact(self.loop.slider, radius, push, start, end))
+            places.append((push.side, push.fraction))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
-        self._add_push_ends(pushes)
+        self._add_push_ends(_by_contact(pushes, places))
 
     def _add_records(self, table: pandas.DataFrame, progress: Progress) -> None:
         """Add ends and forces of recorded pushes."""
@@ -399,9 +400,7 @@ class _Collected:
             part_of(progress, index, len(chosen))(1.0)
         self._leave_out("pushes whose tip did not go straight", len(chosen) - len(records))
         if records:
-            groups = _contact_groups(places)
-            both = zip(pushes, groups.tolist(), strict=True)
-            self._add_push_ends([replace(push, contact=group) for push, group in both])
+            self._add_push_ends(_by_contact(pushes, places))
             self._add_forces(records)
 
     def _add_forces(self, records: Sequence[PushRecord]) -> None:
@@ -515,12 +514,17 @@ def _straight_push(record: PushRecord) -> MeasuredPush | None:
     return MeasuredPush(Pose(*record.start), Pose(*record.end), first, last)
 
 
-def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
-    """Groups of pushes: by contact where there are many contacts, else by runs of repetitions."""
-    known = sorted(set(places))
-    if len(known) < _FEWEST_CONTACTS or np.isnan(known).any():
-        return _cycle_groups(len(places))
-    return np.array([known.index(place) for place in places])
+def _by_contact(
+    pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]
+) -> list[MeasuredPush]:
+    """Pushes labelled by side and fraction where there are many such places, else by runs of
+    repetitions.
+    """
+    labels = _cycle_groups(len(places))
+    if len({*places}) >= _FEWEST_CONTACTS and not np.isnan(places).any():
+        labels = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    both = zip(pushes, labels.tolist(), strict=True)
+    return [replace(push, contact=label) for push, label in both]
 
 
 def _told_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:

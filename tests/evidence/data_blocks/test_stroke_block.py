@@ -299,7 +299,7 @@ def test_the_rod_of_a_collection_is_as_thick_as_it_is_said_to_be() -> None:
     for theta in np.linspace(0.0, 5.0, 4):
         cycle, start = loop.cycle(theta), loop.start_pose(theta)
         end = Pose(*start.to_world(*cycle.push_displacement), theta + cycle.push_turn)
-        push = push_from_contact(loop.slider, 0.008, loop.push, start, end, 0)
+        push = push_from_contact(loop.slider, 0.008, loop.push, start, end)
         pushes.append(push)
     values = SurfaceParameters.from_friction(loop.material.friction, pusher_friction=0.15).values()
     given = {**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0}
