@@ -294,6 +294,14 @@ class _Collected:
         if count > 0:
             self._note(f"{count} left out: {reason}")
 
+    def _doubt_few(self, contacts: int, count: int) -> None:
+        """Note where pushes are at too few contacts to be grouped by them."""
+        if contacts < min(_FEWEST_CONTACTS, count):
+            self._note(
+                f"{count} pushes at {contacts} places of contact alone: what the model misses at a "
+                "place counts as evidence of every push there, so that intervals are too narrow"
+            )
+
     def _add(
         self,
         block: DataBlock,
@@ -375,6 +383,7 @@ class _Collected:
             pushes.append(push_from_contact(self.loop.slider, radius, push, start, end))
             places.append((push.side, push.fraction))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
+        self._doubt_few(len({*places}), len(pushes))
         self._add_push_ends(_by_contact(pushes, places))
 
     def _add_records(self, table: pandas.DataFrame, progress: Progress) -> None:
@@ -400,6 +409,7 @@ class _Collected:
             part_of(progress, index, len(chosen))(1.0)
         self._leave_out("pushes whose tip did not go straight", len(chosen) - len(records))
         if records:
+            self._doubt_few(len({*places}), len(pushes))
             self._add_push_ends(_by_contact(pushes, places))
             self._add_forces(records)
 
@@ -464,7 +474,9 @@ class _Collected:
             small = errors[errors <= LARGEST_TIP_ERROR]
             strayed = float(small.mean()) if len(small) else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
-            if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
+            contacts = len({push.contact for push in pushes})
+            self._doubt_few(contacts, len(pushes))
+            if contacts < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
             by_marks = bool(rows[FRAMES_AGREE].notna().any())
             self._add_push_ends(pushes, _told_errors(rows), by_marks, strayed)
