@@ -253,14 +253,13 @@ def _cycles_asked(
         summary = predict_staircase(model.map_at(first + path.size // 2), model.noise)
     except (ConvergenceError, InvalidInput) as error:
         uncertified = (f"stable directions and visits: {error}",)
+    zones = () if summary is None else summary.zones
     fixed = summary if isinstance(model.map, CircleMap) else None
     return replace(
         empty,
         cycle=cycle_agreement(model, data.loop, pairs, tested["map"]),
         orientations=orientation_agreement(path, ensemble, tested),
-        directions=direction_agreement(
-            path, () if summary is None else summary.zones, ensemble, null
-        ),
+        directions=direction_agreement(path, zones, ensemble, null),
         staircase=staircase_agreement(path, null, fixed, part_of(report, 1, 2)),
         uncertified=uncertified,
     )

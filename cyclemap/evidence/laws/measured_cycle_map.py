@@ -371,16 +371,15 @@ def _map_state(fitted: FittedMap, share: float, seen: Mask, bias: Array, crowd: 
     each place.
     """
     worn = fitted.wear
-    theta = _AROUND
     cycle = float("nan") if worn is None else worn.first + share * (worn.last - worn.first)
     law = fitted.law if worn is None else worn.at(cycle)
-    turn = law(theta)
+    turn = law(_AROUND)
     error = _turn_error(law, bias, crowd)
     sign = np.where(seen & (np.abs(turn) > error), np.sign(turn), 0.0)
 
     def place(k: int, cycles: float | None = None) -> TurnPlace:
         return TurnPlace(
-            float(theta[k]),
+            float(_AROUND[k]),
             float(turn[k]),
             float(turn[k] - error[k]),
             float(turn[k] + error[k]),
@@ -485,13 +484,14 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
     pooled = whole[:, :: max(1, whole.size // _POOLED)].ravel()
     # Full turns climbed in cycles that no fitted pair covers.
     counts = (pairs.cycle >= cycle[begin]) & (pairs.cycle < cycle[-1])
-    left_out = path[-1] - path[begin] - float(np.sum(pairs.turn[counts]))
+    climbed = float(path[-1] - path[begin])
+    left_out = climbed - float(np.sum(pairs.turn[counts]))
     fastest = float(_AROUND[np.argmax(np.abs(fitted.map.turn(_AROUND)))])
     lower, upper = np.quantile(whole, [0.025, 0.975], axis=0)
     return WornForecast(
         first_cycle=float(cycle[begin]),
-        measured_turns=float(path[-1] - path[begin]) / TWO_PI,
-        left_out_turns=float(left_out) / TWO_PI,
+        measured_turns=climbed / TWO_PI,
+        left_out_turns=left_out / TWO_PI,
         turns=(counted[:, -1] - counted[:, 0]) / TWO_PI,
         measured=np.interp(cycle[0] + np.arange(last + 1.0), cycle, path),
         run=whole[0],
@@ -501,8 +501,6 @@ def _forecast(pairs: Theta0Pairs, fitted: FittedMap, runs: int, seed: int) -> Wo
         histogram=angle_histogram(whole.ravel()),
         total_variation=float(total_variation(path, whole.ravel())),
         wasserstein=float(circular_wasserstein(path, pooled)),
-        run_distances=np.array(
-            [float(circular_wasserstein(run, pooled)) for run in whole[:_COMPARED]]
-        ),
+        run_distances=np.array([circular_wasserstein(run, pooled) for run in whole[:_COMPARED]]),
         pace=turn_pace(fitted, path, cycle, fastest, runs, seed + 2),
     )
