@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
@@ -43,6 +43,8 @@ from cyclemap.mechanics.material import (
     FloorSession,
     shape_numbers,
 )
+
+T = TypeVar("T")
 
 DRAWS = 2000
 # A direction whose draws spread over more than this share of their circle is not known.
@@ -415,7 +417,7 @@ def identified_material(
     return replace(material, posterior=_posterior(found, material, plate, before.posterior))
 
 
-def _joined(before: Sequence[Any], new: Sequence[Any], key: str) -> tuple[Any, ...]:
+def _joined(before: Sequence[T], new: Sequence[T], key: str) -> tuple[T, ...]:
     """What was known, each of a name of its own, then what is new, which takes the place of what
     has its name.
     """
