@@ -5,7 +5,7 @@ whole cycles.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -158,8 +158,8 @@ def set_ups(first: int, count: int) -> tuple[Parameter, ...]:
     far each rod was off its mark, x and y, and how each object lay turned, in turn.
     """
     parameters = list[Parameter]()
-    for number in range(first, first + count):
-        push = f"push {number}"
+    for index in range(first, first + count):
+        push = f"push {index}"
         for axis in "xy":
             words = f"how far the rod of {push} was set off its mark, along {axis}"
             name = f"{ROD_OFF}{axis}[{push}]"
@@ -344,62 +344,95 @@ def cycle_pair_block(
     >>> bool(np.abs(block.residuals(SurfaceParameters().values())[0]).max() < 1e-6)
     True
     """
-    angles, measured = finite_array("theta", theta, ndim=1), finite_array("turn", turn, ndim=1)
+    angles = finite_array("theta", theta, ndim=1)
+    measured = finite_array("turn", turn, ndim=1)
     if angles.size == 0 or measured.shape != angles.shape:
-        told = f"{angles.size} orientations and {measured.size} turns"
-        raise InvalidInput(f"{told}: give one turn for each, one at least")
-    passed = None
-    own_parameters: tuple[Parameter, ...] = ()
-    if elapsed is not None:
-        passed = finite_array("elapsed share of the data", elapsed, ndim=1)
-        if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
-            raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
-        own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
-    parameters = (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters))
-    worn_columns = slice(len(CYCLE_UNKNOWNS), len(CYCLE_UNKNOWNS) + len(WORN))
-    pace_columns = slice(worn_columns.stop, None)
-    places = 2.0 * np.pi * np.arange(NODES) / NODES
+        raise InvalidInput(
+            f"{angles.size} orientations and {measured.size} turns: give one turn for each, one at "
+            "least"
+        )
     between = interpolation(angles, NODES)
+    motions = np.column_stack([angles, measured])
+    kinds = _cycle_kinds(angles)
+    if elapsed is None:
+        steady = _CycleTurns(loop, between, measured)
+        function, curve = steady.residuals, steady.curve
+        return DataBlock(
+            "cycles", CYCLE_UNKNOWNS, function, groups, kinds, motions=motions, curve=curve
+        )
+    passed = finite_array("elapsed share of the data", elapsed, ndim=1)
+    if passed.shape != angles.shape or passed.min() < 0.0 or passed.max() > 1.0:
+        raise InvalidInput("elapsed must be a share of the data, 0 to 1, for each cycle")
+    own_parameters = (*_WORN_PARAMETERS, *_PACE_PARAMETERS)
+    parameters = (*CYCLE_UNKNOWNS, *(parameter.name for parameter in own_parameters))
+    wearing = _WearingTurns(loop, between, measured, passed)
+    function, curve = wearing.residuals, wearing.curve
+    return DataBlock(
+        "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
+    )
 
-    def at_nodes(values: Values, worn: float) -> Rows:
-        """Turns at the nodes on a surface as worn as that, and their derivatives by the unknowns
-        of the surface.
+
+@dataclass(frozen=True, eq=False)
+class _CycleTurns:
+    """Turns (n,) of cycles, rad, measured and as a Fourier series through computed ones.
+
+    between : (n, NODES), from the nodes to the orientations of the cycles.
+    """
+
+    loop: CollectionLoop
+    between: Array
+    measured: Array
+
+    def at_nodes(self, values: Values, worn: float = 0.0) -> Rows:
+        """Return turns at the nodes on a surface as worn as that, and their derivatives by
+        CYCLE_UNKNOWNS.
         """
         blended = {name: values[name] for name in CYCLE_UNKNOWNS}
         for name in WORN if worn else ():
             blended[name] = (1.0 - worn) * values[name] + worn * values[f"worn_{name}"]
         surface = SurfaceParameters.from_values(blended)
-        runs, by_unknowns = cycles_by_unknowns(surface, loop, places)
+        places = 2.0 * np.pi * np.arange(NODES) / NODES
+        runs, by_unknowns = cycles_by_unknowns(surface, self.loop, places)
         return runs.theta_next[0] - places, by_unknowns[:, CYCLE_OUTPUTS.index("theta_next")]
 
-    def function(values: Values) -> Rows:
-        if passed is None:
-            turned, by_unknowns = at_nodes(values, 0.0)
-            return between @ turned - measured, between @ by_unknowns
-        share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], passed)
-        predicted, by_share = np.zeros(angles.size), np.zeros(angles.size)
-        jacobian = np.zeros((angles.size, len(parameters)))
+    def residuals(self, values: Values) -> Rows:
+        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        turned, by_unknowns = self.at_nodes(values)
+        return self.between @ turned - self.measured, self.between @ by_unknowns
+
+    def curve(self, values: Values, around: Array, late: bool) -> Array:
+        """Return turns at angles `around`, on the surface as fresh or as worn as can be."""
+        return interpolation(around, NODES) @ self.at_nodes(values, float(late))[0]
+
+
+@dataclass(frozen=True, eq=False)
+class _WearingTurns(_CycleTurns):
+    """The same on a surface that wears: turns are computed at _WEAR_NODES, a polynomial between.
+
+    elapsed : (n,), shares of the data made before.
+    """
+
+    elapsed: Array
+
+    def residuals(self, values: Values) -> Rows:
+        """Return predicted less measured turns, and their derivatives by the unknowns."""
+        share, share_by_pace = worn_share([values[name] for name in PACE_NAMES], self.elapsed)
         weights, slopes = _blending(share)
+        predicted = np.zeros(share.size)
+        by_share = np.zeros(share.size)
+        by_fresh = np.zeros((share.size, len(CYCLE_UNKNOWNS)))
+        by_worn = np.zeros((share.size, len(WORN)))
         for index, worn in enumerate(_WEAR_NODES):
-            turned, by_unknowns = at_nodes(values, worn)
-            turns = between @ turned
+            turned, by_unknowns = self.at_nodes(values, worn)
+            turns = self.between @ turned
             predicted += weights[:, index] * turns
             by_share += slopes[:, index] * turns
-            by_surface = weights[:, index, np.newaxis] * (between @ by_unknowns)
-            jacobian[:, worn_columns] += worn * by_surface[:, : len(WORN)]
+            by_surface = weights[:, index, np.newaxis] * (self.between @ by_unknowns)
+            by_worn += worn * by_surface[:, : len(WORN)]
             by_surface[:, : len(WORN)] *= 1.0 - worn
-            jacobian[:, : len(CYCLE_UNKNOWNS)] += by_surface
-        jacobian[:, pace_columns] = by_share[:, np.newaxis] * share_by_pace
-        return predicted - measured, jacobian
-
-    def curve(values: Values, around: Array, late: bool) -> Array:
-        return interpolation(around, NODES) @ at_nodes(values, float(late))[0]
-
-    motions = np.column_stack([angles, measured])
-    kinds = _cycle_kinds(angles)
-    return DataBlock(
-        "cycles", parameters, function, groups, kinds, own_parameters, motions=motions, curve=curve
-    )
+            by_fresh += by_surface
+        by_pace = by_share[:, np.newaxis] * share_by_pace
+        return predicted - self.measured, np.hstack([by_fresh, by_worn, by_pace])
 
 
 def _cycle_kinds(theta: Array) -> NDArray[np.str_]:
@@ -445,7 +478,7 @@ def loop_on(surface: SurfaceParameters, loop: CollectionLoop) -> CollectionLoop:
     """Return the loop on an identified surface, with the rod, shapes and ring that were identified
     along with it.
     """
-    found = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
-    material = Material("identified", surface.to_friction(), found_with=found)
+    rod_and_ring = FoundWith(surface.pusher_friction, surface.pin_friction_radius)
+    material = Material("identified", surface.to_friction(), found_with=rod_and_ring)
     changed = replace(loop, accuracy=CYCLE_ACCURACY).with_material(material)
     return replace(changed, footprint=surface.footprint(loop.slider))

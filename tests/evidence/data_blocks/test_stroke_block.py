@@ -275,7 +275,7 @@ def test_strokes_that_are_taken_to_leave_the_object_where_it_was_are_told() -> N
 def test_strokes_and_cycles_that_do_not_fit_are_refused() -> None:
     refused(drag_turn_block, [], RECT1, told="no strokes")
     refused(cycle_pair_block, MIT, THETA, THETA[1:], np.arange(12), told="one turn for each")
-    refused(made_cycles, 1.5, told="from 0 to 1")
+    refused(made_cycles, 1.5, told="a share of the data, 0 to 1")
 
 
 @pytest.mark.parametrize(
@@ -315,7 +315,7 @@ def test_the_rod_of_a_collection_is_as_thick_as_it_is_said_to_be() -> None:
     for theta in np.linspace(0.0, 5.0, 4):
         cycle, start = loop.cycle(theta), loop.start_pose(theta)
         end = Pose(*start.to_world(*cycle.push_displacement), theta + cycle.push_turn)
-        push = push_from_contact(loop.slider, 0.008, loop.push, start, end, 0)
+        push = push_from_contact(loop.slider, 0.008, loop.push, start, end)
         pushes.append(push)
     values = SurfaceParameters.from_friction(loop.material.friction, pusher_friction=0.15).values()
     given = {**values, "tip_offset_x": 0.0, "tip_offset_y": 0.0}
