@@ -19,7 +19,6 @@ from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
@@ -109,7 +108,7 @@ def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
         files.append(store.with_suffix(f".{results.picture_format}"))
-        page = sweep_page(sweep, sweep_curves(sweep, _words(asked.draw)))
+        page = sweep_page(sweep, _words(asked.draw))
         write_whole(files[-1], render(page, results.picture_format))
     if publish_json(sweep_report(sweep, store), results.json_target):
         return

@@ -12,8 +12,8 @@ from functools import lru_cache
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import whole_number
 from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.mechanics import Slider, load_material
@@ -25,6 +25,8 @@ SWEPT = {
     **SETTINGS,
     MATERIAL_KEY: Setting(MATERIAL_KEY, "Floor", "material", "a built-in material or a file", WORD),
 }
+# By the ending of a key.
+KEY_UNITS = {"deg": "degree", "mm": "mm", "kg": "kg"}
 _MOST_VALUES = 1_000_000
 
 
@@ -70,6 +72,11 @@ class SweepAxis:
     def is_number(self) -> bool:
         """Whether the values are numbers."""
         return isinstance(self.values[0], float)
+
+    @property
+    def positions(self) -> Array:
+        """Where the values stand, (n,): the numbers themselves, or 0, 1, 2, ... for anything else."""
+        return np.array(self.values if self.is_number else range(len(self.values)), dtype=float)
 
     def at(self, share: float) -> object:
         """Return the value at a share of the list, 0 <= share < 1: how a sample draws from it."""
@@ -167,6 +174,11 @@ def parse_over(text: str) -> SweptKey:
             f"--over {text!r}: the count is {count}; give 1 to {_MOST_VALUES} values"
         )
     return SweepAxis(key, tuple(np.linspace(numbers[0], numbers[1], count).tolist()))
+
+
+def key_unit(key: str) -> str:
+    """The unit that a key's ending tells, "1" where it tells none."""
+    return KEY_UNITS.get(key.rpartition("_")[2], "1")
 
 
 def check_key(key: str) -> None:
@@ -350,7 +362,7 @@ PointSet = Grid | Sample
 
 
 @lru_cache(maxsize=4)
-def _block(sequence: str, seed: int, dimensions: int, block: int) -> NDArray[np.float64]:
+def _block(sequence: str, seed: int, dimensions: int, block: int) -> Array:
     """Points (1024, dimensions) of the unit box, each in [0, 1)."""
     if sequence == "uniform":
         return np.random.default_rng([seed, block]).random((_BLOCK, dimensions))
@@ -359,4 +371,4 @@ def _block(sequence: str, seed: int, dimensions: int, block: int) -> NDArray[np.
     engine = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     if block:
         engine.fast_forward(block * _BLOCK)
-    return cast(NDArray[np.float64], np.minimum(engine.random(_BLOCK), np.nextafter(1.0, 0.0)))
+    return cast(Array, np.minimum(engine.random(_BLOCK), np.nextafter(1.0, 0.0)))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.errors import InvalidInput, unknown_name
-from cyclemap.sweeps.point_sets import SweepAxis
+from cyclemap.sweeps.point_sets import SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_store import SweepStore
@@ -278,7 +278,6 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     )
 
 
-_KEY_UNITS = {"_deg": "degree", "_mm": "mm", "_kg": "kg"}
 REFUSAL = "refusal"
 
 
@@ -425,8 +424,7 @@ def _coordinates(sweep: Sweep) -> dict[str, object]:
             if numeric
             else np.array([_word(one) for one in values], dtype=object)
         )
-        unit = next((unit for ending, unit in _KEY_UNITS.items() if key.endswith(ending)), "1")
-        found[key] = ((key if sweep.axes else "point",), array, {"units": unit})
+        found[key] = ((key if sweep.axes else "point",), array, {"units": key_unit(key)})
     return found
 
 

@@ -1,11 +1,9 @@
-"""A sweep: in sentences, and drawn as a diagram over one key or two,
-or as a scatter of a sample."""
+"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a sample."""
 
 import math
 from collections import Counter
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,18 +15,12 @@ from matplotlib.figure import Figure
 from scipy.ndimage import binary_dilation, binary_opening
 
 from cyclemap.arrays import Array
-from cyclemap.maps import RotationPlane
+from cyclemap.errors import InvalidInput
+from cyclemap.maps import RotationNumbers, RotationPlane
 from cyclemap.mechanics import MIT_HITCH, MIT_SHAPE_NAMES
 from cyclemap.protocol.settings import loop_from_settings
-from cyclemap.sweeps.point_sets import MATERIAL_KEY, SweepAxis
+from cyclemap.sweeps.point_sets import KEY_UNITS, MATERIAL_KEY, SWEPT, SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
-from cyclemap.sweeps.sweep_curves import (
-    SweptCurves,
-    SweptLines,
-    SweptPlane,
-    SweptScatter,
-    axis_places,
-)
 from cyclemap.sweeps.sweep_results import Sweep
 from cyclemap.views import style
 from cyclemap.views.object_page import MM
@@ -50,25 +42,10 @@ REFUSED: Look = {
     "hatch": "xxx",
     "linewidth": 0.0,
 }
-_UNITS = {"_deg": "°", "_mm": "mm", "_kg": "kg"}
-_KEY_WORDS = {
-    "mu_a": "friction μa",
-    "mu_b": "friction μb",
-    "m0": "offset m0",
-    "n0": "offset n0",
-    "phi_deg": "direction φ of friction",
-    "pusher_mu": "friction of the rod",
-    "pusher_radius_mm": "radius of the rod",
-    "fraction": "place on the side",
-    "angle_deg": "angle of the push",
-    "push_mm": "length of the push",
-    "object_name": "object",
-    "hitch_x_mm": "ring x",
-    "hitch_y_mm": "ring y",
-    "pin_friction_mm": "friction radius of the pin",
-    "noise_deg": "noise of a cycle",
-}
 _SHORT_UNITS = {"degree": "°", "turns/cycle": "turns a cycle"}
+# Behind a number.
+_SPACED_UNITS = {"degree": "°", "mm": " mm", "kg": " kg"}
+_ROTATION = ("rotation", "rotation_lower", "rotation_upper", "locked_period", "locked_winding")
 _MOST_COUNTS = 8
 _LONGEST_NAME = 22
 # Planes with as many values along both axes are fine enough for tongues to be more than a cell
@@ -79,31 +56,61 @@ _LONGEST_REASON = 160
 
 
 @style.picture_style()
-def sweep_page(sweep: Sweep, curves: SweptCurves) -> Figure:
-    """Draw what `sweep_curves` worked out of a sweep: at most two panels side by side."""
-    # Titles, which are meanings short of their remarks, and drawers; where fixed points are known
-    # they come first.
-    panels: list[style.Panel] = []
-    draw: Any
-    if isinstance(curves, SweptLines):
-        draw, told = draw_swept_line, curves.lines
-        if curves.points is not None:
-            panels.append(("Fixed points", partial(draw_fixed_points, swept=curves)))
-    elif isinstance(curves, SweptPlane):
-        draw, told = draw_swept_plane, curves.planes
-    else:
-        draw, told = draw_swept_scatter, curves.values
-    for index, (quantity, _) in enumerate(told):
-        name = quantity.meaning.partition(",")[0]
-        panels.append((f"{name[:1].upper()}{name[1:]}", partial(draw, swept=curves, index=index)))
-    panels = panels[:MOST_PANELS]
+def sweep_page(sweep: Sweep, names: tuple[str, ...] = ()) -> Figure:
+    """Draw a sweep over one key or two: some quantities, at most two panels side by side.
+
+    names : of quantities; (): those that are there.
+
+    Raises InvalidInput for more keys (select values of the others first), a sample of keys that are
+    no numbers, a quantity that was not asked for, and a sweep without points.
+    """
+    panels = swept_panels(sweep, names)[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
     figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
     style.draw_panels(placed, panels)
-    if isinstance(curves, SweptPlane) and (curves.first.key, curves.second.key) == RING_KEYS:
+    if tuple(axis.key for axis in sweep.axes) == RING_KEYS:
         for axes in placed:
             _draw_object(axes, sweep)
     return figure
+
+
+def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[style.Panel]:
+    """The panels of a sweep; where fixed points are known they come first."""
+    if not len(sweep):
+        raise InvalidInput("no point of this sweep is stored: there is nothing to draw")
+    keys = [axis.key for axis in sweep.axes] or sweep.keys
+    if len(keys) > 2:
+        raise InvalidInput(
+            f"{len(keys)} keys are swept ({', '.join(keys)}): select values of all but two to draw "
+            "them"
+        )
+    draw = draw_swept_plane if sweep.axes else draw_swept_scatter
+    panels: list[style.Panel] = []
+    if len(keys) == 1:
+        draw, sweep = draw_swept_line, in_order(sweep)
+        if "fixed_point_theta" in sweep.lists:
+            panels.append(("Fixed points", partial(draw_fixed_points, sweep=sweep)))
+    default = [name for name in ("rotation", "stable_points") if name in sweep.columns]
+    for name in names or default or tuple(sweep.columns)[:2]:
+        quantity = sweep.quantity(name)
+        if quantity.many:
+            raise InvalidInput(
+                f"{name} is a list at each point: draw a quantity that is one number"
+            )
+        # A meaning is a title short of its remarks.
+        title = quantity.meaning.partition(",")[0]
+        drawn = partial(draw, sweep=sweep, quantity=quantity)
+        panels.append((f"{title[:1].upper()}{title[1:]}", drawn))
+    return panels
+
+
+def in_order(sweep: Sweep) -> Sweep:
+    """A sweep over one key as a grid of its values, numbers in order."""
+    (key,) = (axis.key for axis in sweep.axes) if sweep.axes else sweep.keys
+    values = sweep.axes[0].values if sweep.axes else tuple(set(sweep.swept[key]))
+    if sweep.is_numeric(key) or not sweep.axes:
+        values = tuple(sorted(values))  # type: ignore[type-var]
+    return replace(sweep, axes=(SweepAxis(key, values),))
 
 
 def _draw_object(axes: Axes, sweep: Sweep) -> None:
@@ -124,51 +131,63 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
 def key_words(key: str) -> str:
     """A swept key in words, without its unit.
 
-    >>> key_words("hitch_x_mm"), key_words("rim_share")
-    ('ring x', 'rim share')
+    >>> key_words("hitch_x_mm"), key_words("pin_friction_mm")
+    ('ring x', 'pin friction')
     """
-    ending = next(filter(key.endswith, _UNITS), "")
-    return _KEY_WORDS.get(key, key.removesuffix(ending).replace("_", " "))
+    unit = key.rpartition("_")[2]
+    return SWEPT[key].label or key.removesuffix(f"_{unit}" if unit in KEY_UNITS else "").replace(
+        "_", " "
+    )
 
 
-def key_unit(key: str) -> str:
-    """The unit of a swept key; empty where it has none."""
-    return next((unit for ending, unit in _UNITS.items() if key.endswith(ending)), "")
+def label(words: str, unit: str) -> str:
+    """Words and unit, as the label of an axis.
+
+    >>> label("ring x", "mm"), label("friction μa", "1")
+    ('ring x (mm)', 'friction μa')
+    """
+    return words if unit == "1" else f"{words} ({_SHORT_UNITS.get(unit, unit)})"
 
 
 def key_label(key: str) -> str:
-    """A swept key as the label of an axis.
-
-    >>> key_label("hitch_x_mm"), key_label("mu_a")
-    ('ring x (mm)', 'friction μa')
-    """
-    unit = key_unit(key)
-    return f"{key_words(key)} ({unit})" if unit else key_words(key)
+    """A swept key as the label of an axis."""
+    return label(key_words(key), key_unit(key))
 
 
 def quantity_label(quantity: Quantity) -> str:
     """A quantity's meaning and unit, as the label of an axis."""
-    unit = _SHORT_UNITS.get(quantity.written_unit, quantity.written_unit)
-    return quantity.meaning if unit == "1" else f"{quantity.meaning} ({unit})"
+    return label(quantity.meaning, quantity.written_unit)
 
 
-def draw_swept_plane(axes: Axes, swept: SweptPlane, index: int) -> None:
+def draw_swept_plane(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity over two keys, by colour; locked regions outlined,
     refused points crossed out."""
-    quantity, values = swept.planes[index]
-    first, second = (cell_edges(axis_places(axis)) for axis in (swept.first, swept.second))
-    labels = key_label(swept.first.key), key_label(swept.second.key)
-    if quantity.name == "rotation" and swept.rotation is not None and np.isfinite(values).any():
-        draw_rotation_plane(axes, without_specks(swept.rotation), *labels)
+    values = quantity.written(sweep.on_grid(quantity.name))
+    first, second = (cell_edges(axis.positions) for axis in sweep.axes)
+    labels = [key_label(axis.key) for axis in sweep.axes]
+    if quantity.name == "rotation" and np.isfinite(values).any():
+        draw_rotation_plane(axes, without_specks(rotation_plane(sweep)), *labels)
     else:
         look, ticks = _shades(values)
         scale = draw_shades(axes, first, second, values, quantity_label(quantity), **look)
         _mark_counts(scale, ticks)
         axes.set(xlabel=labels[0], ylabel=labels[1])
-    if swept.refused.any():
-        mark_cells(axes, first, second, swept.refused, label="refused", zorder=2, **REFUSED)
-    _name_ticks(axes.xaxis, swept.first)
-    _name_ticks(axes.yaxis, swept.second)
+    refused = np.zeros(sweep.shape, dtype=bool)
+    refused[sweep.places()] = sweep.refused
+    if refused.any():
+        mark_cells(axes, first, second, refused, label="refused", zorder=2, **REFUSED)
+    for side, axis in zip((axes.xaxis, axes.yaxis), sweep.axes, strict=True):
+        _name_ticks(side, axis)
+
+
+def rotation_plane(sweep: Sweep) -> RotationPlane:
+    """The rotation numbers of a grid over two keys."""
+    value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
+    period, winding = (np.nan_to_num(found).astype(int) for found in (periods, windings))
+    # Whether a map folds is told by its least slope, where that was asked for.
+    slope = sweep.on_grid("min_slope") if "min_slope" in sweep.columns else np.zeros(sweep.shape)
+    first, second = (axis.positions for axis in sweep.axes)
+    return RotationPlane(first, second, value, lower, upper, period, winding, slope < 0.0, 0.0)
 
 
 def _mark_counts(scale: Colorbar, counts: Array | None) -> None:
@@ -218,65 +237,74 @@ def _shades(values: Array) -> tuple[Look, Array | None]:
 def _name_ticks(side: Axis, axis: SweepAxis) -> None:
     """Words at the values of an axis that holds no numbers."""
     if not axis.is_number:
-        side.set_ticks(axis_places(axis), [_short(value) for value in axis.values])
+        side.set_ticks(axis.positions, [_short(value) for value in axis.values])
 
 
-def draw_fixed_points(axes: Axes, swept: SweptLines) -> None:
+def draw_fixed_points(axes: Axes, sweep: Sweep) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
-    axes.set(xlabel=key_label(swept.axis.key), ylabel="θ of the fixed points (°)")
+    (axis,), (places,) = sweep.axes, sweep.places()
+    axes.set(xlabel=key_label(axis.key), ylabel="θ of the fixed points (°)")
     style.whole_turn_ticks(axes)
-    at, theta, stable = (
-        swept.points if swept.points is not None else (np.empty(0), np.empty(0), np.empty(0, bool))
-    )
+    points = sweep.lists["fixed_point_theta"]
+    at = np.repeat(axis.positions[places], [theta.size for theta in points])
+    theta = np.degrees(np.concatenate(points))
+    stable = np.concatenate(sweep.lists["fixed_point_stable"]) == 1.0
     if not at.size:
         style.say(axes, "no fixed point")
-    size = float(np.clip(300.0 / max(swept.parameter.size, 1), 2.0, 6.0))
+    size = float(np.clip(300.0 / len(sweep), 2.0, 6.0))
     for kind, chosen in (("stable", stable), ("unstable", ~stable)):
         look = {**style.orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
         axes.plot(at[chosen], theta[chosen], label=kind if chosen.any() else None, **look)
-    _finish_line_axis(axes, swept)
+    _finish_line_axis(axes, sweep)
 
 
-def draw_swept_line(axes: Axes, swept: SweptLines, index: int) -> None:
+def draw_swept_line(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity over the key: rotation numbers with their plateaus, anything else as a line with
     dots.
     """
-    quantity, values = swept.lines[index]
-    if quantity.name == "rotation" and swept.rotation is not None and swept.axis.is_number:
-        draw_rotation_numbers(axes, swept.rotation_at, swept.rotation, key_label(swept.axis.key))
+    (axis,) = sweep.axes
+    values = quantity.written(sweep.on_grid(quantity.name))
+    known = np.isfinite(values)
+    if quantity.name == "rotation" and axis.is_number and known.any():
+        value, lower, upper, *locked = (sweep.on_grid(name)[known] for name in _ROTATION)
+        period, winding = (found.astype(int) for found in locked)
+        numbers = RotationNumbers(value, lower, upper, period, winding, 0.0)
+        draw_rotation_numbers(axes, axis.positions[known], numbers, key_label(axis.key))
     else:
-        mark = "o-" if swept.axis.is_number else "o"
-        axes.plot(swept.parameter, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
-        axes.set(xlabel=key_label(swept.axis.key), ylabel=quantity_label(quantity))
-    _finish_line_axis(axes, swept)
+        mark = "o-" if axis.is_number else "o"
+        axes.plot(axis.positions, values, mark, color=PREDICTED, markersize=3.5, linewidth=1.4)
+        axes.set(xlabel=key_label(axis.key), ylabel=quantity_label(quantity))
+    _finish_line_axis(axes, sweep)
 
 
-def _finish_line_axis(axes: Axes, swept: SweptLines) -> None:
+def _finish_line_axis(axes: Axes, sweep: Sweep) -> None:
     """Limits and ticks of the key's axis, and marks of refused points."""
-    low, high = float(axis_places(swept.axis).min()), float(axis_places(swept.axis).max())
-    margin = 0.02 * (high - low) if swept.axis.is_number and high > low else 0.5
+    (axis,), (places,) = sweep.axes, sweep.places()
+    low, high = float(axis.positions.min()), float(axis.positions.max())
+    margin = 0.02 * (high - low) if axis.is_number and high > low else 0.5
     axes.set_xlim(low - margin, high + margin)
-    _name_ticks(axes.xaxis, swept.axis)
-    if swept.refused.size:
-        bottom, level = axes.get_xaxis_transform(), np.full(swept.refused.size, 0.02)
-        axes.plot(swept.refused, level, "x", color=INK, transform=bottom, label="refused")
+    _name_ticks(axes.xaxis, axis)
+    if sweep.refused.any():
+        refused = axis.positions[places[sweep.refused]]
+        bottom, level = axes.get_xaxis_transform(), np.full(refused.size, 0.02)
+        axes.plot(refused, level, "x", color=INK, transform=bottom, label="refused")
 
 
-def draw_swept_scatter(axes: Axes, swept: SweptScatter, index: int) -> None:
+def draw_swept_scatter(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity at the points of a sample over two keys, by colour;
     refused points as crosses."""
-    quantity, values = swept.values[index]
-    (first_key, first), (second_key, second) = swept.first, swept.second
+    values = quantity.written(sweep.columns[quantity.name])
+    first, second = (sweep.values(key) for key in sweep.keys)
     look, ticks = _shades(values)
-    size = float(np.clip(6000.0 / max(first.size, 1), 6.0, 60.0))
-    found = np.isfinite(values)
+    size = float(np.clip(6000.0 / len(sweep), 6.0, 60.0))
+    known, refused = np.isfinite(values), sweep.refused
     look |= {"edgecolor": QUIET, "linewidth": 0.6, "zorder": 3}
-    dots = axes.scatter(first[found], second[found], c=values[found], s=size, **look)
+    dots = axes.scatter(first[known], second[known], c=values[known], s=size, **look)
     _mark_counts(scale_beside(axes, dots, quantity_label(quantity)), ticks)
-    if swept.refused.any():
-        refused = first[swept.refused], second[swept.refused]
-        axes.plot(*refused, "x", color=INK, markersize=5, label="refused", zorder=4)
-    axes.set(xlabel=key_label(first_key), ylabel=key_label(second_key))
+    if refused.any():
+        place = first[refused], second[refused]
+        axes.plot(*place, "x", color=INK, markersize=5, label="refused", zorder=4)
+    axes.set(xlabel=key_label(sweep.keys[0]), ylabel=key_label(sweep.keys[1]))
 
 
 def _short(value: object) -> str:
@@ -290,8 +318,7 @@ def axis_words(axis: SweepAxis) -> str:
     >>> axis_words(SweepAxis("hitch_x_mm", (-12.0, -8.0, -4.0)))
     'ring x -12 to -4 mm (3 values)'
     """
-    name, unit = key_words(axis.key), key_unit(axis.key)
-    unit = unit if unit in ("", "°") else f" {unit}"
+    name, unit = key_words(axis.key), _SPACED_UNITS.get(key_unit(axis.key), "")
     if axis.is_number and len(axis.values) > 1:
         return (
             f"{name} {_short(axis.values[0])} to {_short(axis.values[-1])}{unit} "
