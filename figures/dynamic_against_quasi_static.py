@@ -66,10 +66,14 @@ def compute(
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
     theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
-    sharp = {"regularisation": _REGULARISATION, "tolerance": _TOLERANCE}
     differences = np.empty((2, len(speeds)))
     for row, each in zip(differences, (loop, twin), strict=True):
-        slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
+        slower = (
+            DynamicLoop(
+                each.loop, speed, _STIFFNESS, regularisation=_REGULARISATION, tolerance=_TOLERANCE
+            )
+            for speed in speeds
+        )
         row[:] = [largest(compare_dynamics(slow, some).difference("theta_next")) for slow in slower]
     return InertiaStudy(
         compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences

@@ -162,8 +162,15 @@ def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
 
 def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, theta: float) -> AxesImage:
     reach, top = MM * result.reach, float(np.nanmax(result.resting))
-    look: style.Look = {"origin": "lower", "extent": (-reach, reach, -reach, reach), "zorder": 1}
-    image = axes.imshow(pressure, cmap="Blues", vmin=0.0, vmax=top, **look)
+    image = axes.imshow(
+        pressure,
+        cmap="Blues",
+        vmin=0.0,
+        vmax=top,
+        origin="lower",
+        extent=(-reach, reach, -reach, reach),
+        zorder=1,
+    )
     corners = placed(np.array([0.0, 0.0, theta]), result.outline)
     draw_object(axes, corners, facecolor="none", edgecolor=style.INK)
     axes.grid(visible=False)

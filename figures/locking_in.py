@@ -202,8 +202,9 @@ def frames(result: LockingIn) -> Iterator[Frame]:
 @style.picture_style()
 def _drawn(result: LockingIn, moment: Moment) -> Figure:
     """The table from above, the cobweb up to here, and θ0 over the cycles."""
-    ratios: style.Look = {"width_ratios": (1.3, 1.0), "height_ratios": (1.4, 1.0)}
-    figure, (stairs, course) = style.page(".a;.b", size=INCHES, keys=0, **ratios)
+    figure, (stairs, course) = style.page(
+        ".a;.b", size=INCHES, keys=0, width_ratios=(1.3, 1.0), height_ratios=(1.4, 1.0)
+    )
     table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
     theta = result.theta[: moment.cycle + 1]
     _draw_table(table, result, moment)
@@ -236,8 +237,9 @@ def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     axes.spines[:].set_visible(False)
     style.cross(axes, zorder=1)
     draw_object(axes, moment.outline)
-    side: style.Look = {"color": style.PREDICTED, "linewidth": 4.5, "solid_capstyle": "butt"}
-    draw_way(axes, moment.side, zorder=3, **side)
+    draw_way(
+        axes, moment.side, zorder=3, color=style.PREDICTED, linewidth=4.5, solid_capstyle="butt"
+    )
     draw_ring(axes, moment.ring, edgecolor=style.PREDICTED, linewidth=1.6)
     dash = "-" if moment.pushing else ":"
     draw_way(axes, moment.rod_path, dash, color=style.INK, linewidth=1.2, zorder=4)

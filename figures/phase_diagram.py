@@ -202,9 +202,10 @@ def draw(result: PhaseDiagram) -> Figure:
 def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     plane, first = result.plane, result.first
     radius, scale, turn = MM * plane.first_values, plane.second_values, 360 * plane.value
-    look = {"cmap": "YlGnBu", "vmin": -4, "vmax": 45, "shading": "gouraud"}
     label = "size of the mean turn of a cycle (°)"
-    bar = draw_shades(axes, radius, scale, np.abs(turn), label, **look)
+    bar = draw_shades(
+        axes, radius, scale, np.abs(turn), label, cmap="YlGnBu", vmin=-4, vmax=45, shading="gouraud"
+    )
     bar.ax.set_ylim(0.0, np.abs(turn).max())
     lines = axes.contour(radius, scale, turn.T, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)

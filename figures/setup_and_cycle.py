@@ -105,8 +105,7 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
 
 def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str) -> None:
     path = MM * stroke.centre
-    line: style.Look = {"linestyle": dash, "linewidth": 2.2, "label": label, "zorder": 5}
-    axes.plot(*path.T, color=colour, **line)
+    axes.plot(*path.T, color=colour, linestyle=dash, linewidth=2.2, label=label, zorder=5)
     middle = len(path) // 2
     style.arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
 

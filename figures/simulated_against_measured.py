@@ -126,8 +126,9 @@ def draw(result: SimulatedAgainstMeasured) -> Figure:
     draw_turns(cycle, _CURVE, {turns.name: turns.cycle.turn(_CURVE) for turns in result.simulated})
     published = published_statistics(SURFACE)
     mean, spread = np.degrees([published.mean[0], published.std[0]])
-    band: style.Look = {"color": "#f6e3bd", "label": "published, mean ± σ", "zorder": 0}
-    push.axhspan(mean - spread, mean + spread, **band)
+    push.axhspan(
+        mean - spread, mean + spread, color="#f6e3bd", label="published, mean ± σ", zorder=0
+    )
     push.axhline(mean, color=style.MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes

@@ -121,9 +121,15 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
     middle = float(np.angle(np.mean(np.exp(1j * ahead))))
     radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
     angle = np.linspace(*arc, 60) + middle
-    look: style.Look = {"color": style.FORCE, "linewidth": 4.0, "solid_capstyle": "butt"}
     label = "where pushes from crowded θ0 end"
-    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **look)
+    axes.plot(
+        radius * np.cos(angle),
+        radius * np.sin(angle),
+        label=label,
+        color=style.FORCE,
+        linewidth=4.0,
+        solid_capstyle="butt",
+    )
 
 
 def caption(result: RobotFramePaths) -> str:

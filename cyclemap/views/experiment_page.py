@@ -52,12 +52,20 @@ def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -
     object.
     """
     paths, where = (run.object_path, " in the object's frame") if in_object else (run.path, "")
-    thin: style.Look = {"color": PREDICTED, "linewidth": 0.5, "alpha": 0.45, "label": "pushes"}
     for path in paths.reshape(-1, *paths.shape[2:]):
-        draw_way(axes, path, **thin)
-    thick: style.Look = {"color": FORCE, "linewidth": 1.8, "label": "last of a batch", "zorder": 3}
+        draw_way(axes, path, color=PREDICTED, linewidth=0.5, alpha=0.45, label="pushes")
     for path in paths[:, -1]:
-        draw_way(axes, path, "o-", markevery=[0], markersize=4.0, **thick)
+        draw_way(
+            axes,
+            path,
+            "o-",
+            markevery=[0],
+            markersize=4.0,
+            color=FORCE,
+            linewidth=1.8,
+            label="last of a batch",
+            zorder=3,
+        )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
     style.entitle(axes, title)
@@ -196,13 +204,17 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         # A curve through one orientation needs a marker, over the dot, to be seen.
         marker = "x" if theta.size == 1 else None
         turns.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
-        dots: style.Look = {
-            "markerfacecolor": face,
-            "markersize": 4.5,
-            "zorder": 3 if marker else 5,
-        }
         moved = np.degrees(comparison.dynamic.theta_next) - theta
-        turns.plot(theta, moved, "o", color=PREDICTED, label=f"{law}, dynamic", **dots)
+        turns.plot(
+            theta,
+            moved,
+            "o",
+            color=PREDICTED,
+            label=f"{law}, dynamic",
+            markerfacecolor=face,
+            markersize=4.5,
+            zorder=3 if marker else 5,
+        )
     style.degree_axis(turns, every=60)
     turns.set_ylabel("turn of a cycle (°)")
     style.entitle(turns, "Turn of push and drag")

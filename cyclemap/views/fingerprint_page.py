@@ -73,8 +73,9 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     """
     turn, error = prediction.turn(CIRCLE), prediction.turn_error(CIRCLE)
     if full is not None:
-        look = {"color": MEASURED, "linewidth": 3.0, "zorder": 3}
-        map_panels.draw_turn(axes, turn_curve(full), "full map", **look)
+        map_panels.draw_turn(
+            axes, turn_curve(full), "full map", color=MEASURED, linewidth=3.0, zorder=3
+        )
     ends = np.degrees([turn - error, turn + error])
     axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **style.BAND)
     turns = {"first order": turn, "second order": prediction.second_order_turn(CIRCLE)}

@@ -130,8 +130,15 @@ def draw_law(
     centre = scale * law(CIRCLE)
     mean, single = (scale * half for half in law.half_bands(CIRCLE))
     axes.fill_between(around, centre - single, centre + single, label="95 % of pushes", **fill)
-    band = {"color": look["color"], "alpha": 0.35, "linewidth": 0.0, "zorder": 3}
-    axes.fill_between(around, centre - mean, centre + mean, **band)
+    axes.fill_between(
+        around,
+        centre - mean,
+        centre + mean,
+        color=look["color"],
+        alpha=0.35,
+        linewidth=0.0,
+        zorder=3,
+    )
     seen = centre if covered is None else np.where(covered, centre, np.nan)
     axes.plot(around, seen, label=name, **{**look, "linewidth": 1.4})
     return float(np.nanmin(centre - single)), float(np.nanmax(centre + single))

@@ -97,8 +97,15 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     ring = np.array(loop.slider.hitch)
     place = f"ring ({MM * ring[0]:.4g}, {MM * ring[1]:.4g}) mm"
     draw_ring(axes, ring, edgecolor=MEASURED_EDGE, linewidth=1.8)
-    circle: Look = {"markerfacecolor": "none", "markeredgecolor": MEASURED_EDGE}
-    axes.plot([], [], "o", markeredgewidth=1.8, label=place, **circle)
+    axes.plot(
+        [],
+        [],
+        "o",
+        markeredgewidth=1.8,
+        label=place,
+        markerfacecolor="none",
+        markeredgecolor=MEASURED_EDGE,
+    )
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
     style.square_window(axes, MM * np.vstack(corners))

@@ -350,6 +350,5 @@ def draw_lyapunov_exponents(
         float(np.max(finite, initial=0.0)), float(np.quantile(np.append(np.abs(finite), 1e-3), 0.9))
     )
     first, second = map(cell_edges, varying)
-    look = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
-    draw_shades(axes, first, second, exponents.value, label, **look)
+    draw_shades(axes, first, second, exponents.value, label, cmap="RdBu_r", vmin=-reach, vmax=reach)
     axes.set(xlabel=first_label, ylabel=second_label)

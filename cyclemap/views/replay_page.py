@@ -70,8 +70,16 @@ def _draw_course(axes: Axes, replay: Replay) -> None:
     for name, poses, look in ways:
         draw_way(axes, placed(poses[-1], replay.outline), label=name, **look)
         draw_way(axes, poses[:, :2], **look)
-    way: style.Look = {"color": FORCE, "marker": "o", "markersize": 4.0, "markevery": [0]}
-    draw_way(axes, replay.tip, linewidth=1.5, label="rod's way", **way)
+    draw_way(
+        axes,
+        replay.tip,
+        linewidth=1.5,
+        label="rod's way",
+        color=FORCE,
+        marker="o",
+        markersize=4.0,
+        markevery=[0],
+    )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
 
@@ -91,8 +99,9 @@ def _draw_whole(errors: Axes, motions: Axes, replayed: ReplayedPushes, name: str
         spread = place + 0.5 * (np.arange(error.size) + 0.5) / error.size - 0.25
         marker = _MARKERS[place % len(_MARKERS)]
         errors.plot(spread, error, marker, **style.MARKS)
-        mean: style.Look = {"color": PREDICTED, "linewidth": 2.5, "zorder": 4}
-        errors.hlines(error.mean(), place - 0.36, place + 0.36, **mean)
+        errors.hlines(
+            error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4
+        )
         look = {**style.OPEN, "markeredgecolor": PREDICTED, "markersize": 4.0}
         motions.plot(*both[chosen].T, marker, **look)
     errors.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)

@@ -154,8 +154,9 @@ def strategy_page(
     figure, (path, recorded, pushes, last) = style.page("ac;bd", words[0], words[1:])
     if measured is not None:
         path.plot(np.degrees(measured) % 360.0, label="measured", **style.DOTS)
-    dots: style.Look = {"color": PREDICTED, "markersize": 2, "label": "predicted", "zorder": 3}
-    path.plot(np.degrees(theta) % 360.0, ".", **dots)
+    path.plot(
+        np.degrees(theta) % 360.0, ".", color=PREDICTED, markersize=2, label="predicted", zorder=3
+    )
     path.set_ylabel(style.THETA0)
     style.whole_turn_ticks(path)
     style.count_axis(path, "cycle", len(theta) - 1)

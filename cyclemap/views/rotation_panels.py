@@ -99,8 +99,18 @@ def draw_rotation_plane(
     folded = "folded: an interval of rotation numbers, one orbit's shown"
     # White dots show on dark colours, dark lines on light ones.
     for color, hatch in ((INK, "//"), ("white", "..")):
-        look = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
-        mark_cells(axes, first, second, plane.folded, label=folded, zorder=3, **look)
+        mark_cells(
+            axes,
+            first,
+            second,
+            plane.folded,
+            label=folded,
+            zorder=3,
+            facecolor="none",
+            edgecolor=color,
+            hatch=hatch,
+            linewidth=0.0,
+        )
     _mark_tongues(axes, plane, first, second)
     axes.set(xlabel=first_label, ylabel=second_label)
     legend_above(axes)
@@ -219,18 +229,25 @@ def draw_rotation_numbers(
     axes.fill_between(
         parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2
     )
-    middle: Look = {"color": PREDICTED, "label": "middle of the enclosure", "zorder": 3}
-    axes.plot(parameter, numbers.value, linewidth=1.0, **middle)
+    axes.plot(
+        parameter,
+        numbers.value,
+        linewidth=1.0,
+        color=PREDICTED,
+        label="middle of the enclosure",
+        zorder=3,
+    )
     axes.set(xlabel=label, ylabel=ROTATION)
     axes.margins(x=0.0, y=0.08)
-    locked: Look = {"color": INK, "linewidth": 3.0, "label": "locked at p/q", "zorder": 4}
     rises = bool(numbers.value[-1] >= numbers.value[0])
     for start, end in runs(numbers.winding + 1j * numbers.period):
         if not numbers.period[start] or end - start < 2:
             continue
         low, high = float(parameter[start]), float(parameter[end - 1])
         value = float(numbers.value[start])
-        axes.plot([low, high], [value, value], **locked)
+        axes.plot(
+            [low, high], [value, value], color=INK, linewidth=3.0, label="locked at p/q", zorder=4
+        )
         if abs(high - low) >= NAMED_WIDTH * float(np.ptp(parameter)):
             ratio = Fraction(int(numbers.winding[start]), int(numbers.period[start]))
             name_beside_path(axes, low, high, value, ratio_name(ratio), rises)

@@ -62,8 +62,15 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
     ):
         height = float(np.degrees(level))
         label = "dwell not seen whole" if censored else "dwell"
-        look: style.Look = {"solid_capstyle": "butt", "zorder": 4, "label": label}
-        (bar,) = axes.plot([start, end], [height, height], color=INK, linewidth=5.0, **look)
+        (bar,) = axes.plot(
+            [start, end],
+            [height, height],
+            color=INK,
+            linewidth=5.0,
+            solid_capstyle="butt",
+            zorder=4,
+            label=label,
+        )
         if censored:
             bar.set(color=UNSTABLE, linewidth=2.2)
             bar.set_path_effects([Stroke(linewidth=5.0, foreground=INK), Normal()])
@@ -130,8 +137,16 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     top = 1.4 * float(np.max(pushes[np.isfinite(pushes)]))
     low, middle, high = np.minimum(pushes[1:], 2.0 * top)
     ends = [middle - low, high - middle]
-    look: style.Look = {"fmt": "_", "color": PREDICTED, "ecolor": QUIET, "zorder": 3}
-    axes.errorbar(pace.start, middle, yerr=ends, label="fitted map, 95 %", **look)
+    axes.errorbar(
+        pace.start,
+        middle,
+        yerr=ends,
+        label="fitted map, 95 %",
+        fmt="_",
+        color=PREDICTED,
+        ecolor=QUIET,
+        zorder=3,
+    )
     axes.plot(pace.start, pace.measured, "s", label="measured", **style.MARKS)
     axes.set(yscale="log", xlabel="cycle in which the turn began", ylabel="pushes a full turn")
     axes.set_ylim(top=top)

@@ -38,10 +38,11 @@ def stream_page(seen: Segments) -> Figure:
         _shade(axes, seen, pushes, color=PREDICTED_FILL, zorder=0)
         _shade(axes, seen, unclear, facecolor="none", edgecolor=FORCE, hatch="//")
     floor = below.get_ylim()[0]
-    bar: style.Look = {"color": INK, "linewidth": 4, "solid_capstyle": "butt"}
     for first, end in seen.rests:
         if seen.t[first] <= seen.t[last]:
-            below.plot(seen.t[[first, end]], [floor, floor], **bar)
+            below.plot(
+                seen.t[[first, end]], [floor, floor], color=INK, linewidth=4, solid_capstyle="butt"
+            )
     style.legend_above(above)
     return figure
 

@@ -97,8 +97,15 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
     axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
-    look: style.Look = {"label": f"least covered: {angle(aim, 0)}", "clip_on": False}
-    axes.plot([aim], [top], "v", ms=9, color=PREDICTED, **look)
+    axes.plot(
+        [aim],
+        [top],
+        "v",
+        ms=9,
+        color=PREDICTED,
+        label=f"least covered: {angle(aim, 0)}",
+        clip_on=False,
+    )
     axes.set(ylim=(0.0, top), yticklabels=[], xticks=np.radians(range(0, 360, 45)))
     axes.tick_params(axis="x", pad=1)
     axes.set_title("Directions recorded", loc="left", x=-0.62, y=1.0)
