@@ -25,7 +25,7 @@ from cyclemap.views import style
 from cyclemap.views.fingerprint_page import draw_prediction
 from cyclemap.views.style import INK
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
 
 INCHES = (13.333, 4.6)
@@ -242,3 +242,8 @@ def caption(result: FingerprintAgainstFull) -> str:
         f"power {direction:.2f}, the latter with the ring {1e3 * result.ring:.1f} mm from the "
         "centre, where an isotropic cycle turns nothing."
     )
+
+
+EXHIBITS = {
+    "fingerprint": Exhibit(compute, caption, draw),
+}

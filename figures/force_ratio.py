@@ -26,8 +26,8 @@ from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
 from cyclemap.views import style
 from cyclemap.views.object_page import MM
 
-from .catalogue import NO_DATA, MeasuredFolder
-from .measured_sets import push_file_names, readable_pushes
+from .catalogue import NO_DATA, Exhibit, MeasuredFolder
+from .paper_pushes import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
 FOLDER = "mit_files"
@@ -212,3 +212,8 @@ def caption(result: ForceRatio) -> str:
         f"{len(recorded.forces.ratio)} pieces; the paper's push has 0.15); while it sticks "
         f"{100 * over:.0f} % of the samples lie below that."
     )
+
+
+EXHIBITS = {
+    "force-ratio": Exhibit(compute, caption, draw),
+}

@@ -20,8 +20,8 @@ from cyclemap.views.identify_page import draw_ellipses
 from cyclemap.views.object_page import MM, draw_object
 from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
 
-from .catalogue import NO_DATA, MeasuredFolder
-from .measured_sets import measured_scans
+from .catalogue import NO_DATA, Exhibit, MeasuredFolder
+from .paper_pushes import measured_scans
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.
@@ -262,3 +262,8 @@ def patch_forces(loop: CollectionLoop) -> PatchForces:
 
 def _torque(lever: Array, force: Array) -> Array:
     return np.asarray(lever[..., 0] * force[..., 1] - lever[..., 1] * force[..., 0])
+
+
+EXHIBITS = {
+    "limit-ellipse-and-patch": Exhibit(compute, caption, draw),
+}

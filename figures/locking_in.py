@@ -27,7 +27,7 @@ from cyclemap.views.map_panels import draw_cobweb
 from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
 from cyclemap.views.sentences import angle
 
-from .catalogue import Frame, MeasuredFolder
+from .catalogue import Exhibit, Frame, MeasuredFolder
 
 START = math.radians(215.0)
 # Radians from the stable direction at which the robot counts as locked in.
@@ -286,3 +286,8 @@ def animated_gif(frames: Iterable[Frame]) -> bytes:
         disposal=1,
     )
     return buffer.getvalue()
+
+
+EXHIBITS = {
+    "locking-in": Exhibit(compute, caption, frames=frames),
+}

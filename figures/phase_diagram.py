@@ -23,7 +23,7 @@ from cyclemap.views.object_page import MM, draw_object, draw_way
 from cyclemap.views.rotation_panels import draw_shades
 from cyclemap.views.style import INK, PREDICTED, QUIET
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import (
     LoopFamily,
     RingFold,
@@ -269,3 +269,8 @@ def caption(result: PhaseDiagram) -> str:
         f"order in the anisotropy (dashes) from {at_mit:.2f} times. {others} The interpolated maps "
         f"miss cycles that were run by at most {math.degrees(result.error):.1g}°."
     )
+
+
+EXHIBITS = {
+    "phase-diagram": Exhibit(compute, caption, draw),
+}

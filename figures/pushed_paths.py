@@ -28,14 +28,14 @@ from cyclemap.views.object_page import MM
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
-from .measured_sets import (
+from .paper_pushes import (
     measured_run,
     measured_theta0,
     not_found,
+    published_statistics,
     push_file_names,
     readable_pushes,
 )
-from .published_statistics import published_statistics
 from .simulated_collections import NOISE, STANDS_FOR
 
 CYCLES, DRAWN = 2000, 250

@@ -20,7 +20,7 @@ from cyclemap.views.object_page import MM
 from cyclemap.views.orbit_panels import LOST, STABLE
 from cyclemap.views.sentences import angle
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import RingFold, loop_family, ring_fold, with_ring_at
 
 RADII = (0.008, 0.0155)
@@ -206,3 +206,8 @@ def caption(result: SaddleNode) -> str:
         "bottleneck, and the passage shortens as one over the square root of the distance. The "
         f"curves miss cycles that were run by at most {math.degrees(result.error):.2g}°."
     )
+
+
+EXHIBITS = {
+    "saddle-node": Exhibit(compute, caption, draw),
+}

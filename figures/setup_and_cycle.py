@@ -17,7 +17,7 @@ from cyclemap.views.object_page import MM, draw_object, draw_setup, mark_target
 from cyclemap.views.sentences import angle
 from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
 
 # Where the first cycle starts: there the cycle turns the object enough to be seen.
 START = math.radians(270.0)
@@ -128,3 +128,8 @@ def caption(result: SetupAndCycles) -> str:
         f"{told[1]:.1f}°, the drag by {told[2]:.1f}°, so that the next push starts at "
         f"{told[3]:.1f}°: the ring is back at its target, the centre is not where it was."
     )
+
+
+EXHIBITS = {
+    "setup-and-cycle": Exhibit(compute, caption, draw),
+}

@@ -34,8 +34,7 @@ from cyclemap.views import style
 from cyclemap.views.style import QUIET
 
 from .catalogue import MeasuredFolder
-from .measured_sets import measured_run
-from .published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
+from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured
 # staircase, since it alone wears and climbs as the robot saw it; Table I's plywood locks in and

@@ -43,7 +43,7 @@ from cyclemap.views.map_panels import (
 )
 from cyclemap.views.sentences import angle
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 from .loop_family import with_ring_at
 
 # In time, of the law fitted with wear: what cross-validation finds best in the measured run.
@@ -284,3 +284,8 @@ def caption(result: StaircaseBottleneck) -> str:
         f"noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the "
         f"second {halves[1].mean():.0f}.{climbs}"
     )
+
+
+EXHIBITS = {
+    "staircase-bottleneck": Exhibit(compute, caption, draw),
+}

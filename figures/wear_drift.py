@@ -20,7 +20,7 @@ from cyclemap.views.map_panels import CIRCLE, draw_turns
 from cyclemap.views.sentences import LONGEST_STAY, angle
 from cyclemap.views.staircase_panels import draw_pace
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 
 MATERIAL = "plywood-measured"
 AGES = (250, 1000, 1750)
@@ -185,3 +185,8 @@ def caption(result: WearDrift) -> str:
         f"{NEAR} cycles); a map fitted to its path, free to wear, holds {100 * pace.inside:.0f} % "
         "of them within its 95 % bands."
     )
+
+
+EXHIBITS = {
+    "wear-drift": Exhibit(compute, caption, draw),
+}

@@ -1,5 +1,5 @@
-"""What inertia changes: the dynamic simulation less the quasi-static model over θ0, and as the rod
-slows down.
+"""The dynamic simulation: paths on plywood and on isotropic friction (Figs. 11 and 12), and what
+inertia changes against the quasi-static model.
 """
 
 import math
@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
+from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     DynamicsComparison,
@@ -17,9 +18,52 @@ from cyclemap.collection.dynamic_loop import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views import style
-from cyclemap.views.experiment_page import draw_place_differences, draw_turn_differences, largest
+from cyclemap.views.experiment_page import (
+    draw_paths,
+    draw_place_differences,
+    draw_turn_differences,
+    experiment_headline,
+    isotropic_sentence,
+    largest,
+    method_line,
+    named_runs,
+    spread_sentence,
+)
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
+
+
+def paper_experiment(
+    measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES
+) -> BatchExperiment:
+    """Run the paper's numerical experiment by the dynamic simulation; it uses no measured data."""
+    return batch_experiment(DynamicLoop(CollectionLoop.mit(material="plywood")), batches, cycles)
+
+
+@style.picture_style()
+def draw_experiment(experiment: BatchExperiment) -> Figure:
+    """Draw the paths in the robot's frame above, in the object's frame below."""
+    figure, panels = style.page("ab;cd", size=(7.5, 7.5))
+    for column, (run, name) in enumerate(named_runs(experiment)):
+        draw_paths(panels[column], run, f"{name}, robot's frame")
+        draw_paths(panels[2 + column], run, f"{name}, object's frame", in_object=True)
+    for row in (panels[:2], panels[2:]):
+        corners = np.vstack([axes.dataLim.get_points() for axes in row])
+        for axes in row:
+            style.square_window(axes, corners)
+    return figure
+
+
+def experiment_caption(experiment: BatchExperiment) -> str:
+    """What the experiment shows, with its numbers."""
+    loop = experiment.loop
+    return (
+        f"Paths of the centre of mass in simulated pushes on {loop.material.name} (left) and on "
+        f"isotropic friction (right; {method_line(experiment)}); thick: the last push of each "
+        f"batch. {experiment_headline(experiment)} {spread_sentence(experiment)} "
+        f"{isotropic_sentence(experiment)}"
+    )
+
 
 ORIENTATIONS = 12
 # Of the rod, m/s.
@@ -54,7 +98,7 @@ class InertiaStudy:
         return float(first), float(second)
 
 
-def compute(
+def inertia_study(
     measured: MeasuredFolder,
     orientations: int = ORIENTATIONS,
     speeds: tuple[float, ...] = SPEEDS,
@@ -81,7 +125,7 @@ def compute(
 
 
 @style.picture_style()
-def draw(study: InertiaStudy) -> Figure:
+def draw_inertia(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
     foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
     figure, (turns, places, fall) = style.page("abc", foot=foot, size=(11.0, 4.5), keys=2)
@@ -100,7 +144,7 @@ def draw(study: InertiaStudy) -> Figure:
     return figure
 
 
-def caption(study: InertiaStudy) -> str:
+def inertia_caption(study: InertiaStudy) -> str:
     """How far inertia matters, with the numbers of the study."""
     speed = 1e3 * study.material.loop.speed
     first, second = study.orders
@@ -125,3 +169,9 @@ def _at_most(comparison: DynamicsComparison) -> str:
         f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle "
         f"and {place:.2f} mm"
     )
+
+
+EXHIBITS = {
+    "anisotropic-against-isotropic": Exhibit(paper_experiment, experiment_caption, draw_experiment),
+    "dynamic-against-quasi-static": Exhibit(inertia_study, inertia_caption, draw_inertia),
+}
