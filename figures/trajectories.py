@@ -17,7 +17,6 @@ from cyclemap.views.sentences import angle
 from .catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import published_statistics
 from .pushed_paths import (
-    CYCLES,
     DRAWN,
     RECORDED,
     PushedPaths,
@@ -28,6 +27,7 @@ from .pushed_paths import (
     shade_bar,
     shades_of,
 )
+from .simulated_collections import PAPER, Sampling
 
 
 @style.picture_style()
@@ -102,12 +102,12 @@ class RobotFramePaths:
 
 
 def robot_frame(
-    measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN
+    measured: MeasuredFolder, sampling: Sampling = PAPER, drawn: int = DRAWN
 ) -> RobotFramePaths:
-    """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their
+    """Run or read the pushes on the four surfaces, `drawn` of a run, and count their
     crossings.
     """
-    surfaces = paths_on_four_surfaces(measured, cycles, drawn)
+    surfaces = paths_on_four_surfaces(measured, sampling, drawn)
     crossed = []
     for paths in surfaces:
         chosen = evenly_spread(len(paths.theta0), COUNTED)

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 from drawn_words import assert_words_apart
-from figure_cases import NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_folder, small
+from figure_cases import LONG, NOWHERE, RECORDED_ABS, RUNS, SMALL, recorded_folder, small
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.evidence import total_variation
@@ -20,12 +20,9 @@ from cyclemap.figures.material_directions import (
     staircases,
 )
 from cyclemap.figures.material_turns import shortest_arc, turn_caption
-from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.views.fit_page import CIRCLE
 
 NAMES = ["plywood", "abs", "delrin", "pu"]
-# Long enough for plywood to climb; the maps are coarse.
-LONG = Sampling(pushes=2000, states=SMALL.states, tolerance=SMALL.tolerance)
 THETA0 = "θ0, orientation before the push (°)"
 # The labels of their panels; a climb is in degrees or in turns.
 LABELS = {
