@@ -17,7 +17,6 @@ from cyclemap.collection.dynamic_loop import (
     isotropic_twin,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views import style
 from cyclemap.views.experiment_page import (
     draw_paths,
     draw_place_differences,
@@ -29,6 +28,7 @@ from cyclemap.views.experiment_page import (
     named_runs,
     spread_sentence,
 )
+from cyclemap.views.panels import style
 
 from .catalogue import Exhibit, MeasuredFolder
 

@@ -21,9 +21,9 @@ from cyclemap.collection.fingerprint_prediction import (
     lock_in_boundary,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views import style
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.style import INK
+from cyclemap.views.panels import style
+from cyclemap.views.panels.style import INK
 
 from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at

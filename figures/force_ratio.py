@@ -23,8 +23,8 @@ from cyclemap.evidence.data_blocks.force_blocks import (
 from cyclemap.evidence.pushes.contact_forces import contact_samples
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.mechanics import MIT_SHAPE_NAMES, Slider, Trajectory
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import MM
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
 from .paper_pushes import push_file_names, readable_pushes

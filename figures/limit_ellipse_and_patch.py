@@ -15,10 +15,10 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
-from cyclemap.views import style
 from cyclemap.views.identify_page import draw_ellipses
-from cyclemap.views.object_page import MM, draw_object
-from cyclemap.views.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import MM, draw_object
+from cyclemap.views.panels.style import FORCE, INK, PREDICTED, PREDICTED_FILL, QUIET
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
 from .paper_pushes import measured_scans

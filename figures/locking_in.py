@@ -22,9 +22,9 @@ from cyclemap.collection.portrait_curves import Cobweb
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import Orbit, fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
-from cyclemap.views import style
-from cyclemap.views.map_panels import draw_cobweb
-from cyclemap.views.object_page import MM, draw_object, draw_ring, draw_rod, draw_way
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import draw_cobweb
+from cyclemap.views.panels.scene import MM, draw_object, draw_ring, draw_rod, draw_way
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, Frame, MeasuredFolder

@@ -16,10 +16,10 @@ from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
+from cyclemap.views.panels.staircase import draw_staircase
 from cyclemap.views.sentences import angle, listed
-from cyclemap.views.staircase_panels import draw_staircase
 
 from .catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import measured_theta0, not_found

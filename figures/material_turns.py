@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
-from cyclemap.views import style
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
-from cyclemap.views.map_panels import CIRCLE, OUTCOMES, draw_curves
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves
+from cyclemap.views.panels.style import QUIET, say
 from cyclemap.views.sentences import angle, listed
-from cyclemap.views.style import QUIET, say
 
 from .catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import MeasuredRun, measured_run, measured_theta0, not_found

@@ -18,10 +18,10 @@ from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprin
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
-from cyclemap.views import style
-from cyclemap.views.object_page import MM, draw_object, draw_way
-from cyclemap.views.rotation_panels import draw_shades
-from cyclemap.views.style import INK, PREDICTED, QUIET
+from cyclemap.views.panels import style
+from cyclemap.views.panels.rotation import draw_shades
+from cyclemap.views.panels.scene import MM, draw_object, draw_way
+from cyclemap.views.panels.style import INK, PREDICTED, QUIET
 
 from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import (

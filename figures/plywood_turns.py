@@ -32,8 +32,8 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
-from cyclemap.views import style
-from cyclemap.views.map_panels import (
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
     draw_curves,
@@ -42,7 +42,7 @@ from cyclemap.views.map_panels import (
     draw_medians,
     draw_turns,
 )
-from cyclemap.views.object_page import MM, draw_object
+from cyclemap.views.panels.scene import MM, draw_object
 from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
@@ -260,7 +260,7 @@ def floor_shapes(measured: MeasuredFolder, angles: int = 72) -> FloorShapes:
     }
     pairs = measured_theta0(measured, SURFACE)
     bins = None
-    if pairs is not None and pairs.cycle is not None:
+    if pairs is not None and pairs.cycle is not None and pairs.cycle[-1] >= FIRST_CYCLE:
         kept = pairs.cycle >= FIRST_CYCLE
         bins = turn_bins(Theta0Pairs(pairs.theta[kept], pairs.theta_next[kept]), _BINS)
     floors = []

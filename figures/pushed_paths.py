@@ -22,8 +22,8 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import MM
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder

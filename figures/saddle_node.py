@@ -14,10 +14,10 @@ from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps import OrbitBranch, orbit_branches, rotation_numbers
-from cyclemap.views import style
-from cyclemap.views.map_panels import draw_turns
-from cyclemap.views.object_page import MM
-from cyclemap.views.orbit_panels import LOST, STABLE
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orbits import LOST, STABLE
+from cyclemap.views.panels.orientation import draw_turns
+from cyclemap.views.panels.scene import MM
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, MeasuredFolder

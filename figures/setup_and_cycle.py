@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.views import style
-from cyclemap.views.object_page import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import MM, draw_object, draw_setup, mark_target
+from cyclemap.views.panels.style import FORCE, INK, PREDICTED, QUIET
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, PREDICTED, QUIET
 
 from .catalogue import Exhibit, MeasuredFolder
 

@@ -30,8 +30,8 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.views import style
-from cyclemap.views.style import QUIET
+from cyclemap.views.panels import style
+from cyclemap.views.panels.style import QUIET
 
 from .catalogue import MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics

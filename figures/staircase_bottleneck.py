@@ -33,8 +33,8 @@ from cyclemap.maps import (
     slow_passages,
     transfer_operator,
 )
-from cyclemap.views import style
-from cyclemap.views.map_panels import (
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import (
     CIRCLE,
     PER_DEGREE,
     draw_histogram,

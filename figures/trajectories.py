@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import MM
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, MeasuredFolder

@@ -15,10 +15,10 @@ from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator
-from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE, draw_turns
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import CIRCLE, draw_turns
+from cyclemap.views.panels.staircase import draw_pace
 from cyclemap.views.sentences import LONGEST_STAY, angle
-from cyclemap.views.staircase_panels import draw_pace
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
 

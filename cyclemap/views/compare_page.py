@@ -11,10 +11,10 @@ from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
-from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import OUTCOMES, draw_measured, draw_outcome
+from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels.orientation import OUTCOMES, draw_measured, draw_outcome
+from cyclemap.views.panels.staircase import draw_staircase
 from cyclemap.views.sentences import angle
-from cyclemap.views.staircase_panels import draw_staircase
 from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts
 
 # Fewer medians make no line.
@@ -78,14 +78,14 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
     """The cycle map, the directions recorded and the staircase, measured and predicted."""
     turn, histogram, staircase = panels
     assert found.cycle is not None and found.data.pairs is not None
-    map_panels.draw_turn(turn, curve)
-    map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
+    orientation.draw_turn(turn, curve)
+    orientation.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
     style.entitle(turn, "Cycle map, midway" if found.prediction.is_drifting else "Cycle map")
     if found.orientations is None:
         style.say(histogram, "order of the pushes unknown")
     else:
         orientations = found.orientations
-        map_panels.draw_recorded(histogram, orientations.measured, orientations.predicted)
+        orientation.draw_recorded(histogram, orientations.measured, orientations.predicted)
     style.entitle(histogram, "Directions")
     path = found.data.pairs.path
     if path is None or found.staircase is None:
@@ -116,7 +116,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
         symbol, label, scale = OUTCOMES[quantity.name]
         values = scale * measured[:, column], scale * predicted[:, column]
-        map_panels.draw_agreement(axes, *values, label, "pushes")
+        orientation.draw_agreement(axes, *values, label, "pushes")
         unit = "°" if quantity.name == "dtheta" else " mm"
         style.entitle(axes, f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}")
 

@@ -12,10 +12,10 @@ from matplotlib.ticker import MultipleLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views import style
-from cyclemap.views.object_page import draw_way
+from cyclemap.views.panels import style
+from cyclemap.views.panels.scene import draw_way
+from cyclemap.views.panels.style import FORCE, INK, PREDICTED
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, PREDICTED
 
 _MARKERS = "os^vDP*X"
 

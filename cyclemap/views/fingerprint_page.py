@@ -13,10 +13,10 @@ from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
-from cyclemap.views import map_panels, style
-from cyclemap.views.map_panels import CIRCLE
+from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels.orientation import CIRCLE
+from cyclemap.views.panels.style import LINE, MEASURED, SECOND
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import LINE, MEASURED, SECOND
 
 ANYWHERE = math.radians(90.0)
 
@@ -59,7 +59,7 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
     """
     parts = {"cycle": found.cycle, "drag": found.drag, "push": found.push}
     answers = {name: _response(response, ellipse) for name, response in parts.items()}
-    map_panels.draw_turns(axes, CIRCLE, answers)
+    orientation.draw_turns(axes, CIRCLE, answers)
     seen = (
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
     )
@@ -73,14 +73,14 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
     """
     turn, error = prediction.turn(CIRCLE), prediction.turn_error(CIRCLE)
     if full is not None:
-        map_panels.draw_turn(
+        orientation.draw_turn(
             axes, turn_curve(full), "full map", color=MEASURED, linewidth=3.0, zorder=3
         )
     ends = np.degrees([turn - error, turn + error])
     axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **style.BAND)
     turns = {"first order": turn, "second order": prediction.second_order_turn(CIRCLE)}
-    map_panels.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
-    map_panels.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])
+    orientation.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
+    orientation.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])
 
 
 def _response(response: TurnResponse, ellipse: bool) -> Array:

@@ -19,8 +19,8 @@ from cyclemap.evidence.laws.measured_cycle_map import (
 )
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
-from cyclemap.views import style
-from cyclemap.views.map_panels import (
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
     draw_law,
@@ -30,9 +30,9 @@ from cyclemap.views.map_panels import (
     keep_to,
     turn_axes,
 )
+from cyclemap.views.panels.staircase import draw_pace, draw_staircase
+from cyclemap.views.panels.style import LINE, SECOND
 from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
-from cyclemap.views.staircase_panels import draw_pace, draw_staircase
-from cyclemap.views.style import LINE, SECOND
 
 LATE_BAND: style.Look = {**style.BAND, "color": "#cfcfcf", "alpha": 0.75}
 

@@ -24,9 +24,9 @@ from cyclemap.evidence.identified_material import (
     readable_unit,
 )
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.views import map_panels, style
+from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels.style import INK, PREDICTED, PREDICTED_FILL, QUIET, SECOND
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import INK, PREDICTED, PREDICTED_FILL, QUIET, SECOND
 
 # Besides the intervals, which take the end of the first row.
 MOST_PANELS = 8
@@ -131,7 +131,7 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
 def draw_stroke_turns(axes: Axes, fit: StrokeFit) -> None:
     """Predicted over measured turns of strokes."""
     measured, predicted = np.degrees([fit.measured, fit.predicted])
-    map_panels.draw_agreement(axes, measured, predicted, "turn (°)", "strokes")
+    orientation.draw_agreement(axes, measured, predicted, "turn (°)", "strokes")
 
 
 def draw_places(axes: Axes, errors: Array) -> None:
@@ -140,7 +140,7 @@ def draw_places(axes: Axes, errors: Array) -> None:
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
     axes.plot(x, y, label="pushes", **style.DOTS)
-    around = half * np.stack([np.cos(map_panels.CIRCLE), np.sin(map_panels.CIRCLE)])
+    around = half * np.stack([np.cos(orientation.CIRCLE), np.sin(orientation.CIRCLE)])
     axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
     style.cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
@@ -149,11 +149,11 @@ def draw_places(axes: Axes, errors: Array) -> None:
 
 def draw_cycles(axes: Axes, fit: CycleFit) -> None:
     """Measured turns of cycles over θ0, and the fitted map's."""
-    map_panels.draw_measured(axes, fit.theta, np.degrees(fit.turn))
+    orientation.draw_measured(axes, fit.theta, np.degrees(fit.turn))
     turns = {"identified": fit.fitted}
     if fit.late is not None:
         turns = {"at the start": fit.fitted, "at the end": fit.late}
-    map_panels.draw_turns(axes, fit.grid, turns)
+    orientation.draw_turns(axes, fit.grid, turns)
 
 
 def draw_interval(axes: Axes, estimate: Estimate) -> None:

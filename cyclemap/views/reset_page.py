@@ -27,12 +27,12 @@ from cyclemap.resets import (
     ResetRow,
     ResetStrategy,
 )
-from cyclemap.views import style
-from cyclemap.views.map_panels import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
-from cyclemap.views.object_page import MM, draw_object, draw_ring, number_sides
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import PER_DEGREE, draw_histogram, draw_recorded, draw_turns
+from cyclemap.views.panels.scene import MM, draw_object, draw_ring, number_sides
+from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.style import FORCE, INK, LINE, LINES, MEASURED, PREDICTED, QUIET
 from cyclemap.views.sentences import angle
-from cyclemap.views.staircase_panels import draw_staircase
-from cyclemap.views.style import FORCE, INK, LINE, LINES, MEASURED, PREDICTED, QUIET
 
 _PLACES = (0.0, 0.105, 0.535, 0.6, 0.665, 0.745, 0.82, 0.885, 0.95)
 _ARROW, _NAMED, _BINS = 0.45, 8, 36

@@ -22,9 +22,8 @@ from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.sweeps.point_sets import KEY_UNITS, MATERIAL_KEY, SWEPT, SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
-from cyclemap.views.rotation_panels import (
+from cyclemap.views.panels import style
+from cyclemap.views.panels.rotation import (
     cell_edges,
     draw_rotation_numbers,
     draw_rotation_plane,
@@ -32,7 +31,8 @@ from cyclemap.views.rotation_panels import (
     mark_cells,
     scale_beside,
 )
-from cyclemap.views.style import INK, PREDICTED, QUIET, Look
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import INK, PREDICTED, QUIET, Look
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")

@@ -14,11 +14,11 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.resets.audit import Audit, ResetEffect
-from cyclemap.views import style
-from cyclemap.views.map_panels import CIRCLE
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orientation import CIRCLE
+from cyclemap.views.panels.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
-from cyclemap.views.style import FORCE, INK, MEASURED_EDGE, PREDICTED
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 # The panels of a course: the third is round.

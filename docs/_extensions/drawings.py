@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-from cyclemap.views.style import picture_style, render
+from cyclemap.views.panels.style import picture_style, render
 
 DRAWN = Path("_build") / "drawn"
 

@@ -9,7 +9,7 @@ from matplotlib.patches import Arc, Circle, Ellipse, Polygon
 
 import cyclemap as cm
 from cyclemap.collection.cycle_scene import StrokeScene, placed
-from cyclemap.views.style import (
+from cyclemap.views.panels.style import (
     FORCE,
     INK,
     MEASURED_EDGE,

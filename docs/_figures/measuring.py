@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, Polygon
 import cyclemap as cm
 from cyclemap.evidence.pushes.planned_table import mark_columns, marks_of
 from cyclemap.mechanics import Pose, SidePush, Slider
-from cyclemap.views.style import (
+from cyclemap.views.panels.style import (
     FORCE,
     INK,
     PREDICTED,

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 
 from cyclemap import maps
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
-from cyclemap.views import style
-from cyclemap.views.orbit_panels import (
+from cyclemap.views.panels import style
+from cyclemap.views.panels.orbits import (
     draw_basins,
     draw_density,
     draw_lyapunov_exponents,
@@ -19,13 +19,13 @@ from cyclemap.views.orbit_panels import (
     draw_orbit_branches,
     draw_orbit_diagram,
 )
-from cyclemap.views.rotation_panels import (
+from cyclemap.views.panels.rotation import (
     draw_bifurcation_curves,
     draw_rotation_numbers,
     draw_rotation_plane,
     draw_tongues,
 )
-from cyclemap.views.staircase_page import draw_step_lengths, draw_steps
+from cyclemap.views.portrait_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
     lambda x: x - 0.4 * np.sin(2 * x) + 0.1 * np.sin(x),

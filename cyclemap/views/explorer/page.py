@@ -31,8 +31,8 @@ from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
 from cyclemap.protocol.collection_file import collection_tables, plain_numbers
 from cyclemap.protocol.setting_table import SHAPES, SHARES
 from cyclemap.views.explorer.answers import measured, of_portrait, slider_controls, slider_values
+from cyclemap.views.panels.style import render
 from cyclemap.views.portrait_page import portrait_page
-from cyclemap.views.style import render
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")
 WORKER = ("engine.js", "circle.js", "worker.js")

@@ -19,9 +19,9 @@ from cyclemap.maps import (
     OrbitDiagram,
     TransferOperator,
 )
-from cyclemap.views import map_panels, style
-from cyclemap.views.rotation_panels import cell_edges, draw_shades, runs
-from cyclemap.views.style import (
+from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels.rotation import cell_edges, draw_shades, runs
+from cyclemap.views.panels.style import (
     INK,
     MEASURED,
     PREDICTED,
@@ -84,7 +84,7 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, fixed_points
-    >>> from cyclemap.views.orbit_panels import draw_map
+    >>> from cyclemap.views.panels.orbits import draw_map
     >>> axes, sine = Figure().subplots(), CircleMap.arnold(0.1, 0.9)
     >>> draw_map(axes, sine, fixed_points(sine))
     >>> axes.has_data()
@@ -137,7 +137,7 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-    >>> from cyclemap.views.orbit_panels import draw_density
+    >>> from cyclemap.views.panels.orbits import draw_density
     >>> axes = Figure().subplots()
     >>> draw_density(axes, transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)))
     >>> axes.has_data()
@@ -149,7 +149,7 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
         if operator.is_certain
         else "shares of its parts unknown"
     )
-    map_panels.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
+    orientation.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
     axes.set_xlabel(THETA)
     style.legend_above(axes)
 
@@ -169,7 +169,7 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, basins
-    >>> from cyclemap.views.orbit_panels import draw_basins
+    >>> from cyclemap.views.panels.orbits import draw_basins
     >>> axes = Figure().subplots()
     >>> draw_basins(axes, basins(CircleMap.arnold(0.1, 0.9), max_period=1))
     >>> axes.has_data()
@@ -250,7 +250,7 @@ def draw_orbit_branches(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, orbit_branches
-    >>> from cyclemap.views.orbit_panels import draw_orbit_branches
+    >>> from cyclemap.views.panels.orbits import draw_orbit_branches
     >>> axes = Figure().subplots()
     >>> branches = orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.7, 0.9), resolution=4)
     >>> draw_orbit_branches(axes, branches, parameter_label="K")
@@ -290,7 +290,7 @@ def draw_orbit_diagram(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, orbit_diagram
-    >>> from cyclemap.views.orbit_panels import draw_orbit_diagram
+    >>> from cyclemap.views.panels.orbits import draw_orbit_diagram
     >>> axes = Figure().subplots()
     >>> diagram = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [0.5, 0.9], cycles=10)
     >>> draw_orbit_diagram(axes, diagram, "K")
@@ -330,7 +330,7 @@ def draw_lyapunov_exponents(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, lyapunov_exponents
-    >>> from cyclemap.views.orbit_panels import draw_lyapunov_exponents
+    >>> from cyclemap.views.panels.orbits import draw_lyapunov_exponents
     >>> axes = Figure().subplots()
     >>> draw_lyapunov_exponents(axes, lyapunov_exponents(CircleMap.arnold, 0.1, [0.5, 0.9]), "K")
     >>> axes.get_xlabel()

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.maps import BifurcationCurve, RotationNumbers, RotationPlane, TongueBoundaries
-from cyclemap.views.style import (
+from cyclemap.views.panels.style import (
     INK,
     MEASURED,
     PREDICTED,
@@ -88,7 +88,7 @@ def draw_rotation_plane(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, rotation_plane
-    >>> from cyclemap.views.rotation_panels import draw_rotation_plane
+    >>> from cyclemap.views.panels.rotation import draw_rotation_plane
     >>> axes = Figure().subplots()
     >>> draw_rotation_plane(axes, rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9]))
     >>> axes.has_data()
@@ -218,7 +218,7 @@ def draw_rotation_numbers(
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
-    >>> from cyclemap.views.rotation_panels import draw_rotation_numbers
+    >>> from cyclemap.views.panels.rotation import draw_rotation_numbers
     >>> axes, omega = Figure().subplots(), np.linspace(0.0, 1.0, 9)
     >>> draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.5), "omega")
     >>> axes.get_xlabel()
@@ -278,7 +278,7 @@ def draw_tongues(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, tongues
-    >>> from cyclemap.views.rotation_panels import draw_tongues
+    >>> from cyclemap.views.panels.rotation import draw_tongues
     >>> axes = Figure().subplots()
     >>> draw_tongues(axes, tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5)))
     >>> axes.has_data()
@@ -338,7 +338,7 @@ def draw_bifurcation_curves(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
-    >>> from cyclemap.views.rotation_panels import draw_bifurcation_curves
+    >>> from cyclemap.views.panels.rotation import draw_bifurcation_curves
     >>> (born,) = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
     >>> axes = Figure().subplots()

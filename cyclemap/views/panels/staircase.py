@@ -11,9 +11,17 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.maps import StepComparison, Steps
-from cyclemap.views import style
+from cyclemap.views.panels import style
+from cyclemap.views.panels.style import (
+    INK,
+    LINE,
+    MEASURED,
+    MEASURED_EDGE,
+    PREDICTED,
+    QUIET,
+    UNSTABLE,
+)
 from cyclemap.views.sentences import angle, number
-from cyclemap.views.style import INK, LINE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, UNSTABLE
 
 if TYPE_CHECKING:
     from cyclemap.evidence.laws.measured_cycle_map import TurnPace

@@ -14,8 +14,8 @@ from matplotlib.ticker import MaxNLocator
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
 from cyclemap.maps import Orbit
-from cyclemap.views import style
-from cyclemap.views.style import INK, LINE, LINES, PREDICTED, Look
+from cyclemap.views.panels import style
+from cyclemap.views.panels.style import INK, LINE, LINES, PREDICTED, Look
 
 if TYPE_CHECKING:
     from cyclemap.collection.uncertain_directions import DirectionInterval
