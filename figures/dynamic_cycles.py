@@ -28,7 +28,15 @@ from cyclemap.views.experiment_page import (
     named_runs,
     spread_sentence,
 )
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.style import (
+    FOURTH,
+    LINE,
+    THIRD,
+    picture_style,
+    plain_ticks,
+    square_window,
+)
 
 from .catalogue import Exhibit, MeasuredFolder
 
@@ -40,17 +48,17 @@ def paper_experiment(
     return batch_experiment(DynamicLoop(CollectionLoop.mit(material="plywood")), batches, cycles)
 
 
-@style.picture_style()
+@picture_style()
 def draw_experiment(experiment: BatchExperiment) -> Figure:
     """Draw the paths in the robot's frame above, in the object's frame below."""
-    figure, panels = style.page("ab;cd", size=(7.5, 7.5))
+    figure, panels = page("ab;cd", size=(7.5, 7.5))
     for column, (run, name) in enumerate(named_runs(experiment)):
         draw_paths(panels[column], run, f"{name}, robot's frame")
         draw_paths(panels[2 + column], run, f"{name}, object's frame", in_object=True)
     for row in (panels[:2], panels[2:]):
         corners = np.vstack([axes.dataLim.get_points() for axes in row])
         for axes in row:
-            style.square_window(axes, corners)
+            square_window(axes, corners)
     return figure
 
 
@@ -124,23 +132,23 @@ def inertia_study(
     )
 
 
-@style.picture_style()
+@picture_style()
 def draw_inertia(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
     foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
-    figure, (turns, places, fall) = style.page("abc", foot=foot, size=(11.0, 4.5), keys=2)
+    figure, (turns, places, fall) = page("abc", foot=foot, size=(11.0, 4.5), keys=2)
     draw_turn_differences(turns, study.material, study.isotropic)
     draw_place_differences(places, study.material, study.isotropic)
     speeds = 1e3 * study.speeds
-    looks = (("plywood", "o", style.LINE), ("isotropic", "s", style.THIRD))
+    looks = (("plywood", "o", LINE), ("isotropic", "s", THIRD))
     for values, (name, marker, look) in zip(np.degrees(study.differences), looks, strict=True):
         fall.plot(speeds, values, marker=marker, label=name, **look)
     guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-    fall.plot(speeds, 0.5 * guide, label="speed squared", **style.FOURTH)
+    fall.plot(speeds, 0.5 * guide, label="speed squared", **FOURTH)
     fall.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
     fall.set(xscale="log", yscale="log")
-    style.plain_ticks(fall.xaxis, speeds.tolist())
-    style.entitle(fall, "Its fall with the speed")
+    plain_ticks(fall.xaxis, speeds.tolist())
+    entitle(fall, "Its fall with the speed")
     return figure
 
 

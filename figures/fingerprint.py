@@ -22,8 +22,8 @@ from cyclemap.collection.fingerprint_prediction import (
 )
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.views.fingerprint_page import draw_prediction
-from cyclemap.views.panels import style
-from cyclemap.views.panels.style import INK
+from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.style import INK, LINE, LINES, MARKS, name_tag, picture_style
 
 from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import ring_radius, with_anisotropy_times, with_ring_at
@@ -159,14 +159,14 @@ def order(scales: Array, errors: Array) -> float:
     return float(np.polyfit(np.log(scales[small]), np.log(errors[small]), 1)[0])
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: FingerprintAgainstFull) -> Figure:
     """Draw the predicted turn beside the full map's, both edges of lock-in, and the errors over the
     anisotropy.
     """
-    figure, (turn, edge, errors) = style.page("abc", size=INCHES, width_ratios=(1.45, 1.0, 1.0))
+    figure, (turn, edge, errors) = page("abc", size=INCHES, width_ratios=(1.45, 1.0, 1.0))
     draw_prediction(turn, result.prediction, result.checked.map)
-    style.entitle(turn, "Plywood")
+    entitle(turn, "Plywood")
     _draw_edge(edge, result)
     _draw_errors(errors, result)
     return figure
@@ -176,14 +176,14 @@ def _draw_edge(axes: Axes, result: FingerprintAgainstFull) -> None:
     surface, response = result.prediction.anisotropy, result.prediction.fingerprint.cycle
     rays = np.radians(np.linspace(0.0, 90.0, 361))
     edge = lock_in_boundary(response, surface.offset_direction, surface.ellipse_direction, rays)
-    axes.plot(*edge.T, label="first order", **style.LINE)
-    axes.plot(*result.full_edge.T, "s", label="full map", clip_on=False, **style.MARKS)
+    axes.plot(*edge.T, label="first order", **LINE)
+    axes.plot(*result.full_edge.T, "s", label="full map", clip_on=False, **MARKS)
     axes.plot(surface.offset, surface.ellipticity, "*", color=INK, markersize=10.0, zorder=5)
-    style.name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood")
+    name_tag(axes, surface.offset, surface.ellipticity + 0.009, "plywood")
     axes.set(xlim=(0.0, 0.16), ylim=(0.0, 0.12), xlabel="offset (1)", ylabel="ellipticity (1)")
-    style.name_tag(axes, 0.023, 0.012, "drifts")
-    style.name_tag(axes, 0.125, 0.09, "locks")
-    style.entitle(axes, "Edge of lock-in")
+    name_tag(axes, 0.023, 0.012, "drifts")
+    name_tag(axes, 0.125, 0.09, "locks")
+    entitle(axes, "Edge of lock-in")
 
 
 def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
@@ -192,7 +192,7 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
         ("turn, second order", result.second_turn_error, "^"),
         ("stable direction", result.direction_error, "s"),
     )
-    for (name, errors, marker), look in zip(curves, style.LINES, strict=False):
+    for (name, errors, marker), look in zip(curves, LINES, strict=False):
         # The kinks' share of what the second order leaves vanishes before the rest: it has no
         # single order.
         known = "" if "second" in name else f": order {order(result.scales, errors):.1f}"

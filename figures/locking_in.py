@@ -22,9 +22,19 @@ from cyclemap.collection.portrait_curves import Cobweb
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps import Orbit, fixed_points
 from cyclemap.mechanics import Polygon as PolygonOutline
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import page
 from cyclemap.views.panels.orientation import draw_cobweb
 from cyclemap.views.panels.scene import MM, draw_object, draw_ring, draw_rod, draw_way
+from cyclemap.views.panels.style import (
+    INK,
+    MARKS,
+    PREDICTED,
+    SECOND,
+    count_axis,
+    cross,
+    picture_style,
+    show_window,
+)
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, Frame, MeasuredFolder
@@ -199,10 +209,10 @@ def frames(result: LockingIn) -> Iterator[Frame]:
         yield Frame(pixels[..., :3].copy(), moment.seconds)
 
 
-@style.picture_style()
+@picture_style()
 def _drawn(result: LockingIn, moment: Moment) -> Figure:
     """The table from above, the cobweb up to here, and θ0 over the cycles."""
-    figure, (stairs, course) = style.page(
+    figure, (stairs, course) = page(
         ".a;.b", size=INCHES, keys=0, width_ratios=(1.3, 1.0), height_ratios=(1.4, 1.0)
     )
     table = figure.add_axes((0.015, 0.06, 0.54, 0.84))
@@ -217,9 +227,9 @@ def _drawn(result: LockingIn, moment: Moment) -> Figure:
     draw_cobweb(stairs, cobweb, result.directions)
     stairs.set_aspect("auto")
     stairs.set_title("The cycle map")
-    course.axhline(math.degrees(result.stable), **style.SECOND)
-    course.plot(np.degrees(theta), "o", **{**style.MARKS, "markersize": 3.5})
-    style.count_axis(course, "cycle", result.cycles)
+    course.axhline(math.degrees(result.stable), **SECOND)
+    course.plot(np.degrees(theta), "o", **{**MARKS, "markersize": 3.5})
+    count_axis(course, "cycle", result.cycles)
     low, high = np.degrees([result.theta.min(), result.theta.max()])
     course.set(ylim=(low - 12.0, high + 15.0), ylabel="θ0 (°)")
     for axis in (stairs.xaxis, stairs.yaxis, course.yaxis):
@@ -232,20 +242,18 @@ def _draw_table(axes: Axes, result: LockingIn, moment: Moment) -> None:
     """The table from above; the world's origin is where the ring is set down."""
     everything = MM * np.concatenate([moment.outline for moment in result.moments])
     low, high = everything.min(axis=0) - MARGIN_MM, everything.max(axis=0) + MARGIN_MM
-    style.show_window(axes, low, high)
+    show_window(axes, low, high)
     axes.set(aspect="equal", anchor="W", xticks=[], yticks=[], facecolor=TABLE_COLOUR)
     axes.spines[:].set_visible(False)
-    style.cross(axes, zorder=1)
+    cross(axes, zorder=1)
     draw_object(axes, moment.outline)
-    draw_way(
-        axes, moment.side, zorder=3, color=style.PREDICTED, linewidth=4.5, solid_capstyle="butt"
-    )
-    draw_ring(axes, moment.ring, edgecolor=style.PREDICTED, linewidth=1.6)
+    draw_way(axes, moment.side, zorder=3, color=PREDICTED, linewidth=4.5, solid_capstyle="butt")
+    draw_ring(axes, moment.ring, edgecolor=PREDICTED, linewidth=1.6)
     dash = "-" if moment.pushing else ":"
-    draw_way(axes, moment.rod_path, dash, color=style.INK, linewidth=1.2, zorder=4)
+    draw_way(axes, moment.rod_path, dash, color=INK, linewidth=1.2, zorder=4)
     draw_rod(axes, moment.rod, result.rod_radius)
     x, y = (low + 14.0).tolist()
-    axes.plot([x, x + 50.0], [y, y], color=style.INK, linewidth=2.0)
+    axes.plot([x, x + 50.0], [y, y], color=INK, linewidth=2.0)
     axes.text(x + 25.0, y + 4.0, "50 mm", ha="center", fontsize=7.5)
 
 

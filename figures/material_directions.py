@@ -16,9 +16,9 @@ from cyclemap.evidence import AngleHistogram, angle_histogram, total_variation
 from cyclemap.evidence.laws.measured_cycle_map import full_turns
 from cyclemap.maps import Steps, find_steps
 from cyclemap.maps.staircases.staircase import sample_staircases
-from cyclemap.views.panels import style
 from cyclemap.views.panels.orientation import CIRCLE, PER_DEGREE, draw_histogram, draw_recorded
 from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import Exhibit, MeasuredFolder
@@ -109,17 +109,17 @@ def draw_theta0_histograms(result: tuple[MaterialDirections, ...]) -> Figure:
 
 def _draw_directions(axes: Axes, panel: MaterialDirections) -> None:
     draw_recorded(axes, panel.recorded)
-    look = {**style.SECOND, "linestyle": "-"}
+    look = {**SECOND, "linestyle": "-"}
     draw_histogram(axes, panel.simulated, "simulated", **look)
     around, density = np.degrees(CIRCLE), PER_DEGREE * panel.density
-    axes.plot(around, density, label="stationary density", **style.LINE)
+    axes.plot(around, density, label="stationary density", **LINE)
     top = 1.3 * axes.dataLim.y1
     axes.set_ylim(0.0, top)
     for place, word in zip(_published(panel), PEAK_WORDS[panel.run.surface], strict=True):
-        axes.axvline(place, ymax=0.9, label="paper's peak", **style.THIRD)
-        style.name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
+        axes.axvline(place, ymax=0.9, label="paper's peak", **THIRD)
+        name_tag(axes, place, 0.94 * top, f"{place:.0f}° {word}")
     if not PEAK_WORDS[panel.run.surface]:
-        style.name_tag(axes, 180.0, 0.94 * top, "paper: no stable direction")
+        name_tag(axes, 180.0, 0.94 * top, "paper: no stable direction")
 
 
 def _published(panel: MaterialDirections) -> list[float]:

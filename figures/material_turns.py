@@ -15,9 +15,8 @@ from cyclemap.arrays import Array
 from cyclemap.evidence import TurnHistogram, turn_histogram
 from cyclemap.evidence.laws.set_fit import MotionLaw, motion_law
 from cyclemap.views.fit_page import draw_motion_law, draw_turn_histogram
-from cyclemap.views.panels import style
 from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves
-from cyclemap.views.panels.style import QUIET, say
+from cyclemap.views.panels.style import DOTS, FOURTH, QUIET, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import Exhibit, MeasuredFolder
@@ -108,10 +107,10 @@ def _draw_turns(axes: Axes, panel: MaterialTurns) -> None:
             np.degrees(panel.run.pushes.theta) % 360.0,
             np.degrees(panel.run.pushes.dtheta),
         )
-        axes.plot(theta, turn, label="simulated", **{**style.DOTS, "color": QUIET, "zorder": 1})
+        axes.plot(theta, turn, label="simulated", **{**DOTS, "color": QUIET, "zorder": 1})
     names = ("mechanics",) if len(panel.curves) == 1 else ("mechanics, fresh", "mechanics, worn")
     curves = dict(zip(names, panel.curves, strict=True))
-    draw_curves(axes, CIRCLE, curves, (style.SECOND, style.FOURTH))
+    draw_curves(axes, CIRCLE, curves, (SECOND, FOURTH))
     shown = np.degrees(np.concatenate([panel.curves.ravel(), panel.law.value]))
     margin = 0.08 * float(np.ptp(shown)) + 0.5
     low, high = axes.get_ylim()

@@ -18,10 +18,22 @@ from cyclemap.collection.fingerprint import Anisotropy, TurnResponse, fingerprin
 from cyclemap.collection.fingerprint_prediction import first_order_lock_in
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.maps import RotationPlane, rotation_plane
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.rotation import draw_shades
 from cyclemap.views.panels.scene import MM, draw_object, draw_way
-from cyclemap.views.panels.style import INK, PREDICTED, QUIET
+from cyclemap.views.panels.style import (
+    INK,
+    LINE,
+    LINES,
+    OPEN,
+    PREDICTED,
+    QUIET,
+    SECOND,
+    ZERO,
+    Look,
+    cross,
+    picture_style,
+)
 
 from .catalogue import Exhibit, MeasuredFolder
 from .loop_family import (
@@ -180,22 +192,22 @@ def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
     return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: PhaseDiagram) -> Figure:
     """The plane, shaded by the mean turn, with its boundary; and the mean turn along four of its
     rows.
     """
-    figure, (plane, rows) = style.page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
+    figure, (plane, rows) = page("ab", size=(11.4, 5.2), width_ratios=(1.75, 1.0))
     _draw_plane(plane, result)
     planes = result.plane
-    rows.axhline(0.0, **style.ZERO)
-    for scale, look in zip(ROWS[::-1], style.LINES, strict=True):
+    rows.axhline(0.0, **ZERO)
+    for scale, look in zip(ROWS[::-1], LINES, strict=True):
         column = int(np.argmin(np.abs(planes.second_values - scale)))
         label = "isotropic" if scale == 0.0 else f"× {planes.second_values[column]:.2g}"
         rows.plot(MM * planes.first_values, 360 * planes.value[:, column], label=label, **look)
     rows.set(xlabel="distance of the ring (mm)", ylabel="mean turn of a cycle (°)")
     rows.set_xlim(MM * RADII[0], MM * RADII[1])
-    style.entitle(rows, "Along rows")
+    entitle(rows, "Along rows")
     return figure
 
 
@@ -210,24 +222,24 @@ def _draw_plane(axes: Axes, result: PhaseDiagram) -> None:
     lines = axes.contour(radius, scale, turn.T, levels=LEVELS, colors=INK, linewidths=0.7)
     axes.clabel(lines, fmt=lambda value: f"{value:+.0f}°", fontsize=7.5, inline_spacing=3)
     _draw_tongue(axes, result)
-    axes.plot(MM * first.radius, first.scale, label="first order", **style.SECOND)
-    star: style.Look = {"marker": "*", "markersize": 11, "zorder": 6, **style.OPEN}
+    axes.plot(MM * first.radius, first.scale, label="first order", **SECOND)
+    star: Look = {"marker": "*", "markersize": 11, "zorder": 6, **OPEN}
     axes.plot(MM * result.mit, 1.0, label="MIT ring, plywood", **star)
     axes.text(20.5, 1.12, "locked\none stable direction", ha="center", va="center", color=PREDICTED)
     axes.set_xlabel("distance of the ring from the centre (mm)")
     axes.set_ylabel("anisotropy over that of Table I (1)")
     axes.set(xlim=(MM * RADII[0], MM * RADII[1]), ylim=SCALES)
     _draw_object(axes.inset_axes((0.72, 0.62, 0.27, 0.36)), result, star)
-    style.entitle(axes, "Mean turn of a cycle")
+    entitle(axes, "Mean turn of a cycle")
 
 
-def _draw_object(axes: Axes, result: PhaseDiagram, star: style.Look) -> None:
+def _draw_object(axes: Axes, result: PhaseDiagram, star: Look) -> None:
     """The object, and the way of its ring."""
     outline = CollectionLoop.mit("plywood").slider.outline.points(4)
     draw_object(axes, outline, facecolor="#f4f4f4", edgecolor=QUIET)
     way = np.array([-1.0, 1.0]) / math.sqrt(2.0)
     draw_way(axes, np.outer(RADII, way), color=PREDICTED, linewidth=1.0, zorder=3)
-    style.cross(axes, colour=INK)
+    cross(axes, colour=INK)
     axes.plot(*(MM * result.mit * way), **star)
     axes.text(0.0, -22.0, "object, and\nthe ring's way", fontsize=7.5, ha="center", va="center")
     axes.set(xlim=(-48, 48), ylim=(-48, 48), aspect="equal")
@@ -245,7 +257,7 @@ def _draw_tongue(axes: Axes, result: PhaseDiagram) -> None:
     tongue = np.concatenate([outer, corners, inner[::-1]])
     axes.fill(*tongue.T, facecolor="white", linewidth=0, zorder=2)
     for edge in (inner, outer):
-        axes.plot(*edge.T, marker="o", markersize=4, label="saddle-nodes", **style.LINE)
+        axes.plot(*edge.T, marker="o", markersize=4, label="saddle-nodes", **LINE)
 
 
 def caption(result: PhaseDiagram) -> str:

@@ -32,7 +32,7 @@ from cyclemap.mechanics import (
     grid_footprint,
     resting_pressure,
 )
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, legend_above, new_figure, page, panels_in
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
@@ -43,6 +43,18 @@ from cyclemap.views.panels.orientation import (
     draw_turns,
 )
 from cyclemap.views.panels.scene import MM, draw_object
+from cyclemap.views.panels.style import (
+    FORCE,
+    FOURTH,
+    INK,
+    LINE,
+    MEASURED_EDGE,
+    PREDICTED,
+    SECOND,
+    THIRD,
+    degree_axis,
+    picture_style,
+)
 from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
@@ -137,10 +149,10 @@ def simulated_turns(name: str, loop: CollectionLoop, nodes: int = NODES) -> Simu
     return SimulatedTurns(name, read_only(theta), push, cycle)
 
 
-@style.picture_style()
+@picture_style()
 def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     """Draw Δθ of the push on the left, the turn of the whole cycle on the right."""
-    figure, (push, cycle) = style.page("ab", size=(12.2, 5.0), keys=2)
+    figure, (push, cycle) = page("ab", size=(12.2, 5.0), keys=2)
     if result.cycles:
         draw_measured_turns(cycle, result.cycles[0].pairs, result.cycles[0].bins)
     draw_curves(push, CIRCLE, {turns.name: turns.push.turn(CIRCLE) for turns in result.simulated})
@@ -150,15 +162,15 @@ def draw_turns_beside(result: SimulatedAgainstMeasured) -> Figure:
     push.axhspan(
         mean - spread, mean + spread, color="#f6e3bd", label="published, mean ± σ", zorder=0
     )
-    push.axhline(mean, color=style.MEASURED_EDGE, linewidth=1.0, zorder=1)
+    push.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, zorder=1)
     if result.recorded is not None:
         pushes = result.recorded.pushes
         draw_measured(push, pushes.theta, np.degrees(pushes.dtheta), "recorded pushes")
-    style.degree_axis(push)
+    degree_axis(push)
     push.set_ylabel(OUTCOMES["dtheta"][1])
-    style.entitle(push, "Push")
+    entitle(push, "Push")
     cycle.set_ylabel("turn of push and drag (°)")
-    style.entitle(cycle, "Whole cycle")
+    entitle(cycle, "Whole cycle")
     return figure
 
 
@@ -290,20 +302,20 @@ def _resting(footprint: PressedFootprint, theta: float, reach: float) -> Array:
     )
 
 
-@style.picture_style()
+@picture_style()
 def draw_floors(result: FloorShapes) -> Figure:
     """Turns over θ0, their harmonics, and the plate at three orientations."""
-    figure = style.new_figure(10.5, 7.2)
-    turns, harmonics = style.panels(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
+    figure = new_figure(10.5, 7.2)
+    turns, harmonics = panels_in(figure, "ab", (0.46, 0.985), keys=2, width_ratios=(2.2, 1.0))
     around = np.append(result.theta, 2.0 * np.pi)
-    looks = [style.FOURTH, style.SECOND, style.LINE, style.THIRD]
+    looks = [FOURTH, SECOND, LINE, THIRD]
     curves = {floor.name: np.append(floor.turn, floor.turn[0]) for floor in result.floors}
     draw_turns(turns, around, curves, looks)
     if result.measured is not None:
         draw_medians(turns, result.measured, "measured")
-    style.legend_above(turns)
+    legend_above(turns)
     _draw_harmonics(harmonics, result)
-    places = style.panels(figure, "abc", (0.0, 0.5))
+    places = panels_in(figure, "abc", (0.0, 0.5))
     for axes, pressure, theta in zip(places, result.resting, RESTING, strict=True):
         image = _draw_resting(axes, result, pressure, theta)
     figure.colorbar(image, ax=places, label="pressure (mean pressures)")
@@ -312,13 +324,13 @@ def draw_floors(result: FloorShapes) -> Figure:
 
 def _draw_harmonics(axes: Axes, result: FloorShapes) -> None:
     orders, width = np.arange(1, 5), 0.24
-    colours = (style.INK, style.PREDICTED, style.FORCE)
+    colours = (INK, PREDICTED, FORCE)
     for place, (floor, colour) in enumerate(zip(result.floors[1:], colours, strict=True)):
         heights = [math.degrees(floor.harmonic(order)) for order in orders.tolist()]
         axes.bar(orders + (place - 1.0) * width, heights, width, color=colour)
     axes.set_xticks(orders)
     axes.set(xlabel="harmonic of θ0", ylabel="amplitude of the turn (°)")
-    style.entitle(axes, "Ellipse, trough, from pushes")
+    entitle(axes, "Ellipse, trough, from pushes")
 
 
 def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, theta: float) -> AxesImage:
@@ -333,7 +345,7 @@ def _draw_resting(axes: Axes, result: FloorShapes, pressure: Array, theta: float
         zorder=1,
     )
     corners = placed(np.array([0.0, 0.0, theta]), result.outline)
-    draw_object(axes, corners, facecolor="none", edgecolor=style.INK)
+    draw_object(axes, corners, facecolor="none", edgecolor=INK)
     axes.grid(visible=False)
     axes.set(aspect="equal", xlabel="robot's x (mm)", ylabel="robot's y (mm)")
     axes.set_title(f"rests at θ = {angle(theta, 0)}")

@@ -22,8 +22,8 @@ from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
-from cyclemap.views.panels import style
 from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import cross
 from cyclemap.views.sentences import angle, listed
 
 from .catalogue import MeasuredFolder
@@ -238,7 +238,7 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
         list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75
     )
     axes.add_collection(collection)
-    style.cross(axes)
+    cross(axes)
     axes.set_aspect("equal")
 
 

@@ -12,9 +12,17 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene, placed
 from cyclemap.collection.loop import CollectionLoop, Cycle
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import MM, draw_object, draw_setup, mark_target
-from cyclemap.views.panels.style import FORCE, INK, PREDICTED, QUIET
+from cyclemap.views.panels.style import (
+    FORCE,
+    INK,
+    PREDICTED,
+    QUIET,
+    arrow,
+    picture_style,
+    square_window,
+)
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, MeasuredFolder
@@ -51,11 +59,11 @@ def compute(measured: MeasuredFolder) -> SetupAndCycles:
     return SetupAndCycles(loop, (first, second), (first.scene(), second.scene()))
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: SetupAndCycles) -> Figure:
     """Draw the set-up in the object's frame on the left, the two cycles in the world on the
     right."""
-    figure, (setup, cycles) = style.page("ab", size=(11.0, 5.9), keys=2)
+    figure, (setup, cycles) = page("ab", size=(11.0, 5.9), keys=2)
     draw_setup(setup, result.loop)
     _draw_lengths(setup, result)
     _draw_cycles(cycles, result)
@@ -92,22 +100,22 @@ def _draw_cycles(axes: Axes, result: SetupAndCycles) -> None:
         turned = np.array([0.0, 0.0, cycle.theta + result.loop.push.angle])
         way = placed(turned, np.array([0.0, -1.0]))
         corners += [*(MM * scene.push.reach), tip - (_ARROW + _WORDS) * way]
-        style.arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
+        arrow(axes, tip - _ARROW * way, tip, FORCE, 2.2, 8)
         words = f"push {index}, from\nθ₀{raised} = {angle(cycle.theta, 0)}"
         x, y = (tip - (_ARROW + 4.0) * way).tolist()
         lean = "right" if way[0] > 0.3 else "left" if way[0] < -0.3 else "center"
         axes.text(x, y, words, color=FORCE, fontsize=9, ha=lean, va="center", zorder=8)
     mark_target(axes)
-    style.square_window(axes, np.array(corners))
+    square_window(axes, np.array(corners))
     axes.set(xlabel="x (mm), world frame", ylabel="y (mm)")
-    style.entitle(axes, "Path of the centre in cycles k and k+1")
+    entitle(axes, "Path of the centre in cycles k and k+1")
 
 
 def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str) -> None:
     path = MM * stroke.centre
     axes.plot(*path.T, color=colour, linestyle=dash, linewidth=2.2, label=label, zorder=5)
     middle = len(path) // 2
-    style.arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
+    arrow(axes, path[middle - 1], path[middle + 1], colour, zorder=6, mutation_scale=13)
 
 
 def caption(result: SetupAndCycles) -> str:

@@ -30,8 +30,8 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.views.panels import style
-from cyclemap.views.panels.style import QUIET
+from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.style import QUIET, picture_style
 
 from .catalogue import MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
@@ -275,7 +275,7 @@ PANEL_INCHES = (5.2, 3.7)
 SIMULATED_FILL = "#c4c4c4"
 
 
-@style.picture_style()
+@picture_style()
 def draw_materials(
     names: Sequence[str], panels: Sequence[One], draw_panel: Callable[[Axes, One], None]
 ) -> Figure:
@@ -285,11 +285,11 @@ def draw_materials(
     columns = 2 if len(names) <= 4 else 3
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
-    size, layout = (width * columns, height * rows), style.rows_of(*(columns,) * rows)
-    figure, places = style.page(layout, size=size, keys=2)
+    size, layout = (width * columns, height * rows), rows_of(*(columns,) * rows)
+    figure, places = page(layout, size=size, keys=2)
     for axes, name, panel in zip(places, names, panels, strict=False):
         draw_panel(axes, panel)
-        style.entitle(axes, name)
+        entitle(axes, name)
     for axes in places[len(names) :]:
         axes.remove()
     return figure

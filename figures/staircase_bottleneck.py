@@ -33,13 +33,26 @@ from cyclemap.maps import (
     slow_passages,
     transfer_operator,
 )
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, legend_above, page, rows_of
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     PER_DEGREE,
     draw_histogram,
     draw_medians,
     draw_turns,
+)
+from cyclemap.views.panels.style import (
+    BAND,
+    BARS,
+    FOURTH,
+    LINE,
+    PATH,
+    PREDICTED,
+    SECOND,
+    Look,
+    count_axis,
+    degree_axis,
+    picture_style,
 )
 from cyclemap.views.sentences import angle
 
@@ -51,7 +64,7 @@ WEAR_DEGREE = 2
 # The ring, in metres, a tenth of a millimetre inside the saddle-node; cycles drawn as a staircase.
 RADIUS, DRAWN = 0.0097, 800
 
-SAMPLED: style.Look = {**style.BARS, "facecolor": "#9db8d2", "edgecolor": style.PREDICTED}
+SAMPLED: Look = {**BARS, "facecolor": "#9db8d2", "edgecolor": PREDICTED}
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,15 +182,15 @@ def bottleneck(
     )
 
 
-@style.picture_style()
+@picture_style()
 def draw(result: StaircaseBottleneck) -> Figure:
     """A row for the computed bottleneck and one for the measured, where there is case.
 
     Each shows map, directions, staircase, lengths of visits.
     """
     shown = [case for case in (result.computed, result.measured) if case is not None]
-    layout, size = style.rows_of(*(4,) * len(shown)), (13.6, 3.7 * len(shown))
-    figure, panels = style.page(layout, size=size, keys=3)
+    layout, size = rows_of(*(4,) * len(shown)), (13.6, 3.7 * len(shown))
+    figure, panels = page(layout, size=size, keys=3)
     for row, case in enumerate(shown):
         turn, directions, path, lengths = panels[4 * row : 4 * row + 4]
         _draw_turn(turn, case)
@@ -185,10 +198,10 @@ def draw(result: StaircaseBottleneck) -> Figure:
         _draw_path(path, case)
         _draw_lengths(lengths, case)
         for axes in (turn, directions):
-            style.degree_axis(axes, "θ0 (°)", 90)
-        style.entitle(turn, case.title.capitalize())
+            degree_axis(axes, "θ0 (°)", 90)
+        entitle(turn, case.title.capitalize())
         for axes in (directions, path, lengths):
-            style.legend_above(axes)
+            legend_above(axes)
     return figure
 
 
@@ -207,17 +220,17 @@ def _draw_turn(axes: Axes, case: Bottleneck) -> None:
         draw_medians(axes, case.bins, "medians")
     name = "map" if case.bins is None else "fitted map"
     draw_turns(axes, CIRCLE, {name: case.map.turn(CIRCLE)})
-    axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **style.SECOND)
+    axes.plot(*np.degrees(_parabola(case)), label="ε + a x²", **SECOND)
     axes.set_ylabel("turn of a cycle (°)")
 
 
 def _draw_directions(axes: Axes, case: Bottleneck) -> None:
-    look = style.BAND if case.bins is None else style.BARS
+    look = BAND if case.bins is None else BARS
     draw_histogram(axes, case.histogram, _seen(case), fill=True, **look)
-    axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **style.LINE)
+    axes.plot(np.degrees(CIRCLE), PER_DEGREE * case.density, label="predicted", **LINE)
     theta, pace = _parabola(case)
     share = PER_DEGREE * float(case.prediction.mean_turn) / (TWO_PI * pace)
-    axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **style.SECOND)
+    axes.plot(np.degrees(theta), share, label="1/(ε + a x²)", **SECOND)
     axes.set_ylabel("share of cycles (per degree)")
     axes.set_ylim(bottom=0.0)
 
@@ -226,15 +239,15 @@ def _draw_path(axes: Axes, case: Bottleneck) -> None:
     """The path in turns from its start, beside the fitted map's run, or its mean pace."""
     shown = case.path if case.bins is not None else case.path[: DRAWN + 1]
     pace = float(case.prediction.mean_turn)
-    run = {**style.LINE, "linewidth": 1.2}
+    run = {**LINE, "linewidth": 1.2}
     turns = (shown - shown[0]) / TWO_PI
-    axes.plot(turns, label=_seen(case), **(run if case.bins is None else style.PATH))
+    axes.plot(turns, label=_seen(case), **(run if case.bins is None else PATH))
     if case.run is None:
         mean = pace / TWO_PI * np.arange(shown.size)
-        axes.plot(mean, label="its mean", **style.FOURTH)
+        axes.plot(mean, label="its mean", **FOURTH)
     else:
         axes.plot((case.run - case.run[0]) / TWO_PI, label="run of the fitted map", **run)
-    style.count_axis(axes, "cycle", shown.size - 1)
+    count_axis(axes, "cycle", shown.size - 1)
     axes.set_ylabel("turns climbed (1)")
 
 
@@ -242,12 +255,12 @@ def _draw_lengths(axes: Axes, case: Bottleneck) -> None:
     mean, spread = case.visit
     top = 1.05 * max(float(case.lengths.max()), mean + 3 * spread)
     label = f"{_seen(case)}, mean {case.lengths.mean():.0f}"
-    bars = SAMPLED if case.bins is None else style.BARS
+    bars = SAMPLED if case.bins is None else BARS
     axes.hist(case.lengths, np.linspace(0, top, 31).tolist(), label=label, **bars)
-    axes.axvspan(mean - spread, mean + spread, **style.BAND)
+    axes.axvspan(mean - spread, mean + spread, **BAND)
     name, law = f"predicted {mean:.0f} ± {spread:.0f}", case.passage.passage_cycles
-    axes.axvline(mean, label=name, **style.LINE)
-    axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **style.SECOND)
+    axes.axvline(mean, label=name, **LINE)
+    axes.axvline(law, label=f"π/√(εa) = {law:.0f}", **SECOND)
     axes.set(xlabel="cycles on a step", ylabel="number of steps (1)", xlim=(0, top))
     axes.yaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
 

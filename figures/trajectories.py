@@ -10,8 +10,9 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import FORCE, picture_style, show_window
 from cyclemap.views.sentences import angle
 
 from .catalogue import Exhibit, MeasuredFolder
@@ -30,16 +31,16 @@ from .pushed_paths import (
 from .simulated_collections import PAPER, Sampling
 
 
-@style.picture_style()
+@picture_style()
 def draw_object_frame(result: list[PushedPaths]) -> Figure:
     """Draw four panels on one scale, y down the push, a darker shade for a larger turn."""
     ends = MM * np.concatenate([paths.object_frame.reshape(-1, 2) for paths in result])
     low, high = ends.min(axis=0) - 4.0, ends.max(axis=0) + 4.0
-    figure, panels = style.page(style.rows_of(len(result)), size=(11.6, 5.5))
+    figure, panels = page(rows_of(len(result)), size=(11.6, 5.5))
     shades = shades_of(result)
     for axes, paths in zip(panels, result, strict=True):
         draw_paths(axes, paths.object_frame, paths.turn, shades)
-        style.show_window(axes, low, high)
+        show_window(axes, low, high)
         axes.set(xlabel="x (mm)", ylabel="y (mm), object's frame before the push")
         axes.label_outer()
         axes.set_title(f"{paths.surface},\n{paths.origin}")
@@ -142,20 +143,20 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
     ]
 
 
-@style.picture_style()
+@picture_style()
 def draw_robot_frame(result: RobotFramePaths) -> Figure:
     """Draw four panels on one scale, the crowded directions marked outside the ends
     of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
-    figure, panels = style.page("ab;cd", size=(8.8, 8.6))
+    figure, panels = page("ab;cd", size=(8.8, 8.6))
     shades = shades_of(result.surfaces)
     for axes, paths, arcs in zip(panels, result.surfaces, result.arcs, strict=True):
         draw_paths(axes, paths.robot_frame, paths.turn, shades)
         for arc in arcs:
             _mark(axes, paths, arc)
         axes.set(xlim=(-window, window), ylim=(-window, window), xlabel="x (mm)", ylabel="y (mm)")
-        style.entitle(axes, f"{paths.surface}, {paths.origin}")
+        entitle(axes, f"{paths.surface}, {paths.origin}")
     shade_bar(figure, panels, shades)
     return figure
 
@@ -176,7 +177,7 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
         radius * np.cos(angle),
         radius * np.sin(angle),
         label=label,
-        color=style.FORCE,
+        color=FORCE,
         linewidth=4.0,
         solid_capstyle="butt",
     )

@@ -114,7 +114,7 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     result = exhibit.compute(data)
     table: Told = ""
     if exhibit.draw is not None:
-        from cyclemap.views.panels.style import render
+        from cyclemap.views.panels.layout import render
 
         suffix = results.picture_format
         content = render(exhibit.draw(result), suffix)

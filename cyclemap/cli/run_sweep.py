@@ -23,7 +23,7 @@ from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
 from cyclemap.written import Json, json_of, rows
 

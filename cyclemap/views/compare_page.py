@@ -11,9 +11,11 @@ from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
-from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.orientation import OUTCOMES, draw_measured, draw_outcome
 from cyclemap.views.panels.staircase import draw_staircase
+from cyclemap.views.panels.style import DOTS, LINE, PREDICTED, ZERO, degree_axis, picture_style, say
 from cyclemap.views.sentences import angle
 from cyclemap.views.verdicts import MOST_SETS, told_sets, verdicts
 
@@ -24,7 +26,7 @@ CORRELATED = 0.2
 ISOTROPIC = "isotropic friction under even pressure"
 
 
-@style.picture_style()
+@picture_style()
 def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     """Draw the comparison; ``curve``: the turn of the predicted map (at mid-run where it wears)."""
     many = len(found.pushes) > MOST_SETS
@@ -34,8 +36,8 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
     noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
     foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}{drawn}"
-    layout = style.rows_of(*(3,) * ((found.cycle is not None) + bool(found.pushes)))
-    figure, panels = style.page(layout, headline(name, found), told, foot)
+    layout = rows_of(*(3,) * ((found.cycle is not None) + bool(found.pushes)))
+    figure, panels = page(layout, headline(name, found), told, foot)
     if found.cycle is not None:
         _draw_cycles(panels[:3], found, curve)
     if found.pushes:
@@ -44,7 +46,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     return figure
 
 
-@style.picture_style()
+@picture_style()
 def residual_page(found: Comparison) -> Figure | None:
     """Draw measured less predicted over θ0, with medians of 5 degrees: of cycles, of pushes; None
     without either.
@@ -62,14 +64,14 @@ def residual_page(found: Comparison) -> Figure | None:
         return None
     layout = ("a", "ab", "ab;cd", "ab;cd")[len(left) - 1]
     size = (7.0 if layout == "a" else 9.0, 2.7 * len(layout.split(";")))
-    figure, panels = style.page(layout, size=size)
+    figure, panels = page(layout, size=size)
     for axes, (label, theta, off) in zip(panels, left, strict=False):
-        axes.axhline(0.0, **style.ZERO)
+        axes.axhline(0.0, **ZERO)
         draw_measured(axes, theta, off)
         bins = turn_bins(Theta0Pairs(theta, theta + off))
         if bins.centre.size >= FEWEST_MEDIANS:
-            axes.plot(np.degrees(bins.centre), bins.median, **style.LINE)
-        style.degree_axis(axes)
+            axes.plot(np.degrees(bins.centre), bins.median, **LINE)
+        degree_axis(axes)
         axes.set_ylabel(label)
     return figure
 
@@ -80,19 +82,19 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
     assert found.cycle is not None and found.data.pairs is not None
     orientation.draw_turn(turn, curve)
     orientation.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    style.entitle(turn, "Cycle map, midway" if found.prediction.is_drifting else "Cycle map")
+    entitle(turn, "Cycle map, midway" if found.prediction.is_drifting else "Cycle map")
     if found.orientations is None:
-        style.say(histogram, "order of the pushes unknown")
+        say(histogram, "order of the pushes unknown")
     else:
         orientations = found.orientations
         orientation.draw_recorded(histogram, orientations.measured, orientations.predicted)
-    style.entitle(histogram, "Directions")
+    entitle(histogram, "Directions")
     path = found.data.pairs.path
     if path is None or found.staircase is None:
-        style.say(staircase, "order of the pushes unknown")
+        say(staircase, "order of the pushes unknown")
     else:
         draw_staircase(staircase, found.staircase.run, path, count="cycle of the compared path")
-    style.entitle(staircase, "Staircase")
+    entitle(staircase, "Staircase")
 
 
 def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
@@ -101,11 +103,11 @@ def _draw_pushes(panels: list[Axes], found: Comparison) -> None:
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
         draw_outcome(axes, largest.theta, largest.measured[:, column], quantity.name)
         symbol, _, scale = OUTCOMES[quantity.name]
-        predicted = {**style.DOTS, "color": style.PREDICTED, "markeredgewidth": 0.0, "alpha": 1.0}
+        predicted = {**DOTS, "color": PREDICTED, "markeredgewidth": 0.0, "alpha": 1.0}
         theta, values = np.degrees(largest.theta) % 360.0, scale * largest.predicted[:, column]
         axes.plot(theta, values, label="predicted", **{**predicted, "markersize": 2.2})
         spread = f"std {quantity.std_percent:.1f} %"
-        style.entitle(axes, f"{symbol}: RMSE {quantity.percent:.1f} %, {spread}")
+        entitle(axes, f"{symbol}: RMSE {quantity.percent:.1f} %, {spread}")
 
 
 def _draw_sets(panels: list[Axes], found: Comparison) -> None:
@@ -118,7 +120,7 @@ def _draw_sets(panels: list[Axes], found: Comparison) -> None:
         values = scale * measured[:, column], scale * predicted[:, column]
         orientation.draw_agreement(axes, *values, label, "pushes")
         unit = "°" if quantity.name == "dtheta" else " mm"
-        style.entitle(axes, f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}")
+        entitle(axes, f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}")
 
 
 def headline(name: str, found: Comparison) -> str:

@@ -12,15 +12,27 @@ from matplotlib.ticker import MultipleLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import draw_way
-from cyclemap.views.panels.style import FORCE, INK, PREDICTED
+from cyclemap.views.panels.style import (
+    FORCE,
+    INK,
+    LINE,
+    PREDICTED,
+    SECOND,
+    ZERO,
+    Look,
+    count_axis,
+    degree_axis,
+    picture_style,
+    unwrapped_axis,
+)
 from cyclemap.views.sentences import angle
 
 _MARKERS = "os^vDP*X"
 
 
-@style.picture_style()
+@picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
     told = (
@@ -33,7 +45,7 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
         "of each batch"
     )
     title = f"Batches of cycles on {experiment.loop.material.name}"
-    figure, placed = style.page("abc;def", title, told, foot, keys=2)
+    figure, placed = page("abc;def", title, told, foot, keys=2)
     panels = iter(placed)
     for run, name in named_runs(experiment):
         draw_paths(next(panels), run, f"{name}: robot's frame")
@@ -68,7 +80,7 @@ def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -
         )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
-    style.entitle(axes, title)
+    entitle(axes, title)
 
 
 def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
@@ -76,16 +88,16 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
     cycles = run.theta.shape[1] - 1
     for index, theta in enumerate(run.theta):
         every = (index * max(cycles // 30, 1), max(cycles // 8, 1))
-        look: style.Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
+        look: Look = {"marker": _MARKERS[index % len(_MARKERS)], "markevery": every}
         shade = str(0.65 * index / max(len(run.theta) - 1, 1))
         look |= {"color": shade, "label": f"from {angle(theta[0], 0)}", "clip_on": False}
         axes.plot(np.degrees(theta), linewidth=1.3, markersize=3.5, **look)
-    style.count_axis(axes, "cycle", cycles)
+    count_axis(axes, "cycle", cycles)
     span = float(np.ptp(np.degrees(run.theta)))
     if span > 300.0:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
-    style.unwrapped_axis(axes, "θ0, unwrapped")
-    style.entitle(axes, title)
+    unwrapped_axis(axes, "θ0, unwrapped")
+    entitle(axes, title)
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:
@@ -186,7 +198,7 @@ _TURNS = (
 _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 
 
-@style.picture_style()
+@picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
@@ -196,11 +208,11 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         "solid, filled: the material; dashed, open: isotropic friction of the same mean "
         "coefficient; both models stand on the same support points"
     )
-    figure, (turns, differences, places) = style.page("abc", title, told, foot, keys=2)
+    figure, (turns, differences, places) = page("abc", title, told, foot, keys=2)
     for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
         theta = np.degrees(comparison.dynamic.theta)
         still = np.degrees(comparison.quasi_static.theta_next) - theta
-        line = style.SECOND if law == "isotropic" else style.LINE
+        line = SECOND if law == "isotropic" else LINE
         # A curve through one orientation needs a marker, over the dot, to be seen.
         marker = "x" if theta.size == 1 else None
         turns.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
@@ -215,9 +227,9 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
             markersize=4.5,
             zorder=3 if marker else 5,
         )
-    style.degree_axis(turns, every=60)
+    degree_axis(turns, every=60)
     turns.set_ylabel("turn of a cycle (°)")
-    style.entitle(turns, "Turn of push and drag")
+    entitle(turns, "Turn of push and drag")
     draw_turn_differences(differences, material, isotropic)
     draw_place_differences(places, material, isotropic)
     return figure
@@ -267,11 +279,11 @@ def _draw_differences(
     """Label, colour and marker of each quantity: on the material solid and filled, on isotropic
     friction open.
     """
-    axes.axhline(0.0, **style.ZERO)
+    axes.axhline(0.0, **ZERO)
     for (label, colour, marker), (filled, hollow) in curves:
-        look: style.Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
+        look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
         axes.plot(np.degrees(theta), filled, label=label, **look)
         axes.plot(np.degrees(theta), hollow, "--", markerfacecolor="white", **look)
-    style.degree_axis(axes, every=60)
+    degree_axis(axes, every=60)
     axes.set_ylabel(f"dynamic − quasi-static ({unit})")
-    style.entitle(axes, f"Difference of the {what}")
+    entitle(axes, f"Difference of the {what}")

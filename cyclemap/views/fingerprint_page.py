@@ -13,15 +13,16 @@ from cyclemap.collection.fingerprint import Fingerprint, TurnResponse
 from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction, PredictionCheck
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
-from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.orientation import CIRCLE
-from cyclemap.views.panels.style import LINE, MEASURED, SECOND
+from cyclemap.views.panels.style import BAND, LINE, MEASURED, SECOND, picture_style
 from cyclemap.views.sentences import angle
 
 ANYWHERE = math.radians(90.0)
 
 
-@style.picture_style()
+@picture_style()
 def fingerprint_page(
     found: Fingerprint,
     prediction: Prediction | None = None,
@@ -44,12 +45,12 @@ def fingerprint_page(
     written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
     foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     layout = "a;b" if prediction is None else "acc;bcc"
-    figure, (offset, ellipse, *turn) = style.page(layout, title, told, foot)
+    figure, (offset, ellipse, *turn) = page(layout, title, told, foot)
     draw_responses(offset, found, ellipse=False)
     draw_responses(ellipse, found, ellipse=True)
     if prediction is not None:
         draw_prediction(turn[0], prediction, None if checked is None else checked.map)
-        style.entitle(turn[0], "Turn of one cycle")
+        entitle(turn[0], "Turn of one cycle")
     return figure
 
 
@@ -64,7 +65,7 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
     )
     axes.set(xlabel=f"orientation {seen}", ylabel="change of turn (°)")
-    style.entitle(axes, f"Answer to 1 % of {'ellipticity' if ellipse else 'offset'}")
+    entitle(axes, f"Answer to 1 % of {'ellipticity' if ellipse else 'offset'}")
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:
@@ -77,7 +78,7 @@ def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None =
             axes, turn_curve(full), "full map", color=MEASURED, linewidth=3.0, zorder=3
         )
     ends = np.degrees([turn - error, turn + error])
-    axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **style.BAND)
+    axes.fill_between(np.degrees(CIRCLE), *ends, label="its error", **BAND)
     turns = {"first order": turn, "second order": prediction.second_order_turn(CIRCLE)}
     orientation.draw_turns(axes, CIRCLE, turns, (LINE, SECOND))
     orientation.mark_fixed_points(axes, [direction.orbit for direction in prediction.directions])

@@ -19,7 +19,7 @@ from cyclemap.evidence.laws.measured_cycle_map import (
 )
 from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs, is_covered
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import Panel, draw_panels, page, rows_of
 from cyclemap.views.panels.orientation import (
     CIRCLE,
     OUTCOMES,
@@ -31,13 +31,23 @@ from cyclemap.views.panels.orientation import (
     turn_axes,
 )
 from cyclemap.views.panels.staircase import draw_pace, draw_staircase
-from cyclemap.views.panels.style import LINE, SECOND
+from cyclemap.views.panels.style import (
+    BAND,
+    BARS,
+    LINE,
+    SECOND,
+    Look,
+    orbit_marker,
+    picture_style,
+    say,
+    stability,
+)
 from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
 
-LATE_BAND: style.Look = {**style.BAND, "color": "#cfcfcf", "alpha": 0.75}
+LATE_BAND: Look = {**BAND, "color": "#cfcfcf", "alpha": 0.75}
 
 
-@style.picture_style()
+@picture_style()
 def fit_page(fit: SetFit) -> Figure:
     """Draw what was fitted to a set: a row of its pushes, a row of its cycle map, or as much of
     them as there is.
@@ -45,7 +55,7 @@ def fit_page(fit: SetFit) -> Figure:
     Raises InvalidInput where nothing was fitted.
     """
     laws = [law for law in fit.laws.laws if law.law is not None]
-    pushes: list[style.Panel] = [
+    pushes: list[Panel] = [
         (OUTCOMES[law.quantity][0], partial(draw_motion_law, law=law)) for law in laws
     ]
     if fit.histogram is not None:
@@ -63,17 +73,17 @@ def fit_page(fit: SetFit) -> Figure:
     if len(rows) == 1 and len(rows[0]) > 2:
         half = (len(rows[0]) + 1) // 2
         rows = [rows[0][:half], rows[0][half:]]
-    layout, words = style.rows_of(*map(len, rows)), set_sentences(fit)
-    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
-    style.draw_panels(placed, [panel for row in rows for panel in row])
+    layout, words = rows_of(*map(len, rows)), set_sentences(fit)
+    figure, placed = page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    draw_panels(placed, [panel for row in rows for panel in row])
     return figure
 
 
-def _cycle_panels(found: MeasuredCycleMap | None) -> list[style.Panel]:
+def _cycle_panels(found: MeasuredCycleMap | None) -> list[Panel]:
     """What is drawn of a measured cycle map."""
     if found is None:
         return []
-    panels: list[style.Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
+    panels: list[Panel] = [("Cycle map", partial(draw_worn_turns, found=found))]
     if (forecast := found.forecast) is not None:
         histograms = forecast.measured_histogram, forecast.histogram
         panels.append(("Directions", lambda axes: draw_recorded(axes, *histograms)))
@@ -87,7 +97,7 @@ def draw_motion_law(axes: Axes, law: MotionLaw) -> None:
     """Measured pushes over θ0, the law through them, the band of its mean and that of one push."""
     draw_outcome(axes, law.theta, law.value, law.quantity)
     if law.law is None:
-        style.say(axes, "no law")
+        say(axes, "no law")
     else:
         ends = draw_law(axes, law.law, law.quantity, is_covered(law.theta, CIRCLE))
         keep_to(axes, OUTCOMES[law.quantity][2] * law.value, *ends)
@@ -100,13 +110,13 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
     draw_measured(axes, found.pairs.theta, turns)
     covered = is_covered(found.pairs.theta, CIRCLE)
     ends: list[float] = []
-    states = ((found.early, LINE, style.BAND), (found.late, SECOND, LATE_BAND))
+    states = ((found.early, LINE, BAND), (found.late, SECOND, LATE_BAND))
     for state, look, band in states if found.wears else states[:1]:
         law = found.fitted.law if worn is None else worn.at(state.cycle)
         name = f"push {state.cycle:.0f}" if found.wears else "fitted map"
         ends += draw_law(axes, law, "dtheta", covered, name, look, band)
         for orbit in state.fixed_points:
-            marker = style.orbit_marker(style.stability(orbit))
+            marker = orbit_marker(stability(orbit))
             axes.plot(np.degrees(orbit.points[0]), 0.0, **marker)
     keep_to(axes, turns, min(ends), max(ends))
 
@@ -114,7 +124,7 @@ def draw_worn_turns(axes: Axes, found: MeasuredCycleMap) -> None:
 def draw_turn_histogram(axes: Axes, histogram: TurnHistogram) -> None:
     """Measured counts of Δθ, those the law predicts, and those it predicts without its scatter."""
     edges = np.degrees(histogram.edges)
-    axes.stairs(histogram.measured, edges, fill=True, label="measured", **style.BARS)
+    axes.stairs(histogram.measured, edges, fill=True, label="measured", **BARS)
     axes.stairs(histogram.predicted, edges, label="law with scatter", **LINE)
     # A law alone piles up where it is flat: columns that run out of the panel are told by their
     # height.

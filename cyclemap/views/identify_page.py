@@ -24,8 +24,21 @@ from cyclemap.evidence.identified_material import (
     readable_unit,
 )
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
-from cyclemap.views.panels import orientation, style
-from cyclemap.views.panels.style import INK, PREDICTED, PREDICTED_FILL, QUIET, SECOND
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import Panel, draw_panels, entitle, page, rows_of
+from cyclemap.views.panels.style import (
+    DOTS,
+    INK,
+    LINE,
+    LINES,
+    PREDICTED,
+    PREDICTED_FILL,
+    QUIET,
+    SECOND,
+    ZERO,
+    cross,
+    picture_style,
+)
 from cyclemap.views.sentences import angle
 
 # Besides the intervals, which take the end of the first row.
@@ -40,14 +53,14 @@ WORSE = 1.01
 ROUND = 1.001
 
 
-@style.picture_style()
+@picture_style()
 def identify_page(
     title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]
 ) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
     page takes.
     """
-    panels: list[style.Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
+    panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
     if len(found.plates) > 1:
         panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
     if len(found.floors) > 1:
@@ -69,11 +82,11 @@ def identify_page(
     count = min(len(panels), MOST_PANELS) + 1
     columns = count if count <= 3 else 2 if count == 4 else 3
     rows = [columns] * (count // columns) + [count % columns] * (count % columns > 0)
-    layout = style.rows_of(*rows)
-    figure, placed = style.page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
+    layout = rows_of(*rows)
+    figure, placed = page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
     _draw_intervals(intervals, found)
-    style.draw_panels(placed, panels)
+    draw_panels(placed, panels)
     return figure
 
 
@@ -82,7 +95,7 @@ def _draw_intervals(place: Axes, found: Identification) -> None:
     shared = tuple(estimate for estimate in found.lasting if "[" not in estimate.name)
     estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
     whose = "" if len(estimates) == len(found.lasting) else " of all plates"
-    style.entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
+    entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
     place.axis("off")
     for row, estimate in enumerate(estimates):
         bottom = 1.0 - (row + 0.7) / len(estimates)
@@ -108,10 +121,10 @@ def draw_ellipse(axes: Axes, curves: IdentifiedCurves) -> None:
 def draw_ellipses(axes: Axes, ellipses: Mapping[str, Array], measured: Array | None) -> None:
     """Limit ellipses (n, 2) about the origin by name, and forces (m, 2) that scans measured."""
     if measured is not None:
-        axes.plot(*measured.T, label="friction scans", **style.DOTS)
-    for (name, ellipse), look in zip(ellipses.items(), style.LINES, strict=False):
+        axes.plot(*measured.T, label="friction scans", **DOTS)
+    for (name, ellipse), look in zip(ellipses.items(), LINES, strict=False):
         axes.plot(*ellipse.T, label=name, **look)
-    style.cross(axes)
+    cross(axes)
 
 
 def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
@@ -123,7 +136,7 @@ def draw_shapes(axes: Axes, shapes: Mapping[str, SurfaceShape]) -> None:
     heights = np.arange(len(names))
     axes.hlines(heights, dome - bow, dome + bow, color=PREDICTED, linewidth=3.0)
     axes.plot(dome, heights, "o", color=INK, markersize=4)
-    axes.axvline(0.0, **style.ZERO)
+    axes.axvline(0.0, **ZERO)
     axes.set_yticks(heights, names, fontsize=7)
     axes.set(xlabel="bends across to along its axis (kPa at 50 mm)", ylim=(-0.6, len(names) - 0.4))
 
@@ -139,10 +152,10 @@ def draw_places(axes: Axes, errors: Array) -> None:
     within."""
     x, y = 1000.0 * errors.T
     half = float(np.median(np.hypot(x, y)))
-    axes.plot(x, y, label="pushes", **style.DOTS)
+    axes.plot(x, y, label="pushes", **DOTS)
     around = half * np.stack([np.cos(orientation.CIRCLE), np.sin(orientation.CIRCLE)])
-    axes.plot(*around, label=f"half within {half:.2g} mm", **style.LINE)
-    style.cross(axes)
+    axes.plot(*around, label=f"half within {half:.2g} mm", **LINE)
+    cross(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="error of the place, x (mm)", ylabel="y (mm)")
 

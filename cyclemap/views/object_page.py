@@ -17,7 +17,7 @@ from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
 from cyclemap.mechanics.first_touch import first_contact
 from cyclemap.protocol.own_object import CheckedCollection
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.scene import (
     LATER,
     MM,
@@ -31,11 +31,16 @@ from cyclemap.views.panels.style import (
     FORCE,
     MEASURED_EDGE,
     PREDICTED,
+    arrow,
+    name_tag,
+    picture_style,
+    say,
+    square_window,
 )
 from cyclemap.views.sentences import angle, chance, uncertainty_sentence
 
 
-@style.picture_style()
+@picture_style()
 def object_page(checked: CheckedCollection) -> Figure:
     """Draw the set-up in the object's frame, one cycle in the world, and what the check found below
     them.
@@ -47,7 +52,7 @@ def object_page(checked: CheckedCollection) -> Figure:
     ]
     title = f"{'Collection' if loop is None else loop.slider.name}, to scale"
     size = (11.0, 6.4 + 0.2 * len(words))
-    figure, (setup, cycle) = style.page("ab", title, words, size=size, keys=3)
+    figure, (setup, cycle) = page("ab", title, words, size=size, keys=3)
     if loop is not None:
         draw_setup(setup, loop)
         _draw_cycle(cycle, loop)
@@ -60,21 +65,21 @@ def _draw_cycle(axes: Axes, loop: CollectionLoop) -> None:
         scene = loop.cycle(0.0).scene()
     except CycleMapError:
         axes.axis("off")
-        style.say(axes, "no cycle can be run")
+        say(axes, "no cycle can be run")
         return
     draw_object(axes, scene.push.before, label="before the push")
     draw_object(axes, scene.push.after, label="after it", **{**LATER, "edgecolor": PREDICTED})
     draw_object(axes, scene.drag.after, label="after the drag back", **{**LATER, "linestyle": "-"})
     draw_way(axes, scene.push.rod, color=FORCE, linewidth=1.6, label="way of the rod")
-    style.arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
+    arrow(axes, MM * scene.push.ring_after, np.zeros(2), MEASURED_EDGE)
     axes.plot([], [], color=MEASURED_EDGE, label="way of the ring")
     mark_target(axes)
     corners = [scene.push.before, scene.push.after, scene.drag.after, scene.push.rod]
-    style.square_window(axes, MM * np.vstack(corners))
+    square_window(axes, MM * np.vstack(corners))
     axes.set(xlabel="x (mm), world", ylabel="y (mm)")
     way = first_contact(loop.slider, loop.push, loop.pusher.radius)[1]
     towards = math.degrees(math.atan2(way[1], way[0]))
-    style.entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
+    entitle(axes, f"One cycle from orientation 0°, pushed towards {towards:.4g}°")
 
 
 _COLUMNS = 4
@@ -152,7 +157,7 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
     return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
 
 
-@style.picture_style()
+@picture_style()
 def plan_page(plan: PushPlan) -> Figure:
     """Draw each push in the room, to scale, with its number, how it is set up, and where it is
     likely to end.
@@ -162,8 +167,8 @@ def plan_page(plan: PushPlan) -> Figure:
     tall = _WIDTH * plan.room[1] / plan.room[0] + _BESIDE
     size = (_COLUMNS * (_WIDTH + _BESIDE), rows * tall + _WORDS)
     title, *words = plan_sentences(plan)
-    layout = style.rows_of(*(_COLUMNS,) * rows)
-    figure, panels = style.page(layout, title, words, _FOOT, size=size)
+    layout = rows_of(*(_COLUMNS,) * rows)
+    figure, panels = page(layout, title, words, _FOOT, size=size)
     for index, axes in enumerate(panels):
         if index < count:
             _draw_push(axes, plan, index)
@@ -180,14 +185,14 @@ def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
     draw_object(axes, placed(pose, outline))
     draw_object(axes, placed(np.array(plan.ends[index]), outline), **LATER)
     first, last = (MM * np.array(place) for place in planned.rod(slider, plan.loop.pusher.radius))
-    style.arrow(axes, first, last, FORCE)
+    arrow(axes, first, last, FORCE)
     axes.plot(*first, "o", color=FORCE, markersize=4)
     draw_ring(axes, placed(pose, np.array(slider.hitch)))
     marks = np.array(marks_of(slider))
     inside = 0.78 * marks + 0.22 * np.array(slider.outline.centroid)
     draw_way(axes, placed(pose, marks), ".", color=MEASURED_EDGE, markersize=6)
     for name, (x, y) in zip("ab", (MM * placed(pose, inside)).tolist(), strict=True):
-        style.name_tag(axes, x, y, name, color=MEASURED_EDGE)
+        name_tag(axes, x, y, name, color=MEASURED_EDGE)
     axes.set(xlim=(0.0, MM * plan.room[0]), ylim=(0.0, MM * plan.room[1]), aspect="equal")
     axes.tick_params(labelsize=6)
     slant = f", slanted {math.degrees(push.angle):+.0f}°" if push.angle else ""

@@ -15,9 +15,11 @@ from cyclemap.collection.portrait_curves import PortraitCurves
 from cyclemap.evidence import MeasuredStaircase
 from cyclemap.maps import StaircaseSummary, StepComparison, Steps
 from cyclemap.views import sentences
-from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.scene import cycle_key, draw_cycle
 from cyclemap.views.panels.staircase import draw_staircase, draw_step_lengths, draw_steps
+from cyclemap.views.panels.style import SECOND, picture_style
 from cyclemap.views.sentences import (
     LONGEST_STAY,
     ahead_sentence,
@@ -32,13 +34,13 @@ if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay
 
 
-@style.picture_style()
+@picture_style()
 def portrait_page(
     portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
 ) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
     told, foot = _words(portrait, measured)
-    figure, panels = style.page(
+    figure, panels = page(
         "abc;def",
         sentences.headline(portrait),
         told,
@@ -73,7 +75,7 @@ def portrait_page(
         f"Drag by the ring: turns {dragged}",
     )
     for axes, title in zip(panels, titles, strict=True):
-        style.entitle(axes, title)
+        entitle(axes, title)
     return figure
 
 
@@ -103,7 +105,7 @@ def _words(portrait: Portrait, measured: MeasuredOverlay | None) -> tuple[list[s
     return told, "\n".join(foot)
 
 
-@style.picture_style()
+@picture_style()
 def staircase_page(
     forecast: StaircaseForecast, measured: MeasuredStaircase | None = None
 ) -> Figure:
@@ -117,7 +119,7 @@ def staircase_page(
         f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path "
         "alone, without a model"
     )
-    figure, (runs, dwells, lengths) = style.page("ab;ac", f"Staircase of {name}", told, foot)
+    figure, (runs, dwells, lengths) = page("ab;ac", f"Staircase of {name}", told, foot)
     path, steps = forecast.run.theta, forecast.steps
     comparison: StepComparison | None = forecast.comparison
     if measured is None:
@@ -128,12 +130,12 @@ def staircase_page(
         if measured.foretold is not None:
             comparison = measured.foretold.comparison
             fitted = np.degrees(measured.foretold.run.theta)
-            runs.plot(fitted, label="map fitted to all data alike, without wear", **style.SECOND)
+            runs.plot(fitted, label="map fitted to all data alike, without wear", **SECOND)
     draw_steps(dwells, path, steps)
     draw_step_lengths(lengths, steps, comparison)
-    style.entitle(runs, "One run" if measured is None else "One run each")
-    style.entitle(dwells, f"Dwells, {'predicted' if measured is None else 'measured'}")
-    style.entitle(lengths, "Lengths")
+    entitle(runs, "One run" if measured is None else "One run each")
+    entitle(dwells, f"Dwells, {'predicted' if measured is None else 'measured'}")
+    entitle(lengths, "Lengths")
     return figure
 
 

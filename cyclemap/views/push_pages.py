@@ -18,30 +18,44 @@ from cyclemap.evidence.comparison.replay_table import ReplayedPushes
 from cyclemap.evidence.plausibility import MOST_RATIO
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.evidence.pushes.pose_streams import Segments
-from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import entitle, legend_above, page, rows_of
 from cyclemap.views.panels.orientation import CIRCLE, draw_outcome
 from cyclemap.views.panels.scene import MM, draw_way
-from cyclemap.views.panels.style import FORCE, INK, PREDICTED, PREDICTED_FILL
+from cyclemap.views.panels.style import (
+    EVEN,
+    FORCE,
+    FOURTH,
+    INK,
+    LINE,
+    MARKS,
+    OPEN,
+    PATH,
+    PREDICTED,
+    PREDICTED_FILL,
+    ZERO,
+    picture_style,
+)
 from cyclemap.views.sentences import angle, orientation_and_push
 
 # Samples drawn, and pushes shown: the first ones tell what was taken for what.
 _MOST_SAMPLES, _MOST_PUSHES = 4000, 12
 
 
-@style.picture_style()
+@picture_style()
 def stream_page(seen: Segments) -> Figure:
     """Draw place and orientation over time, pushes shaded, rests marked below, and what is unclear
     hatched.
     """
     foot = "shaded: pushes; bars: rests; hatched: neither a push nor a drag"
-    figure, (above, below) = style.page("a;b", seen.words, foot=foot, sharex=True)
+    figure, (above, below) = page("a;b", seen.words, foot=foot, sharex=True)
     pushes, unclear = seen.pushes[:_MOST_PUSHES], seen.unclear[:_MOST_PUSHES]
     ends = [int(seen.rests[end][1]) for _, end in (*pushes, *unclear)]
     last = max(ends, default=min(_MOST_SAMPLES, seen.t.size) - 1)
     every = slice(0, last + 1, max(1, (last + 1) // _MOST_SAMPLES))
-    for name, place, look in (("x (mm)", seen.x, style.LINE), ("y (mm)", seen.y, style.FOURTH)):
+    for name, place, look in (("x (mm)", seen.x, LINE), ("y (mm)", seen.y, FOURTH)):
         above.plot(seen.t[every], 1e3 * (place[every] - place[0]), label=name, **look)
-    below.plot(seen.t[every], np.degrees(seen.theta[every]), **style.LINE)
+    below.plot(seen.t[every], np.degrees(seen.theta[every]), **LINE)
     above.set_ylabel("place from the first (mm)")
     below.set(ylabel="orientation (°)", xlabel="time (s)")
     below.set_xlim(max(0.0, float(seen.t[0])), float(seen.t[last]))
@@ -54,7 +68,7 @@ def stream_page(seen: Segments) -> Figure:
             below.plot(
                 seen.t[[first, end]], [floor, floor], color=INK, linewidth=4, solid_capstyle="butt"
             )
-    style.legend_above(above)
+    legend_above(above)
     return figure
 
 
@@ -112,13 +126,13 @@ def probe_sentences(found: Probe) -> tuple[str, ...]:
     )
 
 
-@style.picture_style()
+@picture_style()
 def probe_page(found: Probe) -> Figure:
     """Draw each outcome over the orientation, with what the harmonics and the ellipse make of
     it."""
     answer, *words = probe_sentences(found)
     foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
-    figure, panels = style.page("abc", answer, words, foot, size=(12.0, 4.8))
+    figure, panels = page("abc", answer, words, foot, size=(12.0, 4.8))
     made = found.mimic.cycles(CIRCLE)
     mimicked = np.column_stack([made.push_displacement, made.push_turn])
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
@@ -127,8 +141,8 @@ def probe_page(found: Probe) -> Figure:
         draw_outcome(axes, found.theta, found.change[:, column], outcome, "probed")
         title, _, scale = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
-        axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **style.LINE)
-        style.entitle(axes, title)
+        axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)
+        entitle(axes, title)
     return figure
 
 
@@ -153,15 +167,15 @@ def replay_headline(replayed: ReplayedPushes) -> str:
     return f"{who} {ends} {1e3 * error:.1f} mm and {angle(turn_error)} off on average{also}."
 
 
-@style.picture_style()
+@picture_style()
 def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
     """Draw the replays of a collection on `material`; at least one replay is needed."""
     foot = (
         "quasi-static prediction along the recorded tip; poses at the recorded times; a dot a "
         "push, a bar a mean"
     )
-    layout, words = style.rows_of(4, len(_SHARES)), [replay_headline(replayed)]
-    figure, panels = style.page(layout, f"Replayed on {material}", words, foot, keys=2)
+    layout, words = rows_of(4, len(_SHARES)), [replay_headline(replayed)]
+    figure, panels = page(layout, f"Replayed on {material}", words, foot, keys=2)
     places, distances, turns, angles, *courses = panels
     _draw_whole(places, distances, replayed, "motion")
     _draw_whole(turns, angles, replayed, "turn")
@@ -172,7 +186,7 @@ def replay_page(replayed: ReplayedPushes, material: str) -> Figure:
         facts = replayed.table.iloc[row]
         speed = "" if math.isnan(facts["speed"]) else f", {1e3 * facts['speed']:.0f} mm/s"
         off = f"{1e3 * facts['error']:.1f} mm, {angle(abs(facts['turn_error']))}"
-        style.entitle(axes, f"{facts['object']}{speed}: off {off}")
+        entitle(axes, f"{facts['object']}{speed}: off {off}")
     return figure
 
 
@@ -181,8 +195,8 @@ def _draw_course(axes: Axes, replay: Replay) -> None:
     its ways.
     """
     before = placed(replay.measured[0], replay.outline)
-    draw_way(axes, before, label="before", **style.EVEN)
-    ways = (("measured", replay.measured, style.PATH), ("predicted", replay.predicted, style.LINE))
+    draw_way(axes, before, label="before", **EVEN)
+    ways = (("measured", replay.measured, PATH), ("predicted", replay.predicted, LINE))
     for name, poses, look in ways:
         draw_way(axes, placed(poses[-1], replay.outline), label=name, **look)
         draw_way(axes, poses[:, :2], **look)
@@ -208,21 +222,21 @@ def _draw_whole(errors: Axes, motions: Axes, replayed: ReplayedPushes, name: str
     column, title, other, factor, unit = _WHOLE[name]
     off = factor * table[column].abs().to_numpy()
     both = factor * table[[f"measured_{name}", f"predicted_{name}"]].to_numpy()
-    motions.axline((0.0, 0.0), slope=1.0, **style.ZERO)
+    motions.axline((0.0, 0.0), slope=1.0, **ZERO)
     for place, kind in enumerate(kinds):
         chosen = (table["object"] == kind).to_numpy()
         error = off[chosen]
         spread = place + 0.5 * (np.arange(error.size) + 0.5) / error.size - 0.25
         marker = _MARKERS[place % len(_MARKERS)]
-        errors.plot(spread, error, marker, **style.MARKS)
+        errors.plot(spread, error, marker, **MARKS)
         errors.hlines(
             error.mean(), place - 0.36, place + 0.36, color=PREDICTED, linewidth=2.5, zorder=4
         )
-        look = {**style.OPEN, "markeredgecolor": PREDICTED, "markersize": 4.0}
+        look = {**OPEN, "markeredgecolor": PREDICTED, "markersize": 4.0}
         motions.plot(*both[chosen].T, marker, **look)
     errors.set_xticks(range(len(kinds)), kinds, rotation=30 if len(kinds) > 3 else 0)
     errors.set(xlim=(-0.6, len(kinds) - 0.4), ylim=(0.0, 1.08 * max(float(off.max()), 1e-12)))
     errors.set_ylabel(f"{'turn ' * (name == 'turn')}error ({unit})")
-    style.entitle(errors, f"{title}, off at the end")
+    entitle(errors, f"{title}, off at the end")
     motions.set(xlabel=f"measured {name} ({unit})", ylabel=f"predicted {name} ({unit})")
-    style.entitle(motions, other)
+    entitle(motions, other)

@@ -22,7 +22,7 @@ from cyclemap.protocol.settings import loop_from_settings
 from cyclemap.sweeps.point_sets import KEY_UNITS, MATERIAL_KEY, SWEPT, SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_results import Sweep
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import Panel, draw_panels, page, rows_of
 from cyclemap.views.panels.rotation import (
     cell_edges,
     draw_rotation_numbers,
@@ -32,7 +32,19 @@ from cyclemap.views.panels.rotation import (
     scale_beside,
 )
 from cyclemap.views.panels.scene import MM
-from cyclemap.views.panels.style import INK, PREDICTED, QUIET, Look
+from cyclemap.views.panels.style import (
+    INK,
+    OPEN,
+    PREDICTED,
+    QUIET,
+    Look,
+    name_tag,
+    orbit_marker,
+    picture_style,
+    say,
+    show_window,
+    whole_turn_ticks,
+)
 
 MOST_PANELS = 2
 RING_KEYS = ("hitch_x_mm", "hitch_y_mm")
@@ -55,7 +67,7 @@ _MOST_REASONS = 3
 _LONGEST_REASON = 160
 
 
-@style.picture_style()
+@picture_style()
 def sweep_page(sweep: Sweep, names: tuple[str, ...] = ()) -> Figure:
     """Draw a sweep over one key or two: some quantities, at most two panels side by side.
 
@@ -66,15 +78,15 @@ def sweep_page(sweep: Sweep, names: tuple[str, ...] = ()) -> Figure:
     """
     panels = swept_panels(sweep, names)[:MOST_PANELS]
     words, foot = sweep_sentences(sweep), settings_line(sweep)
-    figure, placed = style.page(style.rows_of(len(panels)), sweep_headline(sweep), words, foot)
-    style.draw_panels(placed, panels)
+    figure, placed = page(rows_of(len(panels)), sweep_headline(sweep), words, foot)
+    draw_panels(placed, panels)
     if tuple(axis.key for axis in sweep.axes) == RING_KEYS:
         for axes in placed:
             _draw_object(axes, sweep)
     return figure
 
 
-def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[style.Panel]:
+def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[Panel]:
     """The panels of a sweep; where fixed points are known they come first."""
     if not len(sweep):
         raise InvalidInput("no point of this sweep is stored: there is nothing to draw")
@@ -85,7 +97,7 @@ def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[style.Panel]
             "them"
         )
     draw = draw_swept_plane if sweep.axes else draw_swept_scatter
-    panels: list[style.Panel] = []
+    panels: list[Panel] = []
     if len(keys) == 1:
         draw, sweep = draw_swept_line, in_order(sweep)
         if "fixed_point_theta" in sweep.lists:
@@ -120,11 +132,11 @@ def _draw_object(axes: Axes, sweep: Sweep) -> None:
     axes.plot(*outline.T, color=INK, linewidth=1.6, clip_on=False, zorder=5)
     if slider.name in MIT_SHAPE_NAMES:
         x, y = MM * MIT_HITCH[0], MM * MIT_HITCH[1]
-        axes.plot(x, y, "*", markersize=11, zorder=6, **style.OPEN)
-        style.name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
+        axes.plot(x, y, "*", markersize=11, zorder=6, **OPEN)
+        name_tag(axes, x, y, "MIT's ring", xytext=(0, -11), textcoords="offset points")
     low, high = np.array([axes.get_xlim(), axes.get_ylim()]).T
     ends = outline.min(axis=0) - 3.0, outline.max(axis=0) + 3.0
-    style.show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
+    show_window(axes, np.minimum(low, ends[0]), np.maximum(high, ends[1]))
     axes.set_aspect("equal")
 
 
@@ -244,16 +256,16 @@ def draw_fixed_points(axes: Axes, sweep: Sweep) -> None:
     """The bifurcation diagram: directions of fixed points over the key, filled where stable."""
     (axis,), (places,) = sweep.axes, sweep.places()
     axes.set(xlabel=key_label(axis.key), ylabel="θ of the fixed points (°)")
-    style.whole_turn_ticks(axes)
+    whole_turn_ticks(axes)
     points = sweep.lists["fixed_point_theta"]
     at = np.repeat(axis.positions[places], [theta.size for theta in points])
     theta = np.degrees(np.concatenate(points))
     stable = np.concatenate(sweep.lists["fixed_point_stable"]) == 1.0
     if not at.size:
-        style.say(axes, "no fixed point")
+        say(axes, "no fixed point")
     size = float(np.clip(300.0 / len(sweep), 2.0, 6.0))
     for kind, chosen in (("stable", stable), ("unstable", ~stable)):
-        look = {**style.orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
+        look = {**orbit_marker(kind), "markersize": size, "markeredgewidth": 0.9}
         axes.plot(at[chosen], theta[chosen], label=kind if chosen.any() else None, **look)
     _finish_line_axis(axes, sweep)
 

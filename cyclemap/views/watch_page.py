@@ -14,18 +14,35 @@ from cyclemap.arrays import TWO_PI
 from cyclemap.evidence import angle_histogram
 from cyclemap.resets import Alarm, BiasMonitor, BiasReport, CoverageState, CycleAction, NextAction
 from cyclemap.resets.audit import Audit, ResetEffect
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle, page
 from cyclemap.views.panels.orientation import CIRCLE
-from cyclemap.views.panels.style import FORCE, INK, MEASURED_EDGE, PREDICTED
+from cyclemap.views.panels.style import (
+    BARS,
+    DOTS,
+    EVEN,
+    FORCE,
+    INK,
+    LINE,
+    MEASURED_EDGE,
+    PREDICTED,
+    SECOND,
+    THETA0,
+    THIRD,
+    Look,
+    count_axis,
+    picture_style,
+    say,
+    whole_turn_ticks,
+)
 from cyclemap.views.reset_page import action_words
 from cyclemap.views.sentences import angle
 
 _DECADES = (0, 1, 2, 3, 10, 30, 100, 300, 1000)
 # The panels of a course: the third is round.
-_COURSE: style.Look = {"polar": "c", "width_ratios": (1.9, 1.0)}
+_COURSE: Look = {"polar": "c", "width_ratios": (1.9, 1.0)}
 
 
-@style.picture_style()
+@picture_style()
 def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -> Figure:
     """Draw the course of a watched collection, its monitor's report after each push; ``name`` : of
     its file.
@@ -34,14 +51,14 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     title = f"{name}: {'no sign of locking in' if last.alarm is None else 'locks in'}"
     foot = "chance of an alarm, however long the collection, where no orientation lingers:"
     foot = f"{foot} {monitor.alarm_rate:g} at most"
-    figure, panels = style.page("ac;bd", title, watch_sentences(last), foot, **_COURSE)
+    figure, panels = page("ac;bd", title, watch_sentences(last), foot, **_COURSE)
     axes = draw_course(panels, monitor.path, reports)
     rest = [report.rest_evidence for report in reports]
     visits = [report.visit_evidence for report in reports]
-    axes.plot(rest, label="of a rest", **style.LINE)
-    axes.plot(visits, label="of visits gathering", **style.THIRD)
+    axes.plot(rest, label="of a rest", **LINE)
+    axes.plot(visits, label="of visits gathering", **THIRD)
     label = f"alarm, rate {monitor.alarm_rate:g}"
-    axes.axhline(last.threshold, label=label, **style.SECOND)
+    axes.axhline(last.threshold, label=label, **SECOND)
     if last.alarm is not None:
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6)
     # Powers of ten: even steps up to the third, then narrower ones, for evidence may pass any
@@ -53,8 +70,8 @@ def watch_page(monitor: BiasMonitor, reports: Sequence[BiasReport], name: str) -
     axes.yaxis.set_major_locator(FixedLocator(powers))
     axes.yaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_major_formatter(FuncFormatter(lambda power, _: f"$10^{{{power:.0f}}}$"))
-    style.count_axis(axes, "push", len(reports))
-    style.entitle(axes, "Evidence")
+    count_axis(axes, "push", len(reports))
+    entitle(axes, "Evidence")
     return figure
 
 
@@ -78,14 +95,14 @@ def draw_path(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     axes.plot(np.degrees(theta) % 360.0, ".", color=MEASURED_EDGE, markersize=size, zorder=2)
     if last.alarm is not None:
         for direction in last.alarm.directions:
-            axes.axhline(np.degrees(direction), **{**style.THIRD, "linewidth": 1.0, "zorder": 1})
+            axes.axhline(np.degrees(direction), **{**THIRD, "linewidth": 1.0, "zorder": 1})
         towards = directions(last.alarm.directions)
         label = f"alarm at push {last.alarm.push}, towards {towards}"
         axes.axvline(last.alarm.push, color=FORCE, linewidth=1.6, label=label, zorder=3)
-    axes.set_ylabel(style.THETA0)
-    style.whole_turn_ticks(axes)
-    style.count_axis(axes, "push", len(theta))
-    style.entitle(axes, "Orientations")
+    axes.set_ylabel(THETA0)
+    whole_turn_ticks(axes)
+    count_axis(axes, "push", len(theta))
+    entitle(axes, "Orientations")
 
 
 def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
@@ -94,8 +111,8 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
     """
     histogram, aim = angle_histogram(np.mod(theta, TWO_PI), 36), last.advice.direction
     radii = np.sqrt(histogram.density * TWO_PI)
-    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **style.BARS)
-    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **style.EVEN)
+    axes.bar(histogram.edges[:-1], radii, np.diff(histogram.edges), align="edge", **BARS)
+    axes.plot(CIRCLE, np.ones_like(CIRCLE), label="spread evenly", **EVEN)
     top = 1.12 * max(float(radii.max()), 1.2)
     axes.plot(
         [aim],
@@ -115,12 +132,12 @@ def draw_rose(axes: Axes, theta: Sequence[float], last: BiasReport) -> None:
 def draw_worth(axes: Axes, effective: Sequence[float]) -> None:
     """Draw what the pushes recorded so far are worth, after each."""
     pushes = len(effective)
-    axes.plot([0, pushes], [0, pushes], label="spread evenly", **style.EVEN)
+    axes.plot([0, pushes], [0, pushes], label="spread evenly", **EVEN)
     axes.plot(np.arange(1, pushes + 1), effective, color=INK, linewidth=1.8, label="recorded")
     axes.set_ylabel("worth, in pushes spread evenly")
     axes.set_ylim(bottom=0.0)
-    style.count_axis(axes, "pushes recorded", pushes)
-    style.entitle(axes, "What the pushes are worth")
+    count_axis(axes, "pushes recorded", pushes)
+    entitle(axes, "What the pushes are worth")
 
 
 def watch_sentences(report: BiasReport) -> tuple[str, ...]:
@@ -297,21 +314,21 @@ def _undone(found: Audit) -> str:
     )
 
 
-@style.picture_style()
+@picture_style()
 def audit_page(found: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
     push's.
     """
     title, words = audit_headline(found), [audit_paragraph(found)]
-    figure, panels = style.page("ac;bd", title, words, **_COURSE)
+    figure, panels = page("ac;bd", title, words, **_COURSE)
     reset = draw_course(panels, found.theta, found.reports)
     if found.reset is None:
         reset.axis("off")
-        style.say(reset, "no poses after pushes: what the reset did is unknown")
+        say(reset, "no poses after pushes: what the reset did is unknown")
         return figure
     push, back = np.degrees([found.reset.push_turn, found.reset.reset_turn])
-    reset.plot(push, back, label="measured", **style.DOTS)
-    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **style.SECOND)
+    reset.plot(push, back, label="measured", **DOTS)
+    reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **SECOND)
     reset.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")
-    style.entitle(reset, "What the reset did")
+    entitle(reset, "What the reset did")
     return figure

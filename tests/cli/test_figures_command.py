@@ -15,7 +15,7 @@ from cyclemap.cli import run_figures as command
 from cyclemap.cli.main import run
 from cyclemap.errors import ConvergenceError
 from cyclemap.figures.catalogue import CATALOGUE, NO_DATA, Exhibit, Frame, entries
-from cyclemap.views.panels.style import new_figure
+from cyclemap.views.panels.layout import new_figure
 
 KEYS = ["name", "title", "source", "caption", "file", "measured"]
 

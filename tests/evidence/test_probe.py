@@ -16,7 +16,7 @@ from cyclemap.evidence.push_plan.plan_pushes import Design
 from cyclemap.evidence.push_plan.sensitivity import Target
 from cyclemap.mechanics import EllipseFriction, Material, Pose
 from cyclemap.mechanics.first_touch import first_contact
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.push_pages import probe_page, probe_sentences
 
 ISOTROPIC = CollectionLoop.mit("isotropic", accuracy=1e-5)

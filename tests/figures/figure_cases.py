@@ -17,7 +17,7 @@ from cyclemap.evidence import RecordingNoise, simulate_collection
 from cyclemap.figures.catalogue import MeasuredFolder, load_exhibit
 from cyclemap.figures.simulated_collections import Sampling
 from cyclemap.mechanics import SidePush
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 
 # Of every run of these tests, so that one computation serves them all.
 SMALL = Sampling(pushes=300, states=2, tolerance=1e-3)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from cyclemap import maps
 from cyclemap.maps import ARNOLD_FAMILY, MOEBIUS_FAMILY, CircleMap, WrappedNormal
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import new_figure, render
 from cyclemap.views.panels.orbits import (
     draw_basins,
     draw_density,
@@ -25,6 +25,7 @@ from cyclemap.views.panels.rotation import (
     draw_rotation_plane,
     draw_tongues,
 )
+from cyclemap.views.panels.style import picture_style
 from cyclemap.views.portrait_page import draw_step_lengths, draw_steps
 
 WELLS = CircleMap(
@@ -56,11 +57,11 @@ def sine(K):
 
 def drawn(draw, *values) -> Axes:
     """A panel that is drawn and comes out; a legend stands above it, where it covers nothing."""
-    with style.picture_style():
-        figure = style.new_figure(6.0, 4.0)
+    with picture_style():
+        figure = new_figure(6.0, 4.0)
     axes = figure.add_subplot()
     draw(axes, *values)
-    assert style.render(figure, "png", 60).startswith(b"\x89PNG")
+    assert render(figure, "png", 60).startswith(b"\x89PNG")
     renderer, legend = figure.canvas.get_renderer(), axes.get_legend()
     assert (
         legend is None

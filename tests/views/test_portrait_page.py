@@ -18,7 +18,7 @@ from cyclemap.maps import CircleMap, Estimate, WrappedNormal, transfer_operator
 from cyclemap.mechanics import load_material
 from cyclemap.views import sentences
 from cyclemap.views.panels import style
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 
 CASES = [("locked", False), ("locked", True), ("rotating", True), ("jumping", False)]
 

@@ -16,7 +16,7 @@ from cyclemap.resets import (
     gripper_turns,
     legs,
 )
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.reset_page import (
     design_sentences,
     histogram_words,

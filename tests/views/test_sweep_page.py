@@ -13,8 +13,8 @@ from cyclemap.sweeps import (
     load_sweep,
     run_sweep,
 )
+from cyclemap.views.panels.layout import render
 from cyclemap.views.panels.rotation import cell_edges
-from cyclemap.views.panels.style import render
 from cyclemap.views.sweep_page import (
     rotation_plane,
     sweep_page,

@@ -31,7 +31,7 @@ from cyclemap.mechanics.browser_tables import browser_tables, wasm_engine
 from cyclemap.protocol.collection_file import collection_tables, plain_numbers
 from cyclemap.protocol.setting_table import SHAPES, SHARES
 from cyclemap.views.explorer.answers import measured, of_portrait, slider_controls, slider_values
-from cyclemap.views.panels.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.portrait_page import portrait_page
 
 _PACKAGES = ("cyclemap", "numpy", "scipy", "casadi")

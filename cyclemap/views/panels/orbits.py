@@ -19,25 +19,34 @@ from cyclemap.maps import (
     OrbitDiagram,
     TransferOperator,
 )
-from cyclemap.views.panels import orientation, style
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import legend_above
 from cyclemap.views.panels.rotation import cell_edges, draw_shades, runs
 from cyclemap.views.panels.style import (
     INK,
+    LINE,
     MEASURED,
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    SECOND,
     THETA,
     UNSTABLE,
     Look,
+    degree_axis,
+    orbit_marker,
+    say,
+    small,
+    stability,
+    whole_turn_ticks,
 )
 
 HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
 TOLD_SHARE = 1e-6
 Curve = tuple[Array, Array]
-STABLE: Look = {**style.LINE, "label": "stable"}
-LOST: Look = {**style.SECOND, "color": QUIET, "label": "unstable"}
+STABLE: Look = {**LINE, "label": "stable"}
+LOST: Look = {**SECOND, "color": QUIET, "label": "unstable"}
 BASIN: Look = {
     "facecolor": PREDICTED_FILL,
     "linewidth": 0,
@@ -95,12 +104,12 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
         for theta_deg, image_deg in cut_at_turns(np.degrees(theta), theta + turn):
             axes.plot(theta_deg, image_deg, color=PREDICTED, linewidth=1.8, zorder=3)
     for orbit in orbits:
-        points_deg, kind = np.degrees(orbit.points), style.stability(orbit)
-        axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **style.orbit_marker(kind))
-    style.degree_axis(axes, THETA)
-    style.whole_turn_ticks(axes)
+        points_deg, kind = np.degrees(orbit.points), stability(orbit)
+        axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **orbit_marker(kind))
+    degree_axis(axes, THETA)
+    whole_turn_ticks(axes)
     axes.set(ylabel="next θ (°)", aspect="equal")
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
@@ -145,13 +154,13 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     """
     theta = np.linspace(0.0, TWO_PI, 1441)
     bound = (
-        f"± {style.small(np.radians(operator.error_bound))}"
+        f"± {small(np.radians(operator.error_bound))}"
         if operator.is_certain
         else "shares of its parts unknown"
     )
     orientation.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
     axes.set_xlabel(THETA)
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
@@ -175,11 +184,11 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     >>> axes.has_data()
     True
     """
-    style.degree_axis(axes, THETA)
+    degree_axis(axes, THETA)
     axes.set_yticks([])
     axes.set_ylim(max(len(basins), 1) - 0.6, -0.5)
     if not basins:
-        style.say(axes, "no stable orbit")
+        say(axes, "no stable orbit")
         return
     for row, basin in enumerate(basins):
         height, orbit = (row - HALF_ROW, 2 * HALF_ROW), basin.orbit
@@ -190,12 +199,12 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
             "the circle"
         )
         axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
-        level, marker = np.full(orbit.points.size, row), style.orbit_marker("stable")
+        level, marker = np.full(orbit.points.size, row), orbit_marker("stable")
         axes.plot(np.degrees(orbit.points), level, label="stable orbit", **marker)
     undecided = basins[0].undecided
     share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
     axes.plot([], [], label=f"undecided: {share}", linestyle="none")
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def _bars(arcs: Array) -> list[tuple[float, float]]:
@@ -258,9 +267,9 @@ def draw_orbit_branches(
     'K'
     """
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    style.whole_turn_ticks(axes)
+    whole_turn_ticks(axes)
     if not branches:
-        style.say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
     curves = [curve for branch in branches for curve in branch_curves(branch)]
     for stable, (parameter, theta_deg) in sorted(curves, key=lambda curve: not curve[0]):
         axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
@@ -269,7 +278,7 @@ def draw_orbit_branches(
         marker = {**BIFURCATION, **MARKERS[found.kind], "label": found.kind}
         axes.plot(parameter, np.degrees(found.points), **marker)
     axes.margins(x=0.02)
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def draw_orbit_diagram(
@@ -302,7 +311,7 @@ def draw_orbit_diagram(
         parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True
     )
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    style.whole_turn_ticks(axes)
+    whole_turn_ticks(axes)
     axes.margins(x=0.0)
 
 

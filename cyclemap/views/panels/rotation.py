@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.maps import BifurcationCurve, RotationNumbers, RotationPlane, TongueBoundaries
+from cyclemap.views.panels.layout import legend_above
 from cyclemap.views.panels.style import (
     INK,
     MEASURED,
@@ -24,7 +25,6 @@ from cyclemap.views.panels.style import (
     PREDICTED_FILL,
     UNSTABLE,
     Look,
-    legend_above,
     name_beside_path,
     name_tag,
     show_window,

@@ -13,7 +13,7 @@ from cyclemap.arrays import Array
 from cyclemap.collection.cycle_scene import CycleScene, StrokeScene
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics.first_touch import first_contact
-from cyclemap.views.panels import style
+from cyclemap.views.panels.layout import entitle
 from cyclemap.views.panels.style import (
     FORCE,
     INK,
@@ -22,6 +22,11 @@ from cyclemap.views.panels.style import (
     PREDICTED_FILL,
     QUIET,
     Look,
+    arrow,
+    cross,
+    name_tag,
+    show_window,
+    square_window,
 )
 
 MM = 1000.0
@@ -66,16 +71,16 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     draw_object(axes, outline)
     for way, name in ((np.array([1.0, 0.0]), "x"), (np.array([0.0, 1.0]), "y")):
         tip = 0.3 * MM * reach * way
-        style.arrow(axes, np.zeros(2), tip, QUIET)
-        style.name_tag(axes, 1.25 * tip[0], 1.25 * tip[1], name, color=QUIET)
+        arrow(axes, np.zeros(2), tip, QUIET)
+        name_tag(axes, 1.25 * tip[0], 1.25 * tip[1], name, color=QUIET)
     centre = MM * np.array(loop.slider.centre_of_mass)
-    style.cross(axes, centre, INK, label="centre of mass")
+    cross(axes, centre, INK, label="centre of mass")
     number_sides(axes, MM * outline, 0.1)
     rod, way = first_contact(loop.slider, loop.push, loop.pusher.radius)
     end = rod + loop.push.distance * way
     draw_rod(axes, rod, loop.pusher.radius)
     axes.plot([], [], "o", color=INK, label=f"rod, radius {MM * loop.pusher.radius:.3g} mm")
-    style.arrow(axes, MM * rod, MM * end, FORCE)
+    arrow(axes, MM * rod, MM * end, FORCE)
     length = f"{MM * loop.push.distance:.4g} mm"
     axes.plot([], [], color=FORCE, label=f"push, {length} at side {loop.push.side}")
     ring = np.array(loop.slider.hitch)
@@ -92,16 +97,16 @@ def draw_setup(axes: Axes, loop: CollectionLoop) -> None:
     )
     middle = np.array(loop.slider.outline.centroid)
     corners = [outline, rod, end, middle + 1.25 * reach, middle - 1.25 * reach]
-    style.square_window(axes, MM * np.vstack(corners))
+    square_window(axes, MM * np.vstack(corners))
     axes.set(xlabel="x (mm), object's frame", ylabel="y (mm)")
-    style.entitle(axes, "Set-up")
+    entitle(axes, "Set-up")
 
 
 def number_sides(axes: Axes, outline: Array, out: float, **look: Any) -> None:
     """Write the number of each side of a closed outline (m, 2), `out` of half its size off it."""
     middle, reach = outline[:-1].mean(axis=0), 0.5 * float(np.ptp(outline, axis=0).max())
     if len(outline) - 1 > _MOST_NUMBERS:
-        style.name_tag(axes, middle[0], middle[1] - 0.5 * reach, "one curve: side 0")
+        name_tag(axes, middle[0], middle[1] - 0.5 * reach, "one curve: side 0")
         return
     edge = np.diff(outline, axis=0)
     outward = np.stack([edge[:, 1], -edge[:, 0]], axis=-1) / np.hypot(*edge.T)[:, None]
@@ -125,7 +130,7 @@ def draw_cycle(push_axes: Axes, drag_axes: Axes, scene: CycleScene) -> None:
         _draw_stroke(axes, stroke)
         tips = MM * stroke.force_point + mm_per_newton * stroke.force
         for point, tip in zip(MM * stroke.force_point, tips, strict=True):
-            style.arrow(axes, point, tip, FORCE, 1.4, 7)
+            arrow(axes, point, tip, FORCE, 1.4, 7)
         _show(axes, low, high)
 
 
@@ -136,8 +141,8 @@ def _draw_stroke(axes: Axes, stroke: StrokeScene) -> None:
     draw_object(axes, stroke.before, **{**LATER, "facecolor": "#f4f4f4", "zorder": 1})
     draw_object(axes, stroke.after, alpha=0.75)
     draw_way(axes, stroke.centre, color=QUIET, linewidth=0.9, zorder=3)
-    style.cross(axes, MM * stroke.centre[0])
-    style.cross(axes, MM * stroke.centre[-1], PREDICTED)
+    cross(axes, MM * stroke.centre[0])
+    cross(axes, MM * stroke.centre[-1], PREDICTED)
     draw_ring(axes, stroke.ring_before, edgecolor=QUIET, linestyle="--")
     draw_ring(axes, stroke.ring_after, edgecolor=PREDICTED)
     draw_way(axes, stroke.rod, color=INK, linewidth=1.0, linestyle=":", zorder=5)
@@ -155,7 +160,7 @@ def _show(axes: Axes, low: Array, high: Array) -> None:
     size = np.array([panel.width, panel.height])
     margin = 0.5 * (float(((high - low) / size).max()) * size - (high - low))
     low, high = low - margin, high + margin
-    style.show_window(axes, low, high)
+    show_window(axes, low, high)
     axes.set(aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
     axes.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
     axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
