@@ -4,8 +4,10 @@ inertia changes against the quasi-static model.
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
@@ -28,7 +30,7 @@ from cyclemap.views.experiment_page import (
     named_runs,
     spread_sentence,
 )
-from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.layout import Panel, entitle, page, picture
 from cyclemap.views.panels.style import (
     FOURTH,
     LINE,
@@ -53,8 +55,10 @@ def draw_experiment(experiment: BatchExperiment) -> Figure:
     """Draw the paths in the robot's frame above, in the object's frame below."""
     figure, panels = page("ab;cd", size=(7.5, 7.5))
     for column, (run, name) in enumerate(named_runs(experiment)):
-        draw_paths(panels[column], run, f"{name}, robot's frame")
-        draw_paths(panels[2 + column], run, f"{name}, object's frame", in_object=True)
+        draw_paths(panels[column], run)
+        entitle(panels[column], f"{name}, robot's frame")
+        draw_paths(panels[2 + column], run, in_object=True)
+        entitle(panels[2 + column], f"{name}, object's frame")
     for row in (panels[:2], panels[2:]):
         corners = np.vstack([axes.dataLim.get_points() for axes in row])
         for axes in row:
@@ -132,24 +136,28 @@ def inertia_study(
     )
 
 
-@picture_style()
 def draw_inertia(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
+    both = study.material, study.isotropic
+    panels: list[Panel] = [
+        ("Difference of the turns", partial(draw_turn_differences, both=both)),
+        ("Difference of the displacement", partial(draw_place_differences, both=both)),
+        ("Its fall with the speed", partial(_draw_fall, study=study)),
+    ]
     foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
-    figure, (turns, places, fall) = page("abc", foot=foot, size=(11.0, 4.5), keys=2)
-    draw_turn_differences(turns, study.material, study.isotropic)
-    draw_place_differences(places, study.material, study.isotropic)
+    return picture("abc", panels, foot=foot, size=(11.0, 4.5), keys=2)
+
+
+def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
     speeds = 1e3 * study.speeds
     looks = (("plywood", "o", LINE), ("isotropic", "s", THIRD))
     for values, (name, marker, look) in zip(np.degrees(study.differences), looks, strict=True):
-        fall.plot(speeds, values, marker=marker, label=name, **look)
+        axes.plot(speeds, values, marker=marker, label=name, **look)
     guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-    fall.plot(speeds, 0.5 * guide, label="speed squared", **FOURTH)
-    fall.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
-    fall.set(xscale="log", yscale="log")
-    plain_ticks(fall.xaxis, speeds.tolist())
-    entitle(fall, "Its fall with the speed")
-    return figure
+    axes.plot(speeds, 0.5 * guide, label="speed squared", **FOURTH)
+    axes.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
+    axes.set(xscale="log", yscale="log")
+    plain_ticks(axes.xaxis, speeds.tolist())
 
 
 def inertia_caption(study: InertiaStudy) -> str:

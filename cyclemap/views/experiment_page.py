@@ -3,6 +3,7 @@ beside quasi-static cycles; in sentences, and a page each.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +13,7 @@ from matplotlib.ticker import MultipleLocator
 from cyclemap.arrays import Array
 from cyclemap.collection.batch_experiment import WITHIN, BatchExperiment, BatchRun
 from cyclemap.collection.dynamic_loop import DynamicsComparison
-from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.layout import Panel, picture
 from cyclemap.views.panels.scene import draw_way
 from cyclemap.views.panels.style import (
     FORCE,
@@ -24,15 +25,15 @@ from cyclemap.views.panels.style import (
     Look,
     count_axis,
     degree_axis,
-    picture_style,
     unwrapped_axis,
 )
 from cyclemap.views.sentences import angle
 
 _MARKERS = "os^vDP*X"
+# On a material, and on its isotropic twin.
+Twins = tuple[DynamicsComparison, DynamicsComparison]
 
 
-@picture_style()
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
     told = (
@@ -44,14 +45,15 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
         f"{method_line(experiment)}; thin: path of the centre in a push, thick: the last push "
         "of each batch"
     )
-    title = f"Batches of cycles on {experiment.loop.material.name}"
-    figure, placed = page("abc;def", title, told, foot, keys=2)
-    panels = iter(placed)
+    panels: list[Panel] = []
     for run, name in named_runs(experiment):
-        draw_paths(next(panels), run, f"{name}: robot's frame")
-        draw_paths(next(panels), run, f"{name}: object's frame", in_object=True)
-        draw_course(next(panels), run, f"{name}: θ0 over the cycles")
-    return figure
+        panels += [
+            (f"{name}: robot's frame", partial(draw_paths, run=run)),
+            (f"{name}: object's frame", partial(draw_paths, run=run, in_object=True)),
+            (f"{name}: θ0 over the cycles", partial(draw_course, run=run)),
+        ]
+    title = f"Batches of cycles on {experiment.loop.material.name}"
+    return picture("abc;def", panels, title=title, words=told, foot=foot, keys=2)
 
 
 def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
@@ -59,7 +61,7 @@ def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
     return (experiment.anisotropic, "Anisotropic"), (experiment.isotropic, "Isotropic")
 
 
-def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -> None:
+def draw_paths(axes: Axes, run: BatchRun, in_object: bool = False) -> None:
     """Paths of the centre, each batch's last one thick: about the reset's target, or seen from the
     object.
     """
@@ -80,10 +82,9 @@ def draw_paths(axes: Axes, run: BatchRun, title: str, in_object: bool = False) -
         )
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x{where} (mm)", ylabel=f"y{where} (mm)")
-    entitle(axes, title)
 
 
-def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
+def draw_course(axes: Axes, run: BatchRun) -> None:
     """θ0 over the cycles, unwrapped, a marker a batch."""
     cycles = run.theta.shape[1] - 1
     for index, theta in enumerate(run.theta):
@@ -97,7 +98,6 @@ def draw_course(axes: Axes, run: BatchRun, title: str) -> None:
     if span > 300.0:
         axes.yaxis.set_major_locator(MultipleLocator(60.0 * max(1, round(span / 420.0))))
     unwrapped_axis(axes, "θ0, unwrapped")
-    entitle(axes, title)
 
 
 def experiment_headline(experiment: BatchExperiment) -> str:
@@ -198,26 +198,37 @@ _TURNS = (
 _PLACES = ((0, "dx", PREDICTED, "o"), (1, "dy", FORCE, "s"))
 
 
-@picture_style()
 def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -> Figure:
     """Draw the comparison on a material and on its isotropic twin, from the same orientations."""
     name, speed = material.loop.loop.material.name, 1e3 * material.loop.speed
-    title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-    told = [difference_sentence(comparison) for comparison in (material, isotropic)]
+    both = material, isotropic
     foot = (
         "solid, filled: the material; dashed, open: isotropic friction of the same mean "
         "coefficient; both models stand on the same support points"
     )
-    figure, (turns, differences, places) = page("abc", title, told, foot, keys=2)
-    for comparison, law, face in ((material, "material", PREDICTED), (isotropic, "isotropic", "w")):
+    panels: list[Panel] = [
+        ("Turn of push and drag", partial(draw_both_turns, both=both)),
+        ("Difference of the turns", partial(draw_turn_differences, both=both)),
+        ("Difference of the displacement", partial(draw_place_differences, both=both)),
+    ]
+    title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
+    told = map(difference_sentence, both)
+    return picture("abc", panels, title=title, words=told, foot=foot, keys=2)
+
+
+def draw_both_turns(axes: Axes, both: Twins) -> None:
+    """Turns of a cycle over θ0 by both models."""
+    for comparison, law, face in zip(
+        both, ("material", "isotropic"), (PREDICTED, "w"), strict=True
+    ):
         theta = np.degrees(comparison.dynamic.theta)
         still = np.degrees(comparison.quasi_static.theta_next) - theta
         line = SECOND if law == "isotropic" else LINE
         # A curve through one orientation needs a marker, over the dot, to be seen.
         marker = "x" if theta.size == 1 else None
-        turns.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
+        axes.plot(theta, still, label=f"{law}, quasi-static", **{**line, "marker": marker})
         moved = np.degrees(comparison.dynamic.theta_next) - theta
-        turns.plot(
+        axes.plot(
             theta,
             moved,
             "o",
@@ -227,12 +238,8 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
             markersize=4.5,
             zorder=3 if marker else 5,
         )
-    degree_axis(turns, every=60)
-    turns.set_ylabel("turn of a cycle (°)")
-    entitle(turns, "Turn of push and drag")
-    draw_turn_differences(differences, material, isotropic)
-    draw_place_differences(places, material, isotropic)
-    return figure
+    degree_axis(axes, every=60)
+    axes.set_ylabel("turn of a cycle (°)")
 
 
 def difference_sentence(comparison: DynamicsComparison) -> str:
@@ -253,37 +260,28 @@ def largest(difference: Array) -> float:
     return float(np.abs(difference).max())
 
 
-def draw_turn_differences(
-    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
-) -> None:
-    """Dynamic less quasi-static turns over θ0."""
-    curves = [
-        (look, [np.degrees(comparison.difference(name)) for comparison in (material, isotropic)])
-        for name, *look in _TURNS
-    ]
-    _draw_differences(axes, material.dynamic.theta, curves, "°", "turns")
+def draw_turn_differences(axes: Axes, both: Twins) -> None:
+    """Dynamic less quasi-static turns over θ0, on a material and on isotropic friction."""
+    for name, *look in _TURNS:
+        off = [np.degrees(comparison.difference(name)) for comparison in both]
+        _draw_differences(axes, both[0].dynamic.theta, off, *look)
+    axes.set_ylabel("dynamic − quasi-static (°)")
 
 
-def draw_place_differences(
-    axes: Axes, material: DynamicsComparison, isotropic: DynamicsComparison
-) -> None:
+def draw_place_differences(axes: Axes, both: Twins) -> None:
     """Dynamic less quasi-static displacements of the push over θ0."""
-    off = [1e3 * comparison.difference("push_displacement") for comparison in (material, isotropic)]
-    curves = [(look, [values[..., column] for values in off]) for column, *look in _PLACES]
-    _draw_differences(axes, material.dynamic.theta, curves, "mm", "displacement")
+    for column, *look in _PLACES:
+        off = [1e3 * comparison.difference("push_displacement")[..., column] for comparison in both]
+        _draw_differences(axes, both[0].dynamic.theta, off, *look)
+    axes.set_ylabel("dynamic − quasi-static (mm)")
 
 
 def _draw_differences(
-    axes: Axes, theta: Array, curves: list[tuple[list[str], list[Array]]], unit: str, what: str
+    axes: Axes, theta: Array, off: list[Array], label: str, colour: str, marker: str
 ) -> None:
-    """Label, colour and marker of each quantity: on the material solid and filled, on isotropic
-    friction open.
-    """
+    """One quantity, on the material solid and filled, on isotropic friction open."""
     axes.axhline(0.0, **ZERO)
-    for (label, colour, marker), (filled, hollow) in curves:
-        look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
-        axes.plot(np.degrees(theta), filled, label=label, **look)
-        axes.plot(np.degrees(theta), hollow, "--", markerfacecolor="white", **look)
+    look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
+    axes.plot(np.degrees(theta), off[0], label=label, **look)
+    axes.plot(np.degrees(theta), off[1], "--", markerfacecolor="white", **look)
     degree_axis(axes, every=60)
-    axes.set_ylabel(f"dynamic − quasi-static ({unit})")
-    entitle(axes, f"Difference of the {what}")

@@ -3,6 +3,7 @@ one beside it.
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,15 +15,14 @@ from cyclemap.collection.fingerprint_prediction import DRIFTS, LOCKS, Prediction
 from cyclemap.collection.portrait_curves import turn_curve
 from cyclemap.maps import CircleMap
 from cyclemap.views.panels import orientation
-from cyclemap.views.panels.layout import entitle, page
+from cyclemap.views.panels.layout import Panel, picture
 from cyclemap.views.panels.orientation import CIRCLE
-from cyclemap.views.panels.style import BAND, LINE, MEASURED, SECOND, picture_style
+from cyclemap.views.panels.style import BAND, LINE, MEASURED, SECOND
 from cyclemap.views.sentences import angle
 
 ANYWHERE = math.radians(90.0)
 
 
-@picture_style()
 def fingerprint_page(
     found: Fingerprint,
     prediction: Prediction | None = None,
@@ -34,10 +34,17 @@ def fingerprint_page(
     `name` is the material's, for the title and the sentences.
     """
     title, told = "Fingerprint of the protocol", [protocol_sentence(found)]
+    panels: list[Panel] = [
+        (f"Answer to 1 % of {what}", partial(draw_responses, found=found, ellipse=ellipse))
+        for what, ellipse in (("offset", False), ("ellipticity", True))
+    ]
     if prediction is not None:
         title = f"{title}, on {name}"
         told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
         told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        full = None if checked is None else checked.map
+        turn = partial(draw_prediction, prediction=prediction, full=full)
+        panels.append(("Turn of one cycle", turn))
     if checked is not None:
         told.append(check_sentence(checked))
     symbols = ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃")
@@ -45,13 +52,7 @@ def fingerprint_page(
     written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
     foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     layout = "a;b" if prediction is None else "acc;bcc"
-    figure, (offset, ellipse, *turn) = page(layout, title, told, foot)
-    draw_responses(offset, found, ellipse=False)
-    draw_responses(ellipse, found, ellipse=True)
-    if prediction is not None:
-        draw_prediction(turn[0], prediction, None if checked is None else checked.map)
-        entitle(turn[0], "Turn of one cycle")
-    return figure
+    return picture(layout, panels, title=title, words=told, foot=foot)
 
 
 def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
@@ -65,7 +66,6 @@ def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
         "θ - φ, from the axis of greater friction (°)" if ellipse else "θ - ψ, from the offset (°)"
     )
     axes.set(xlabel=f"orientation {seen}", ylabel="change of turn (°)")
-    entitle(axes, f"Answer to 1 % of {'ellipticity' if ellipse else 'offset'}")
 
 
 def draw_prediction(axes: Axes, prediction: Prediction, full: CircleMap | None = None) -> None:

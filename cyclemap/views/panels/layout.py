@@ -153,10 +153,23 @@ def panels_in(
 
 
 def draw_panels(places: Iterable[Axes], drawn: Iterable[Panel]) -> None:
-    """Draw panels in the places of a page, as many as there are of both, each with its title."""
+    """Draw panels in the places of a page, as many as there are of both, each with its title and
+    its legend.
+    """
     for axes, (title, draw) in zip(places, drawn, strict=False):
         draw(axes)
         entitle(axes, title)
+
+
+def picture(layout: str, drawn: Iterable[Panel], **options: Any) -> Figure:
+    """A page of panels in cyclemap's look.
+
+    layout, options : of `page`.
+    """
+    with picture_style():
+        figure, places = page(layout, **options)
+        draw_panels(places, drawn)
+    return figure
 
 
 def rows_of(*counts: int) -> str:
