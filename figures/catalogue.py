@@ -225,7 +225,7 @@ def entries(names: tuple[str, ...] = ()) -> tuple[Entry, ...]:
 
 def load_exhibit(name: str) -> Exhibit:
     """Return the exhibit of this name; InvalidInput where it is unknown."""
-    if name == "all" or not (found := entries((name,))):
+    if name == "all" or not (chosen := entries((name,))):
         raise unknown_name("figure", name, {entry.name for entry in CATALOGUE})
-    exhibits: dict[str, Exhibit] = import_module(f"cyclemap.figures.{found[0].module}").EXHIBITS
+    exhibits: dict[str, Exhibit] = import_module(f"cyclemap.figures.{chosen[0].module}").EXHIBITS
     return exhibits[name]

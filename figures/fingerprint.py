@@ -90,14 +90,14 @@ def compute(
 
 
 def turn_errors(
-    loop: CollectionLoop, found: Fingerprint, surface: Anisotropy, scales: Array
+    loop: CollectionLoop, fingerprint_: Fingerprint, surface: Anisotropy, scales: Array
 ) -> tuple[Array, Array]:
     """Largest errors (n,), rad, of the first- and the second-order turn on a surface scaled by
     `scales` (n,).
     """
     errors = []
     for scale in scales.tolist():
-        scaled = Prediction(found, surface.scaled(scale))
+        scaled = Prediction(fingerprint_, surface.scaled(scale))
         full = with_anisotropy(loop, scaled.anisotropy).next_theta(_ORIENTATIONS) - _ORIENTATIONS
         laws = scaled.turn(_ORIENTATIONS), scaled.second_order_turn(_ORIENTATIONS)
         errors.append([np.abs(full - law).max() for law in laws])
@@ -126,10 +126,10 @@ def direction_errors(loop: CollectionLoop, surface: Anisotropy, scales: Array) -
     """
     from scipy.optimize import brentq
 
-    found = fingerprint(loop)
+    response = fingerprint(loop)
     errors = []
     for scale in scales.tolist():
-        scaled = Prediction(found, surface.scaled(scale))
+        scaled = Prediction(response, surface.scaled(scale))
         theta, full = scaled.stable_directions[0].theta, with_anisotropy(loop, scaled.anisotropy)
         root = brentq(
             lambda t, full=full: full.cycle(t).theta_next - t, theta - 1.0, theta + 1.0, xtol=1e-10
@@ -209,16 +209,16 @@ def _draw_errors(axes: Axes, result: FingerprintAgainstFull) -> None:
 
 def caption(result: FingerprintAgainstFull) -> str:
     """Sentences that hold for this result."""
-    found, (stable, *_) = (
+    response, (stable, *_) = (
         result.prediction.fingerprint.cycle,
         [checked for checked in result.checked.directions if checked.predicted.stable],
     )
     numbers = (
-        found.turn,
-        found.offset_amplitude,
-        found.offset_phase,
-        found.ellipse_amplitude,
-        found.ellipse_phase,
+        response.turn,
+        response.offset_amplitude,
+        response.offset_phase,
+        response.ellipse_amplitude,
+        response.ellipse_phase,
     )
     five = "Ω {:.2f}°, A₁ {:.1f}°, δ₁ {:.1f}°, A₂ {:.1f}°, δ₂ {:.1f}°".format(
         *map(math.degrees, numbers)

@@ -70,16 +70,16 @@ def compute(measured: MeasuredFolder) -> LimitEllipseAndPatch:
     the 8 x 8 grid.
     """
     loop = CollectionLoop.mit("plywood")
-    found, weight, scans, fitted = (
+    table, weight, scans, fitted = (
         measured_scans(measured, "plywood"),
         loop.model.weight,
         None,
         None,
     )
-    if found is not None and len(found) >= _FEWEST_SCANS:
+    if table is not None and len(table) >= _FEWEST_SCANS:
         scans, fitted = (
-            scan_traction(found, weight),
-            friction_ellipse_from_scans(found, weight).friction(),
+            scan_traction(table, weight),
+            friction_ellipse_from_scans(table, weight).friction(),
         )
     return LimitEllipseAndPatch(loop.material.friction, scans, fitted, patch_forces(loop))
 
@@ -137,7 +137,7 @@ def _draw_surface(axes: Axes, result: LimitEllipseAndPatch) -> None:
     if result.fitted is not None:
         curves["fitted"] = result.fitted
     curves["isotropic"] = EllipseFriction.isotropic(math.sqrt(law.mu_a * law.mu_b))
-    ellipses = {name: limit_curve(one) for name, one in curves.items()}
+    ellipses = {name: limit_curve(ellipse) for name, ellipse in curves.items()}
     draw_ellipses(axes, ellipses, result.scans)
     axes.plot(*_centre(law), "o", color=PREDICTED, markersize=4)
     _traction_axes(axes, "Plywood", np.zeros(2))

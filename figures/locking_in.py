@@ -161,28 +161,28 @@ def moments(
     """Return the pictures of all cycles: of each stroke so many, at equal distances along it, the
     last at its end.
     """
-    loop, found = run[0].loop, []
+    loop, shown = run[0].loop, []
     assert isinstance(loop.slider.outline, PolygonOutline)
     outline, hitch = (
         np.asarray(loop.slider.outline.vertices),
         np.asarray(loop.slider.hitch, dtype=float),
     )
     side = outline[[loop.push.side, (loop.push.side + 1) % len(outline)]]
-    for number, cycle in enumerate(run):
-        counts = next(((p, d) for until, p, d in pace if number < until), FAST)
+    for index, cycle in enumerate(run):
+        counts = next(((p, d) for until, p, d in pace if index < until), FAST)
         strokes = (cycle.trajectory.push, cycle.trajectory.drag)
-        for motion, count in zip(strokes, slow if number == len(run) - 1 else counts, strict=True):
+        for motion, count in zip(strokes, slow if index == len(run) - 1 else counts, strict=True):
             way = motion.path / motion.path[-1]
             for share in np.linspace(0.0, 1.0, count + 1)[1:].tolist():
                 pose = np.array([np.interp(share, way, column) for column in motion.pose.T])
                 rod = np.array([np.interp(share, way, column) for column in motion.pusher.T])
                 path = np.concatenate([motion.pusher[way < share], [rod]])
                 body, pushed, ring = (placed(pose, points) for points in (outline, side, hitch))
-                found.append(
-                    Moment(number, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
+                shown.append(
+                    Moment(index, body, pushed, ring, rod, motion is strokes[0], path, SECONDS)
                 )
-    found[-1] = replace(found[-1], seconds=LAST_SECONDS)
-    return found
+    shown[-1] = replace(shown[-1], seconds=LAST_SECONDS)
+    return shown
 
 
 def caption(result: LockingIn) -> str:

@@ -125,8 +125,8 @@ def chebyshev_nodes(low: float, high: float, count: int) -> Array:
 
 def _wave(theta: ArrayLike, series: NDArray[np.complex128]) -> Array:
     """The real part of Σ c_k e^{ikθ} with coefficients (K, ...), which broadcast over θ."""
-    found = polyval(np.exp(1j * np.asarray(theta, dtype=float)), series, tensor=False)
-    return np.asarray(found.real, dtype=float)
+    wave = polyval(np.exp(1j * np.asarray(theta, dtype=float)), series, tensor=False)
+    return np.asarray(wave.real, dtype=float)
 
 
 def _derivative(series: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -203,11 +203,13 @@ def ring_fold(loop_at: LoopAt, theta: float, radius: float) -> RingFold:
 
     Raises ConvergenceError where no fold is found between half and twice the radius.
     """
-    found = smooth_change(loop_at, (theta, radius), 1.0, _LENGTH_STEP, (0.5 * radius, 2.0 * radius))
-    if found is None:
+    change = smooth_change(
+        loop_at, (theta, radius), 1.0, _LENGTH_STEP, (0.5 * radius, 2.0 * radius)
+    )
+    if change is None:
         raise ConvergenceError(
             f"no saddle-node found near {math.degrees(theta):.4g} deg and {1000 * radius:.4g} mm: "
             "start nearer"
         )
-    (_, by_radius), (bend, _) = found.slopes.tolist()
-    return RingFold(found.theta, float(found.value), by_radius, 0.5 * bend)
+    (_, by_radius), (bend, _) = change.slopes.tolist()
+    return RingFold(change.theta, float(change.value), by_radius, 0.5 * bend)

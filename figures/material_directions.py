@@ -92,14 +92,14 @@ def theta0_histograms(
     measured: MeasuredFolder, sampling: Sampling = PAPER
 ) -> tuple[MaterialDirections, ...]:
     """Simulate pushes on each material and look for recorded ones."""
-    found = []
+    panels = []
     for surface, material in STANDS_FOR.items():
         run, pairs = sampled_run(material, sampling), measured_theta0(measured, surface)
         theta0 = None if pairs is None else pairs.path if pairs.path is not None else pairs.theta
         recorded = None if theta0 is None else angle_histogram(theta0)
         simulated = angle_histogram(run.pushes.theta)
-        found.append(MaterialDirections(run, simulated, *run.density(CIRCLE), theta0, recorded))
-    return tuple(found)
+        panels.append(MaterialDirections(run, simulated, *run.density(CIRCLE), theta0, recorded))
+    return tuple(panels)
 
 
 def draw_theta0_histograms(result: tuple[MaterialDirections, ...]) -> Figure:
@@ -130,7 +130,7 @@ def histogram_caption(result: tuple[MaterialDirections, ...]) -> str:
     """What is drawn, and where each material's histogram has its peaks."""
     count = result[0].run.pushes.count
     error = max(panel.density_error for panel in result) * PER_DEGREE
-    told = [
+    sentences = [
         f"Orientation before each push: {count} simulated pushes a material, 1.1° of noise a "
         f"cycle, and the stationary density of the noisy map (within {error:.1g} per degree). "
         f"Plywood is plywood-measured, whose density is the mean over {len(result[0].run.states)} "
@@ -139,34 +139,34 @@ def histogram_caption(result: tuple[MaterialDirections, ...]) -> str:
         *[_histogram_sentence(panel) for panel in result],
         not_found("θ0", [panel.run.surface for panel in result if panel.theta0 is None]),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 def _histogram_sentence(panel: MaterialDirections) -> str:
     name, peaks = panel.run.surface, [f"{angle(peak, 0)}" for peak in panel.peaks]
     where = f"peaks at {listed(peaks)}" if peaks else "has no peak"
-    told = f"On {name} the density {where}"
+    sentence = f"On {name} the density {where}"
     if not _published(panel):
         return (
-            f"{told}, {panel.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
+            f"{sentence}, {panel.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
             "none)."
         )
     words = [
         f"{at:.0f}° {word}" for at, word in zip(_published(panel), PEAK_WORDS[name], strict=True)
     ]
     near = share_near(panel.run.pushes.theta, panel.run.published.directions)
-    told += (
+    sentence += (
         f" (paper: {listed(words)}); {near:.0%} of the simulated pushes start within 30° of "
         "the paper's"
     )
     if panel.theta0 is None or panel.recorded is None:
-        return f"{told}."
+        return f"{sentence}."
     recorded = share_near(panel.theta0, panel.run.published.directions)
     highest = int(np.argmax(panel.recorded.density))
     low, high = np.degrees(panel.recorded.edges[highest : highest + 2])
     apart = float(total_variation(panel.theta0, panel.run.pushes.theta))
     return (
-        f"{told}, {recorded:.0%} of the {panel.theta0.size} recorded ones, whose highest bin is "
+        f"{sentence}, {recorded:.0%} of the {panel.theta0.size} recorded ones, whose highest bin is "
         f"{low:.0f}° to {high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )
 
@@ -217,7 +217,7 @@ def staircases(
     measured: MeasuredFolder, sampling: Sampling = PAPER, runs: int = DEFAULT_RUNS
 ) -> tuple[MaterialStaircase, ...]:
     """Run cycles on each material, ``runs`` times, with its wear, and look for recorded paths."""
-    found = []
+    panels = []
     for surface, material in STANDS_FOR.items():
         run = sampled_run(material, sampling)
         level = float(CIRCLE[np.argmax(np.abs(run.states[0].map.turn(CIRCLE)))])
@@ -231,12 +231,12 @@ def staircases(
             # By whole turns as near as may be to where the simulated run starts.
             beside = pairs.path - TWO_PI * np.round((pairs.path[0] - run.run.start) / TWO_PI)
             recorded = climb_of(beside, level)
-        found.append(
+        panels.append(
             MaterialStaircase(
                 run, climb_of(run.run.theta[:-1], level), lower, upper, turns, recorded
             )
         )
-    return tuple(found)
+    return tuple(panels)
 
 
 def climb_of(path: Array, level: float) -> Climb:
@@ -265,7 +265,7 @@ def _draw_climb(axes: Axes, panel: MaterialStaircase) -> None:
 def staircase_caption(result: tuple[MaterialStaircase, ...]) -> str:
     """What is drawn, and how each material climbs."""
     first = result[0]
-    told = [
+    sentences = [
         f"θ0 before each of {first.climb.path.size} pushes, not wrapped, as one run of the "
         "predicted cycle map climbs with 1.1° of noise a cycle, and where 95 % of "
         f"{first.turns.size} runs are. Plywood is plywood-measured, which wears over the run and "
@@ -275,23 +275,23 @@ def staircase_caption(result: tuple[MaterialStaircase, ...]) -> str:
         *[_climb_sentence(panel) for panel in result],
         not_found("θ0", [panel.run.surface for panel in result if panel.recorded is None]),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 def _climb_sentence(panel: MaterialStaircase) -> str:
     low, high = np.quantile(panel.turns, [0.025, 0.975])
-    told = f"On {panel.run.surface} the predicted run {_told(panel.climb)}; "
-    told += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
+    words = f"On {panel.run.surface} the predicted run {_told(panel.climb)}; "
+    words += f"95 % of runs end {_signed(low)} to {_signed(high)} turns on"
     if panel.run.published.first_share is not None:
         first = float(np.degrees(panel.climb.path[0])) % 360.0
-        told += (
+        words += (
             f"; it stays within 30° of its first direction, {first:.0f}°, for "
             f"{panel.climb.first_stay} pushes"
         )
-        told += " (paper: about 150)"
+        words += " (paper: about 150)"
     if panel.recorded is not None:
-        told += f". The recorded path of {panel.recorded.path.size} pushes {_told(panel.recorded)}"
-    return f"{told}."
+        words += f". The recorded path of {panel.recorded.path.size} pushes {_told(panel.recorded)}"
+    return f"{words}."
 
 
 def _told(climb: Climb) -> str:

@@ -78,9 +78,9 @@ def turns_over_theta0(
     """Simulate pushes on each material, look for recorded ones, and fit the law of Δθ to both."""
     panels = []
     for surface, material in STANDS_FOR.items():
-        found, run = measured_run(measured, surface), sampled_run(material, sampling)
+        recorded, run = measured_run(measured, surface), sampled_run(material, sampling)
         simulated = fitted_laws(run.pushes).dtheta
-        law = simulated if found is None else fitted_laws(found.pushes).dtheta
+        law = simulated if recorded is None else fitted_laws(recorded.pushes).dtheta
         shown = run.states[:: max(len(run.states) - 1, 1)]
         curves = np.array([state.motion(CIRCLE)[:, 0] for state in shown])
         arc = shortest_arc(run.pushes.theta, MOST)
@@ -89,7 +89,7 @@ def turns_over_theta0(
             if simulated.law is None
             else float(np.max(np.abs(simulated.law(CIRCLE) - curves[0])))
         )
-        panels.append(MaterialTurns(run, found, law, simulated, curves, arc, miss))
+        panels.append(MaterialTurns(run, recorded, law, simulated, curves, arc, miss))
     return tuple(panels)
 
 
@@ -126,7 +126,7 @@ def turn_caption(result: tuple[MaterialTurns, ...]) -> str:
         for panel in result
         if panel.measured is not None and panel.law.law is not None
     ]
-    told = [
+    sentences = [
         f"Turn of the push over θ0: predicted by the mechanics, and {count} simulated pushes a "
         "material with the law fitted to them. In each push friction is off by a random offset, as "
         "much as makes the next θ0 scatter by 1.1°, as measured cycles on plywood do. Plywood is "
@@ -139,7 +139,7 @@ def turn_caption(result: tuple[MaterialTurns, ...]) -> str:
         f"Recorded pushes are drawn, and their law, on {listed(recorded)}." if recorded else "",
         not_found("pushes", [panel.run.surface for panel in result if panel.measured is None]),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 def _turn_sentence(panel: MaterialTurns) -> str:
@@ -201,10 +201,10 @@ def turn_histograms(
     """
     laws, cycle_laws, absent = [], [], []
     for surface, material in STANDS_FOR.items():
-        found = measured_run(measured, surface)
-        shown = sampled_run(material, sampling).pushes if found is None else found.pushes
-        laws.append((surface, found is not None, False, fitted_laws(shown).dtheta))
-        if found is None:
+        run = measured_run(measured, surface)
+        shown = sampled_run(material, sampling).pushes if run is None else run.pushes
+        laws.append((surface, run is not None, False, fitted_laws(shown).dtheta))
+        if run is None:
             absent.append(surface)
             pairs = measured_theta0(measured, surface)
             if pairs is not None:
@@ -248,14 +248,14 @@ def _draw_histogram(axes: Axes, panel: TurnPanel) -> None:
 
 def histogram_caption(result: TurnHistograms) -> str:
     """What is drawn, and how far the law's histogram is from what was recorded or simulated."""
-    told = [
+    sentences = [
         "Histogram of the turn of each push, and the one that the fitted law predicts from the "
         "same θ0, with its scatter and, as the paper drew it, alone. Simulated plywood is "
         "plywood-measured, which wears.",
         *[_histogram_sentence(panel) for panel in result.panels],
         not_found("pushes", result.absent),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 def _histogram_sentence(panel: TurnPanel) -> str:
@@ -263,16 +263,16 @@ def _histogram_sentence(panel: TurnPanel) -> str:
     what = f"whole cycles {source}" if panel.whole_cycle else f"pushes {source}"
     if panel.whole_cycle:
         what += " (push and drag together, since only θ0 is at hand, not Δθ)"
-    found, law = panel.histogram, panel.law.law
-    if found is None or law is None:
+    histogram, law = panel.histogram, panel.law.law
+    if histogram is None or law is None:
         return f"No law could be fitted to the {what} on {panel.surface}: {panel.law.problem}."
     low, high = np.degrees(np.quantile(panel.law.value, [0.025, 0.975]))
-    chance = "within" if found.total_variation <= found.chance_total_variation else "beyond"
+    chance = "within" if histogram.total_variation <= histogram.chance_total_variation else "beyond"
     return (
-        f"Of {found.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; the "
-        f"law's histogram is {found.total_variation:.2f} off in total variation, {chance} the "
-        f"{found.chance_total_variation:.2f} that chance makes in 19 of 20 sets, and without its "
-        f"scatter {found.law_alone_total_variation:.2f}."
+        f"Of {histogram.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; the "
+        f"law's histogram is {histogram.total_variation:.2f} off in total variation, {chance} the "
+        f"{histogram.chance_total_variation:.2f} that chance makes in 19 of 20 sets, and without its "
+        f"scatter {histogram.law_alone_total_variation:.2f}."
     )
 
 

@@ -150,20 +150,20 @@ def measured_run(measured: MeasuredFolder, surface: str) -> MeasuredRun | None:
     ``motion_surface=SURFACE_shape=rect1_..._rep=NNNN`` with the paper's protocol (``PROTOCOL``); at
     least 20 of them, in one folder, make a set.
     """
-    found = None if measured.path is None else _run_below(measured.path, surface)
-    if measured.path is not None and found is not None:
+    run = None if measured.path is None else _run_below(measured.path, surface)
+    if measured.path is not None and run is not None:
         # One who watches the folder so knows what was used.
-        measured.find(found.pushes.source.relative_to(measured.path).as_posix())
-    return found
+        measured.find(run.pushes.source.relative_to(measured.path).as_posix())
+    return run
 
 
 def measured_theta0(measured: MeasuredFolder, surface: str) -> Theta0Pairs | None:
     """Return the measured θ0 of ``surface`` in order: of its set, else for plywood of its own file;
     None without.
     """
-    found = measured_run(measured, surface)
-    if found is not None and found.pushes.pairs is not None:
-        return found.pushes.pairs
+    run = measured_run(measured, surface)
+    if run is not None and run.pushes.pairs is not None:
+        return run.pushes.pairs
     file = measured.find(THETA0_FILE) if surface == THETA0_SURFACE else None
     return None if file is None else read_theta0_pairs(file)
 
@@ -187,8 +187,8 @@ def measured_scans(measured: MeasuredFolder, surface: str) -> pandas.DataFrame |
         if count:
             measured.find(Path(home).relative_to(measured.path).as_posix())
             scans = load_pushes(home).scans
-            told = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
-            return told.dropna(subset=list(SCAN_FIELDS))
+            wanted = scans[(scans["surface"] == surface) & (scans["object"] == OBJECT)]
+            return wanted.dropna(subset=list(SCAN_FIELDS))
     return None
 
 
@@ -212,14 +212,14 @@ def _run_below(folder: Path, surface: str) -> MeasuredRun | None:
                 and (facts.surface, facts.object) == (surface, OBJECT)
                 and facts.repetition >= 0
             ):
-                told = [getattr(facts, name) for name in PROTOCOL]
-                homes[home] += np.allclose(told, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
+                given = [getattr(facts, name) for name in PROTOCOL]
+                homes[home] += np.allclose(given, list(PROTOCOL.values()), rtol=1e-6, atol=1e-9)
     for home, count in homes.most_common():
         if count < FEWEST:
             return None
         table = load_pushes(home)
-        found = push_sets(table, {"surface": surface, "object": OBJECT, **PROTOCOL})
-        best = max(found, key=lambda one: one.count)
+        sets = push_sets(table, {"surface": surface, "object": OBJECT, **PROTOCOL})
+        best = max(sets, key=lambda pushes: pushes.count)
         if best.count >= FEWEST:
             return MeasuredRun(best, len(table.unreadable))
     return None
@@ -242,7 +242,7 @@ def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]
     >>> readable_pushes([Path("motion_surface=abs_shape=hex_a=0_v=20_i=0_s=0.7_t=0.h5")])
     ([], 1)
     """
-    found, unreadable = [], 0
+    records, unreadable = [], 0
     for path in files:
         try:
             record = read_push_file(path)
@@ -250,5 +250,5 @@ def readable_pushes(files: Iterable[Path]) -> tuple[list[tuple[Path, PushRecord]
             unreadable += 1
             continue
         assert isinstance(record, PushRecord)
-        found.append((path, record))
-    return found, unreadable
+        records.append((path, record))
+    return records, unreadable

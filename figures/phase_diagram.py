@@ -158,13 +158,13 @@ def _boundary(
     leave the radii.
     """
     edge = RADII[0] if side > 0 else RADII[1]
-    top, found = _touch(family, side, edge), []
+    top, folds = _touch(family, side, edge), []
     for step in range(1, count + 1):
         scale, radius = top * step / count, edge
         if step < count or top == SCALES[1]:
             radius = brentq(lambda r, now=scale: _margin(family, side, r, now), *RADII, xtol=1e-6)
         theta = _THETA[np.argmin(side * family.turn(_THETA, radius, scale))]
-        found.append(
+        folds.append(
             (
                 scale,
                 ring_fold(
@@ -172,7 +172,7 @@ def _boundary(
                 ),
             )
         )
-    return tuple(found)
+    return tuple(folds)
 
 
 def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
@@ -183,13 +183,15 @@ def first_order(loop: CollectionLoop, nodes: int) -> FirstOrder:
     they are interpolated.
     """
     radii, radius = chebyshev_nodes(*RADII, nodes), np.linspace(*RADII, 201)
-    found = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
-    curve = BarycentricInterpolator(radii, np.array([[one.turn, *one.gradient] for one in found]))
+    responses_at = [fingerprint(with_ring_at(loop, r)).cycle for r in radii.tolist()]
+    curve = BarycentricInterpolator(
+        radii, np.array([[cycle.turn, *cycle.gradient] for cycle in responses_at])
+    )
     surface, flat = Anisotropy.of(loop.material.friction), np.zeros((4, 4))
     responses = [TurnResponse(float(row[0]), row[1:], flat) for row in curve(radius)]
     scale = np.array([first_order_lock_in(response, surface).scale for response in responses])
     neutral = float(brentq(lambda r: float(curve(r)[0]), *RADII))
-    return FirstOrder(radius, np.array([one.turn for one in responses]), scale, neutral)
+    return FirstOrder(radius, np.array([cycle.turn for cycle in responses]), scale, neutral)
 
 
 @picture_style()

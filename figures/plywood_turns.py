@@ -97,19 +97,19 @@ class SimulatedAgainstMeasured:
     recorded: MeasuredRun | None
     cycles: tuple[MeasuredOverlay, ...]
 
-    def push_statistics(self, number: int) -> tuple[float, float]:
+    def push_statistics(self, index: int) -> tuple[float, float]:
         """Mean and standard deviation (rad) of the simulated Δθ at the measured θ0, without any at
         all θ0 alike.
         """
-        simulated = self.simulated[number]
+        simulated = self.simulated[index]
         turn = simulated.push.turn(self.cycles[0].pairs.theta if self.cycles else simulated.theta)
         return float(np.mean(turn)), float(np.std(turn))
 
-    def recorded_error(self, number: int) -> float:
+    def recorded_error(self, index: int) -> float:
         """Root mean square (rad) of recorded less simulated Δθ; nan where no push is recorded."""
         if self.recorded is None:
             return float("nan")
-        pushes, simulated = self.recorded.pushes, self.simulated[number]
+        pushes, simulated = self.recorded.pushes, self.simulated[index]
         return float(np.sqrt(np.nanmean((pushes.dtheta - simulated.push.turn(pushes.theta)) ** 2)))
 
 
@@ -180,9 +180,9 @@ def turns_caption(result: SimulatedAgainstMeasured) -> str:
     mean, spread = np.degrees([published.mean[0], published.std[0]])
     where = "at the measured θ0" if result.cycles else "over all θ0"
     pushes = []
-    for number, simulated in enumerate(result.simulated):
-        here = np.degrees(result.push_statistics(number))
-        off = "" if result.recorded is None else f", {angle(result.recorded_error(number))} RMS off"
+    for index, simulated in enumerate(result.simulated):
+        here = np.degrees(result.push_statistics(index))
+        off = "" if result.recorded is None else f", {angle(result.recorded_error(index))} RMS off"
         pushes.append(f"{simulated.name} {here[0]:.1f}° ± {here[1]:.1f}°{off}")
     dots = f"{NO_DATA} of Δθ."
     if result.recorded is not None:

@@ -211,8 +211,8 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     for path, row in zip(paths, later, strict=True):
         a, b = path[:-1, None], path[1:, None]
         c, d = paths[row][:, None, :-1], paths[row][:, None, 1:]
-        found = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
-        crossed += int(np.sum(np.any(found, axis=(1, 2))))
+        crossings = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
+        crossed += int(np.sum(np.any(crossings, axis=(1, 2))))
     return crossed, int(np.sum(later))
 
 

@@ -72,12 +72,12 @@ class SaddleNode:
 
     def directions(self, radius: float) -> tuple[float, float]:
         """Return the stable and the unstable direction (rad) at a radius (m) that has both."""
-        found = []
+        thetas = []
         for chosen in (self.branch.stable, ~self.branch.stable):
             order = np.argsort(self.branch.parameter[chosen])
             places = self.branch.parameter[chosen][order], self.branch.points[chosen, 0][order]
-            found.append(float(np.interp(radius, *places)))
-        return found[0], found[1]
+            thetas.append(float(np.interp(radius, *places)))
+        return thetas[0], thetas[1]
 
 
 def compute(
@@ -100,9 +100,9 @@ def compute(
         partial(with_ring_at, replace(loop, accuracy=_ACCURACY)), (RADII,), (nodes,), angles
     )
     folding = (
-        one
-        for one in orbit_branches(family, RADII, resolution=6)
-        if [s.kind for s in one.special] == [_FOLD]
+        candidate
+        for candidate in orbit_branches(family, RADII, resolution=6)
+        if [s.kind for s in candidate.special] == [_FOLD]
     )
     if (branch := next(folding, None)) is None:
         raise ConvergenceError(

@@ -121,7 +121,7 @@ def _path(axes: Axes, stroke: StrokeScene, colour: str, dash: object, label: str
 def caption(result: SetupAndCycles) -> str:
     """The lengths of the set-up, and how the orientation goes from one cycle to the next."""
     loop, (first, second) = result.loop, result.cycles
-    told = [
+    angles = [
         math.degrees(turn) for turn in (first.theta, first.push_turn, first.drag_turn, second.theta)
     ]
     return (
@@ -132,9 +132,9 @@ def caption(result: SetupAndCycles) -> str:
         "not published, that drawn is free. Right: path of the centre in two cycles that follow "
         f"each other, solid in the push, dashed in the drag, computed on {loop.material.name}. "
         "Arrows are the directions of the pushes, alike in the object's frame; beside them, the "
-        f"orientation before the push. From θ0 = {told[0]:.0f}° the push turns the object by "
-        f"{told[1]:.1f}°, the drag by {told[2]:.1f}°, so that the next push starts at "
-        f"{told[3]:.1f}°: the ring is back at its target, the centre is not where it was."
+        f"orientation before the push. From θ0 = {angles[0]:.0f}° the push turns the object by "
+        f"{angles[1]:.1f}°, the drag by {angles[2]:.1f}°, so that the next push starts at "
+        f"{angles[3]:.1f}°: the ring is back at its target, the centre is not where it was."
     )
 
 

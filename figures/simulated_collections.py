@@ -117,7 +117,7 @@ def surface_states(
     """
     from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
-    loop, found = CollectionLoop.mit(material), []
+    loop, states = CollectionLoop.mit(material), []
     wear = loop.material.wear
     for cycle in [0.0] if wear is None else np.linspace(0.0, wear.cycles, count).tolist():
         worn = replace(worn_loop(loop, cycle), accuracy=_ACCURACY)
@@ -136,12 +136,12 @@ def surface_states(
                 [[tangent.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS]
             )
         linear = make_interp_spline(places, [*slopes, slopes[0]], k=1)
-        found.append(
+        states.append(
             SurfaceState(
                 cycle, cycle_map, spline, BSpline(linear.t, linear.c, 1, extrapolate="periodic")
             )
         )
-    return tuple(found)
+    return tuple(states)
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,7 +211,7 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     cycle_map = (
         states[0].map
         if len(states) == 1
-        else DriftingMap.between([(one.cycle, one.map) for one in states])
+        else DriftingMap.between([(stage.cycle, stage.map) for stage in states])
     )
     run = sample_staircase(cycle_map, NOISE, sampling.pushes, start)
     theta, ahead, cycle = run.theta[:-1], run.theta[1:], np.arange(sampling.pushes + 1.0)
@@ -255,7 +255,7 @@ class MaterialPushes:
 
 def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> list[MaterialPushes]:
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
-    found = []
+    result = []
     for surface, materials in SIMULATED.items():
         runs, recorded = (
             [sampled_run(material, sampling) for material in materials],
@@ -263,10 +263,10 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> lis
         )
         sets = [(f"simulated, {run.material}", run.pushes) for run in runs]
         sets += [] if recorded is None else [("recorded", recorded.pushes)]
-        found.append(
+        result.append(
             MaterialPushes(published_statistics(surface), runs, sets, recorded is not None)
         )
-    return found
+    return result
 
 
 One = TypeVar("One")

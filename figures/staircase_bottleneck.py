@@ -134,9 +134,9 @@ def measured_bottleneck(file: Path) -> Bottleneck:
             f"{file}: the pairs come in no known order; a staircase needs one row a push in order"
         )
     fitted = fit_map(pairs.theta, pairs.theta_next, harmonics=HARMONICS)
-    found = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
+    seen = bottleneck("measured plywood", fitted.map, fitted.sigma, pairs.path, turn_bins(pairs))
     if pairs.cycle is None:
-        return found
+        return seen
     worn = fit_map(
         pairs.theta,
         pairs.theta_next,
@@ -144,7 +144,7 @@ def measured_bottleneck(file: Path) -> Bottleneck:
         harmonics=HARMONICS,
         wear_degree=WEAR_DEGREE,
     )
-    return replace(found, run=worn.paths(pairs.path[:1], pairs.path.size - 1)[0])
+    return replace(seen, run=worn.paths(pairs.path[:1], pairs.path.size - 1)[0])
 
 
 def bottleneck(
@@ -269,7 +269,7 @@ def caption(result: StaircaseBottleneck) -> str:
     """What is seen, with its numbers."""
     computed = result.computed
     mean, spread = computed.visit
-    told = (
+    words = (
         f"Plywood (Table I) with its ring at {1000 * RADIUS:g} mm, just inside the saddle-node: no "
         f"direction repeats, but at {angle(computed.passage.theta, 0)} a cycle turns the object by "
         f"{angle(computed.passage.gap, 2)} only. There the robot spends most cycles, and each "
@@ -278,22 +278,22 @@ def caption(result: StaircaseBottleneck) -> str:
         f"{computed.lengths.size} steps sampled from them lasted {computed.lengths.mean():.0f} on "
         "average."
     )
-    found = result.measured
-    if found is None:
-        return f"{told} Of the robot's own staircase {NO_DATA}."
+    seen = result.measured
+    if seen is None:
+        return f"{words} Of the robot's own staircase {NO_DATA}."
     climbs = ""
-    if found.run is not None:
-        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (found.run, found.path))
+    if seen.run is not None:
+        climbed, measured = ((path[-1] - path[0]) / (2 * np.pi) for path in (seen.run, seen.path))
         climbs = (
             f" A run of the map fitted with its wear climbs {climbed:.1f} turns, the "
             f"measured path {measured:.1f}."
         )
-    (mean, spread), halves = found.visit, np.array_split(found.lengths, 2)
+    (mean, spread), halves = seen.visit, np.array_split(seen.lengths, 2)
     return (
-        f"{told} The measured plywood staircase has such a bottleneck at "
-        f"{angle(found.passage.theta, 0)}: its fitted map predicts steps of {mean:.0f} ± "
-        f"{spread:.0f} cycles. The {found.lengths.size} measured ones that were seen whole lasted "
-        f"{found.lengths.mean():.0f} ± {found.lengths.std(ddof=1):.0f}: they differ more than "
+        f"{words} The measured plywood staircase has such a bottleneck at "
+        f"{angle(seen.passage.theta, 0)}: its fitted map predicts steps of {mean:.0f} ± "
+        f"{spread:.0f} cycles. The {seen.lengths.size} measured ones that were seen whole lasted "
+        f"{seen.lengths.mean():.0f} ± {seen.lengths.std(ddof=1):.0f}: they differ more than "
         f"noise makes them, since the surface wears: the first half {halves[0].mean():.0f}, the "
         f"second {halves[1].mean():.0f}.{climbs}"
     )

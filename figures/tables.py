@@ -129,13 +129,13 @@ def friction_ellipses(measured: MeasuredFolder) -> FrictionEllipses:
 
 def friction_rows(result: FrictionEllipses) -> list[tuple[str, ...]]:
     """A row an ellipse."""
-    told = []
+    cells = []
     for row in result.rows:
         law, direction = row.law, f"{math.degrees(row.offset_direction):.1f}"
         given = [f"{value:.4f}" for value in (law.mu_a, law.mu_b, law.m0, law.n0)]
         derived = [f"{row.mean:.4f}", f"{row.axis_ratio:.3f}", f"{100 * row.offset:.1f}", direction]
-        told.append((row.material, row.source, *given, f"{math.degrees(law.phi):.2f}", *derived))
-    return told
+        cells.append((row.material, row.source, *given, f"{math.degrees(law.phi):.2f}", *derived))
+    return cells
 
 
 def friction_caption(result: FrictionEllipses) -> str:
@@ -144,7 +144,7 @@ def friction_caption(result: FrictionEllipses) -> str:
     others = [row for row in result.rows if row.source.startswith("inferred")]
     ratios, offsets = [row.axis_ratio for row in others], [100 * row.offset for row in others]
     scanned = [row.surface for row in result.rows if row.source.endswith("recorded scans")]
-    told = [
+    sentences = [
         f"Limit ellipses of point friction. The paper gives that of {paper.material} alone, with φ "
         f"= {paper.law.phi:.4f} rad: its axes differ by {100 * (paper.axis_ratio - 1):.1f} %, and "
         f"its centre lies {100 * paper.offset:.1f} % of the mean coefficient from zero, towards "
@@ -159,7 +159,7 @@ def friction_caption(result: FrictionEllipses) -> str:
         ],
         not_found("friction scans", result.absent),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 _SPREADS = [
@@ -177,25 +177,25 @@ def deviations(measured: MeasuredFolder, sampling: Sampling = PAPER) -> Deviatio
     """Simulate pushes on each material, look for recorded ones, and take their statistics; NaN of
     too few pushes.
     """
-    found: Deviations = []
+    result: Deviations = []
     for each in material_pushes(measured, sampling):
         numbers = []
         for source, pushes in each.sets:
-            told = push_statistics(pushes)
+            statistics = push_statistics(pushes)
             given = [
                 (statistic.mean, statistic.std) if statistic else (np.nan, np.nan)
-                for statistic in (told.dtheta, told.dx, told.dy)
+                for statistic in (statistics.dtheta, statistics.dx, statistics.dy)
             ]
-            numbers.append((source, told.count, np.array(given)))
-        found.append((each, numbers))
-    return found
+            numbers.append((source, statistics.count, np.array(given)))
+        result.append((each, numbers))
+    return result
 
 
 def deviation_rows(result: Deviations) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was
     found.
     """
-    told = []
+    lines = []
     for each, sets in result:
         paper = ("paper", PUBLISHED_CYCLES, np.transpose([each.published.mean, each.published.std]))
         for source, count, numbers in (paper, *sets):
@@ -206,8 +206,8 @@ def deviation_rows(result: Deviations) -> list[tuple[str, ...]]:
                     f"{abs(factor) * std:.2f}",
                     f"{100.0 * std / abs(mean):.2f}",
                 ]
-            told.append((each.published.material, source, str(count), *cells))
-    return told
+            lines.append((each.published.material, source, str(count), *cells))
+    return lines
 
 
 def deviation_caption(result: Deviations) -> str:
@@ -219,7 +219,7 @@ def deviation_caption(result: Deviations) -> str:
                 offs.append(np.abs(numbers[:, 0] - each.published.mean))
                 shares.append(numbers[:, 1] / each.published.std)
     furthest, low, high = np.max(offs, axis=0), np.min(shares, axis=0), np.max(shares, axis=0)
-    told = [
+    sentences = [
         "Mean and standard deviation of equal pushes. The paper's means are its standard "
         "deviations over their percentages; its Δy is minus this package's dy. Simulated: friction "
         "is off by a random offset in each push, as much as makes the next θ0 scatter by 1.1°; no "
@@ -227,14 +227,14 @@ def deviation_caption(result: Deviations) -> str:
     ]
     for index, (name, unit, factor) in enumerate(QUANTITIES):
         within = f"{abs(factor) * furthest[index]:.1f} {unit}".replace(" °", "°")
-        told.append(
+        sentences.append(
             f"Simulated means of {name} are within {within} of the paper's, simulated spreads "
             f"{low[index]:.2f} to {high[index]:.2f} of the paper's."
         )
-    told.append(
+    sentences.append(
         not_found("pushes", [each.published.material for each, _ in result if not each.recorded])
     )
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, sentences))
 
 
 _ERRORS = [
@@ -261,22 +261,22 @@ def law_error_rows(result: LawErrors) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was
     found.
     """
-    told = []
+    lines = []
     for each, sets in result:
         cells, paper = [], each.published
         for rmse, percent, (_, _, factor) in zip(
             paper.rmse, paper.rmse_percent, QUANTITIES, strict=True
         ):
             cells += [f"{abs(factor) * rmse:.2f}", f"{percent:.2f}", ""]
-        told.append((paper.material, "paper", str(PUBLISHED_CYCLES), *cells))
+        lines.append((paper.material, "paper", str(PUBLISHED_CYCLES), *cells))
         for source, laws in sets:
             cells = []
-            for found, (_, _, factor) in zip(laws.laws, QUANTITIES, strict=True):
-                law = found.law
-                cells += [_error(found, factor)]
+            for fitted, (_, _, factor) in zip(laws.laws, QUANTITIES, strict=True):
+                law = fitted.law
+                cells += [_error(fitted, factor)]
                 cells += ["", ""] if law is None else [f"{law.percent:.2f}", str(law.harmonics)]
-            told.append((paper.material, source, str(laws.count), *cells))
-    return told
+            lines.append((paper.material, source, str(laws.count), *cells))
+    return lines
 
 
 def law_error_caption(result: LawErrors) -> str:
@@ -293,7 +293,7 @@ def law_error_caption(result: LawErrors) -> str:
             paper = f"{abs(factor) * each.published.rmse[index]:.2f} on {each.published.material}"
             errors.append(f"{_error(law, factor)} of {paper}")
         sentences.append(f"{name} ({unit}): {listed(errors)}.")
-    told = [
+    paragraphs = [
         "Root mean square error of the law of θ0 fitted to the pushes, the number of harmonics "
         "chosen by cross-validation. The paper's percentages are as it prints them, of means up to "
         "3 % off those of Table II. Simulated: in each push the centre of the limit ellipse is off "
@@ -304,11 +304,11 @@ def law_error_caption(result: LawErrors) -> str:
         "instruments.",
         not_found("pushes", [each.published.material for each, _ in result if not each.recorded]),
     ]
-    return " ".join(filter(None, told))
+    return " ".join(filter(None, paragraphs))
 
 
-def _error(found: MotionLaw, factor: float) -> str:
-    return "no law" if found.law is None else f"{abs(factor) * found.law.rmse:.2f}"
+def _error(fitted: MotionLaw, factor: float) -> str:
+    return "no law" if fitted.law is None else f"{abs(factor) * fitted.law.rmse:.2f}"
 
 
 EXHIBITS = {

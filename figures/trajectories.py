@@ -45,8 +45,8 @@ def draw_object_frame(result: list[PushedPaths]) -> Figure:
         axes.label_outer()
         axes.set_title(f"{paths.surface},\n{paths.origin}")
         turn, dx, dy = paths.spread
-        told = f"σ(Δθ) {angle(turn)}\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
-        axes.text(0.97, 0.97, told, transform=axes.transAxes, ha="right", va="top", fontsize=8)
+        words = f"σ(Δθ) {angle(turn)}\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+        axes.text(0.97, 0.97, words, transform=axes.transAxes, ha="right", va="top", fontsize=8)
     shade_bar(figure, panels, shades)
     return figure
 
@@ -56,10 +56,10 @@ def object_frame_caption(result: list[PushedPaths]) -> str:
     spreads, units = [], ((float(np.degrees(1.0)), "°"), (MM, " mm"), (MM, " mm"))
     for paths in result:
         both = zip(paths.spread, published_statistics(paths.surface).std, units, strict=True)
-        told = ", ".join(
+        words = ", ".join(
             f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, (unit, name) in both
         )
-        spreads.append(f"{paths.surface} {told}")
+        spreads.append(f"{paths.surface} {words}")
     # A simulated push has no scatter about the law that Table III tells of.
     scatter = (
         "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about "
@@ -187,8 +187,8 @@ def robot_frame_caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
     marked = []
     for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
-        told = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
-        marked.append(f"{paths.surface} {told or 'nowhere'}")
+        places = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
+        marked.append(f"{paths.surface} {places or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
         "Paths of the object's centre in equal pushes, in the robot's frame about the reset's "

@@ -169,7 +169,7 @@ def _by_age(turns: tuple[Array, ...]) -> dict[str, Array]:
 def caption(result: WearDrift) -> str:
     """What is seen, with its numbers."""
     last, least = result.cycles_a_turn[-1], np.degrees(result.least[[0, -1]])
-    told = (
+    words = (
         f"The cycle map of {MATERIAL}, whose friction was inferred from the measured staircase, as "
         f"the surface wears. The least turn of a cycle grows from {least[0]:.2f}° on the fresh "
         f"surface to {least[1]:.2f}° after {result.cycles[-1]:.0f} cycles: up to about cycle "
@@ -179,9 +179,9 @@ def caption(result: WearDrift) -> str:
     )
     pace = result.pace
     if pace is None:
-        return f"{told} Of the robot's own turns {NO_DATA}."
+        return f"{words} Of the robot's own turns {NO_DATA}."
     return (
-        f"{told} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
+        f"{words} The robot's own turns took {pace.measured[0]:.0f} cycles early on and "
         f"{pace.measured[-1]:.0f} late (the measured curves are drawn where it has been within "
         f"{NEAR} cycles); a map fitted to its path, free to wear, holds {100 * pace.inside:.0f} % "
         "of them within its 95 % bands."

@@ -108,8 +108,8 @@ class DirectionMargin:
     @property
     def nearest(self) -> DirectionChange | None:
         """The nearer of the two."""
-        found = [change for change in (self.below, self.above) if change is not None]
-        return min(found, key=lambda change: abs(change.value - self.value), default=None)
+        changes = [change for change in (self.below, self.above) if change is not None]
+        return min(changes, key=lambda change: abs(change.value - self.value), default=None)
 
     @property
     def share(self) -> float:

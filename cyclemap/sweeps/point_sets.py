@@ -140,13 +140,13 @@ def parse_over(text: str) -> SweptKey:
     >>> parse_over("material=plywood,abs").values
     ('plywood', 'abs')
     """
-    key, equals, values = (part.strip() for part in text.partition("="))
+    key, equals, values = (word.strip() for word in text.partition("="))
     if not (key and equals and values):
         raise InvalidInput(f"--over {text!r} is not of the form key=start:stop:count or key=a,b,c")
     check_key(key)
     kind, parts = SWEPT[key].kind, values.split(":")
     if kind == WORD:
-        return SweepAxis(key, tuple(part.strip() for part in values.split(",")))
+        return SweepAxis(key, tuple(word.strip() for word in values.split(",")))
     if len(parts) == 1:
         try:
             listed = (
@@ -159,7 +159,7 @@ def parse_over(text: str) -> SweptKey:
             raise InvalidInput(f"--over {key}={values}: give {form}") from cause
         return SweepAxis(key, tuple(listed))  # type: ignore[arg-type]
     try:
-        numbers = [plain_number(part) for part in parts[:2]]
+        numbers = [plain_number(word) for word in parts[:2]]
         count = plain_whole(parts[2]) if len(parts) == 3 else 0
     except ValueError:
         numbers = []
@@ -191,12 +191,12 @@ def checked_value(key: str, value: object) -> object:
     """Return a value that `key` may have (see `Setting.checked`), names of materials and shapes
     looked up.
     """
-    found = SWEPT[key].checked(value)
+    checked = SWEPT[key].checked(value)
     if key == MATERIAL_KEY:
-        load_material(str(found))
+        load_material(str(checked))
     if key == "shape":
-        Slider.mit(str(found))
-    return found
+        Slider.mit(str(checked))
+    return checked
 
 
 def check_distinct(keys: Iterable[str]) -> None:
@@ -257,11 +257,11 @@ class Grid:
     def __len__(self) -> int:
         return math.prod(len(axis.values) for axis in self.axes)
 
-    def settings(self, number: int) -> dict[str, object]:
+    def settings(self, index: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""
         chosen: dict[str, object] = {}
         for axis in reversed(self.axes):
-            number, place = divmod(number, len(axis.values))
+            index, place = divmod(index, len(axis.values))
             chosen[axis.key] = axis.values[place]
         return {key: chosen[key] for key in self.keys}
 
@@ -332,11 +332,9 @@ class Sample:
     def __len__(self) -> int:
         return self.count
 
-    def settings(self, number: int) -> dict[str, object]:
+    def settings(self, index: int) -> dict[str, object]:
         """The swept settings of point `number`, counted from 0."""
-        shares = _block(self.sequence, self.seed, len(self.ranges), number // _BLOCK)[
-            number % _BLOCK
-        ]
+        shares = _block(self.sequence, self.seed, len(self.ranges), index // _BLOCK)[index % _BLOCK]
         return {
             axis.key: axis.at(float(share)) for axis, share in zip(self.ranges, shares, strict=True)
         }

@@ -115,9 +115,9 @@ class Sweep:
         """
         if not self.axes:
             raise InvalidInput("a sample has no grid: use values")
-        found = np.full(self.shape, np.nan)
-        found[self.places()] = self.columns[self.quantity(name).name]
-        return found
+        grid = np.full(self.shape, np.nan)
+        grid[self.places()] = self.columns[self.quantity(name).name]
+        return grid
 
     def places(self) -> tuple[NDArray[np.int64], ...]:
         """Where each point stands along each axis, (n,) an axis."""
@@ -150,28 +150,32 @@ class Sweep:
         InvalidInput
             Where a key is not swept or no point has the value.
         """
-        found = self
+        selected = self
         for key, value in wanted.items():
             if key not in self.keys:
                 raise unknown_name("swept key", key, self.keys)
-            matches, single = found._match(key, value)
-            found = found.where(np.array([matches(one) for one in found.swept[key]], dtype=bool))
-            axis = next((axis for axis in found.axes if axis.key == key), None)
+            matches, single = selected._match(key, value)
+            selected = selected.where(
+                np.array([matches(choice) for choice in selected.swept[key]], dtype=bool)
+            )
+            axis = next((axis for axis in selected.axes if axis.key == key), None)
             if axis is None:
-                if not len(found):
+                if not len(selected):
                     raise InvalidInput(f"no point has {key}={value}")
                 continue
-            kept = tuple(one for one in axis.values if matches(one))
+            kept = tuple(choice for choice in axis.values if matches(choice))
             if not kept:
-                told = ", ".join(
+                listed = ", ".join(
                     f"{v:.6g}" if isinstance(v, float) else str(v) for v in axis.values[:12]
                 )
                 more = ", ..." if len(axis.values) > 12 else ""
-                raise InvalidInput(f"{key} does not take {value}; its values are {told}{more}")
+                raise InvalidInput(f"{key} does not take {value}; its values are {listed}{more}")
             thinner = [] if single else [replace(axis, values=kept)]
-            place = found.axes.index(axis)
-            found = replace(found, axes=(*found.axes[:place], *thinner, *found.axes[place + 1 :]))
-        return found
+            place = selected.axes.index(axis)
+            selected = replace(
+                selected, axes=(*selected.axes[:place], *thinner, *selected.axes[place + 1 :])
+            )
+        return selected
 
     def where(self, chosen: ArrayLike | Callable[[Sweep], ArrayLike]) -> Sweep:
         """The points for which `chosen` is true: n flags, or a function of the sweep that gives
@@ -322,9 +326,9 @@ def write_csv(sweep: Sweep, path: str | Path) -> None:
         **{key: list(map(_word, sweep.swept[key])) for key in sweep.keys},
     }
     table |= {
-        one.written_name: one.written(sweep.columns[one.name])
-        for one in sweep.quantities
-        if not one.many
+        column.written_name: column.written(sweep.columns[column.name])
+        for column in sweep.quantities
+        if not column.many
     }
     for quantity in sweep.quantities:
         if quantity.many:
@@ -345,9 +349,9 @@ def _word(value: object) -> str:
 def _padded(sweep: Sweep, quantity: Quantity) -> Array:
     """The lists of the points as files have them, (n, longest), nan behind their ends."""
     lists = sweep.lists[quantity.name]
-    rows = np.full((len(lists), max((found.size for found in lists), default=0)), np.nan)
-    for row, found in zip(rows, lists, strict=True):
-        row[: found.size] = found
+    rows = np.full((len(lists), max((row_values.size for row_values in lists), default=0)), np.nan)
+    for row, row_values in zip(rows, lists, strict=True):
+        row[: row_values.size] = row_values
     return quantity.written(rows)
 
 
@@ -397,7 +401,10 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
             continue
         rows = _padded(sweep, quantity)
         padded, count = np.full((*shape, rows.shape[-1]), np.nan), np.zeros(shape, dtype=np.int64)
-        padded[at], count[at] = rows, [found.size for found in sweep.lists[quantity.name]]
+        padded[at], count[at] = (
+            rows,
+            [values_there.size for values_there in sweep.lists[quantity.name]],
+        )
         about = {
             "units": "1",
             "long_name": f"how many {quantity.many.replace('_', ' ')}s there are",
@@ -416,16 +423,16 @@ def to_dataset(sweep: Sweep) -> xarray.Dataset:
 
 def _coordinates(sweep: Sweep) -> dict[str, object]:
     listed = {axis.key: axis.values for axis in sweep.axes} or sweep.swept
-    found: dict[str, object] = {} if sweep.axes else {"point": (("point",), sweep.number)}
+    coordinates: dict[str, object] = {} if sweep.axes else {"point": (("point",), sweep.number)}
     for key, values in listed.items():
         numeric = all(isinstance(value, float) for value in values)
         array = (
             np.array(values, dtype=float)
             if numeric
-            else np.array([_word(one) for one in values], dtype=object)
+            else np.array([_word(entry) for entry in values], dtype=object)
         )
-        found[key] = ((key if sweep.axes else "point",), array, {"units": key_unit(key)})
-    return found
+        coordinates[key] = ((key if sweep.axes else "point",), array, {"units": key_unit(key)})
+    return coordinates
 
 
 def write_netcdf(sweep: Sweep, path: str | Path) -> None:

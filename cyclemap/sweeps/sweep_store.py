@@ -161,27 +161,27 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._faults_told():
             quoted = ", ".join(f'"{name}"' for name in names)
             for row in self.connection.execute(f"SELECT {quoted} FROM points ORDER BY number"):
-                found = dict(zip(names, row, strict=True))
-                found.update(
+                stored = dict(zip(names, row, strict=True))
+                stored.update(
                     {
-                        name: tuple(json.loads(found[name]))
+                        name: tuple(json.loads(stored[name]))
                         for name in lists
-                        if found[name] is not None
+                        if stored[name] is not None
                     }
                 )
                 # Swept points, as against words.
-                texts = {key: found[key] for key in keys if str(found[key]).startswith("[[")}
-                found.update(
+                texts = {key: stored[key] for key in keys if str(stored[key]).startswith("[[")}
+                stored.update(
                     {key: tuple(map(tuple, json.loads(text))) for key, text in texts.items()}
                 )
-                yield found
+                yield stored
 
-    def add(self, found: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
+    def add(self, outcomes: Sequence[tuple[SweptPoint, PointOutcome]]) -> None:
         """Store outcomes, all or none of them; a point that is stored already stays as it is."""
         keys, scalars, lists = self._columns()
         marks = ", ".join("?" * (len(keys) + len(scalars) + len(lists) + 4))
         rows = []
-        for point, outcome in found:
+        for point, outcome in outcomes:
             row: list[object] = [
                 point.digest,
                 point.number,
@@ -227,9 +227,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
                 "remove it"
             )
         run("PRAGMA synchronous = FULL")
-        found = [row[0] for row in run("PRAGMA integrity_check")]
-        if found != ["ok"]:
-            raise self._damaged(str(found[0]))
+        checked = [row[0] for row in run("PRAGMA integrity_check")]
+        if checked != ["ok"]:
+            raise self._damaged(str(checked[0]))
         # Damage that leaves SQLite's own structure whole shows in the seals.
         for table in ("sweep", "points"):
             for row in run(f"SELECT * FROM {table}"):
@@ -267,9 +267,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._transaction():
             if run("SELECT count(*) FROM sqlite_master").fetchone()[0]:
                 return
-            told = (json.dumps(self.description),)
+            row = (json.dumps(self.description),)
             run("CREATE TABLE sweep (description TEXT NOT NULL, seal TEXT NOT NULL)")
-            run("INSERT INTO sweep VALUES (?, ?)", (*told, _seal(told)))
+            run("INSERT INTO sweep VALUES (?, ?)", (*row, _seal(row)))
             run(self._points_table())
             run(f"PRAGMA user_version = {_FORMAT}")
             run(f"PRAGMA application_id = {_APPLICATION}")
@@ -329,9 +329,9 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             ) from error
 
     def _damaged(self, fault: str) -> DataFileError:
-        told = " ".join(fault.split())
+        words = " ".join(fault.split())
         return DataFileError(
-            f"{self.path}: damaged, or no store of a sweep ({told}); remove it and sweep again"
+            f"{self.path}: damaged, or no store of a sweep ({words}); remove it and sweep again"
         )
 
 
@@ -346,9 +346,9 @@ def _description(plan: SweepPlan) -> dict[str, object]:
         }
         for quantity in plan.numbers.quantities
     ]
-    told = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
-    found: dict[str, object] = json.loads(json.dumps(told))
-    return found
+    facts = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
+    description: dict[str, object] = json.loads(json.dumps(facts))
+    return description
 
 
 def _kept(value: object) -> object:

@@ -36,7 +36,7 @@ Twins = tuple[DynamicsComparison, DynamicsComparison]
 
 def experiment_page(experiment: BatchExperiment) -> Figure:
     """Draw the experiment: on the material above, on its isotropic twin below."""
-    told = (
+    words = (
         experiment_headline(experiment),
         spread_sentence(experiment),
         isotropic_sentence(experiment),
@@ -53,7 +53,7 @@ def experiment_page(experiment: BatchExperiment) -> Figure:
             (f"{name}: θ0 over the cycles", partial(draw_course, run=run)),
         ]
     title = f"Batches of cycles on {experiment.loop.material.name}"
-    return picture("abc;def", panels, title=title, words=told, foot=foot, keys=2)
+    return picture("abc;def", panels, title=title, words=words, foot=foot, keys=2)
 
 
 def named_runs(experiment: BatchExperiment) -> tuple[tuple[BatchRun, str], ...]:
@@ -172,8 +172,8 @@ def length(metres: float) -> str:
     return f"{1e3 * metres:.1f} mm" if metres >= 1e-4 else f"{max(1e6 * metres, 1e-3):.2g} µm"
 
 
-def _count(number: int, noun: str, plural: str = "s") -> str:
-    return f"{number} {noun}{plural * (number != 1)}"
+def _count(count: int, noun: str, plural: str = "s") -> str:
+    return f"{count} {noun}{plural * (count != 1)}"
 
 
 def _path_clause(run: BatchRun) -> str:
@@ -212,8 +212,8 @@ def dynamics_page(material: DynamicsComparison, isotropic: DynamicsComparison) -
         ("Difference of the displacement", partial(draw_place_differences, both=both)),
     ]
     title = f"Dynamic and quasi-static cycles on {name} at {speed:g} mm/s"
-    told = map(difference_sentence, both)
-    return picture("abc", panels, title=title, words=told, foot=foot, keys=2)
+    words = map(difference_sentence, both)
+    return picture("abc", panels, title=title, words=words, foot=foot, keys=2)
 
 
 def draw_both_turns(axes: Axes, both: Twins) -> None:

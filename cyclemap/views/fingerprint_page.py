@@ -24,7 +24,7 @@ ANYWHERE = math.radians(90.0)
 
 
 def fingerprint_page(
-    found: Fingerprint,
+    fingerprint: Fingerprint,
     prediction: Prediction | None = None,
     checked: PredictionCheck | None = None,
     name: str = "",
@@ -33,33 +33,36 @@ def fingerprint_page(
 
     `name` is the material's, for the title and the sentences.
     """
-    title, told = "Fingerprint of the protocol", [protocol_sentence(found)]
+    title, words = "Fingerprint of the protocol", [protocol_sentence(fingerprint)]
     panels: list[Panel] = [
-        (f"Answer to 1 % of {what}", partial(draw_responses, found=found, ellipse=ellipse))
+        (
+            f"Answer to 1 % of {what}",
+            partial(draw_responses, fingerprint=fingerprint, ellipse=ellipse),
+        )
         for what, ellipse in (("offset", False), ("ellipticity", True))
     ]
     if prediction is not None:
         title = f"{title}, on {name}"
-        told += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
-        told += [lock_in_sentence(prediction), trust_sentence(prediction)]
+        words += [surface_sentence(prediction, name), direction_sentence(prediction, name)]
+        words += [lock_in_sentence(prediction), trust_sentence(prediction)]
         full = None if checked is None else checked.map
         turn = partial(draw_prediction, prediction=prediction, full=full)
         panels.append(("Turn of one cycle", turn))
     if checked is not None:
-        told.append(check_sentence(checked))
+        words.append(check_sentence(checked))
     symbols = ("Ω", "A₁", "δ₁", "A₂", "δ₂", "A₃", "δ₃")
-    numbers = zip(symbols, seven_numbers(found.cycle), strict=True)
+    numbers = zip(symbols, seven_numbers(fingerprint.cycle), strict=True)
     written = "   ".join(f"{symbol} {value}°" for symbol, value in numbers)
     foot = f"{written}   ·   angles; A₁ and A₂ a unit of offset and ellipticity"
     layout = "a;b" if prediction is None else "acc;bcc"
-    return picture(layout, panels, title=title, words=told, foot=foot)
+    return picture(layout, panels, title=title, words=words, foot=foot)
 
 
-def draw_responses(axes: Axes, found: Fingerprint, ellipse: bool) -> None:
+def draw_responses(axes: Axes, fingerprint: Fingerprint, ellipse: bool) -> None:
     """Draw the change of a cycle's turn by one percent of offset, or of ellipticity, over the
     orientation.
     """
-    parts = {"cycle": found.cycle, "drag": found.drag, "push": found.push}
+    parts = {"cycle": fingerprint.cycle, "drag": fingerprint.drag, "push": fingerprint.push}
     answers = {name: _response(response, ellipse) for name, response in parts.items()}
     orientation.draw_turns(axes, CIRCLE, answers)
     seen = (
@@ -94,17 +97,20 @@ def _response(response: TurnResponse, ellipse: bool) -> Array:
 def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
     """Ω, A₁, δ₁, A₂, δ₂, A₃, δ₃ in degrees, as text with three decimals."""
     harmonics = [
-        f"{part}_{number}"
-        for part in ("offset", "ellipse", "bow")
-        for number in ("amplitude", "phase")
+        f"{cause}_{measure}"
+        for cause in ("offset", "ellipse", "bow")
+        for measure in ("amplitude", "phase")
     ]
     names = ("turn", *harmonics)
     return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
 
 
-def protocol_sentence(found: Fingerprint) -> str:
+def protocol_sentence(fingerprint: Fingerprint) -> str:
     """What the protocol does, in a sentence."""
-    whole, parts = found.cycle, f"push {angle(found.push.turn)}, drag {angle(found.drag.turn)}"
+    whole, parts = (
+        fingerprint.cycle,
+        f"push {angle(fingerprint.push.turn)}, drag {angle(fingerprint.drag.turn)}",
+    )
     offset, ellipse = (
         angle(0.01 * size, 2) for size in (whole.offset_amplitude, whole.ellipse_amplitude)
     )
@@ -116,11 +122,11 @@ def protocol_sentence(found: Fingerprint) -> str:
     )
 
 
-def bow_sentence(found: Fingerprint, bow: float) -> str:
+def bow_sentence(fingerprint: Fingerprint, bow: float) -> str:
     """What stands instead of a prediction where the floor has a bow."""
     return (
         f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
-        f"up to {angle(bow * found.cycle.bow_amplitude, 1)}. No direction is predicted from that; "
+        f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from that; "
         "portrait computes the map."
     )
 

@@ -55,16 +55,16 @@ ROUND = 1.001
 
 @picture_style()
 def identify_page(
-    title: str, found: Identification, curves: IdentifiedCurves, words: Sequence[str]
+    title: str, identified: Identification, curves: IdentifiedCurves, words: Sequence[str]
 ) -> Figure:
     """Draw an identification: ellipse, intervals, and a panel for each sort of data, as many as the
     page takes.
     """
     panels: list[Panel] = [("Friction ellipse", partial(draw_ellipse, curves=curves))]
-    if len(found.plates) > 1:
-        panels.append(("Shapes of plates", partial(draw_shapes, shapes=found.plates)))
-    if len(found.floors) > 1:
-        floors = {session or "mean": shape for session, shape in found.floors.items()}
+    if len(identified.plates) > 1:
+        panels.append(("Shapes of plates", partial(draw_shapes, shapes=identified.plates)))
+    if len(identified.floors) > 1:
+        floors = {session or "mean": shape for session, shape in identified.floors.items()}
         panels.append(("Shapes of the floor", partial(draw_shapes, shapes=floors)))
 
     def named(fit: CycleFit | StrokeFit, what: str) -> str:
@@ -85,17 +85,19 @@ def identify_page(
     layout = rows_of(*rows)
     figure, placed = page(layout, title, words, foot, size=(16.0, 9.6), keys=2)
     intervals = placed.pop(columns - 1)
-    _draw_intervals(intervals, found)
+    _draw_intervals(intervals, identified)
     draw_panels(placed, panels)
     return figure
 
 
-def _draw_intervals(place: Axes, found: Identification) -> None:
+def _draw_intervals(place: Axes, identified: Identification) -> None:
     """The intervals of the parameters one above the other, in the place of a panel."""
-    shared = tuple(estimate for estimate in found.lasting if "[" not in estimate.name)
-    estimates = found.lasting if len(found.lasting) <= MOST_INTERVALS or not shared else shared
-    whose = "" if len(estimates) == len(found.lasting) else " of all plates"
-    entitle(place, f"Parameters{whose}, with {100.0 * found.level:g} % intervals")
+    shared = tuple(estimate for estimate in identified.lasting if "[" not in estimate.name)
+    estimates = (
+        identified.lasting if len(identified.lasting) <= MOST_INTERVALS or not shared else shared
+    )
+    whose = "" if len(estimates) == len(identified.lasting) else " of all plates"
+    entitle(place, f"Parameters{whose}, with {100.0 * identified.level:g} % intervals")
     place.axis("off")
     for row, estimate in enumerate(estimates):
         bottom = 1.0 - (row + 0.7) / len(estimates)
@@ -202,16 +204,16 @@ def headline(name: str, derived: Sequence[Derived], held: EllipseFriction) -> st
     held : the friction where the data were not asked about its shape.
     """
     known = {quantity.name: quantity for quantity in derived}
-    told = []
+    clauses = []
     if "axis_ratio" in known:
         way = _way(known.get("axis_direction"), " (longer along {})")
-        told.append(f"axes {_size(known['axis_ratio'], 1.0, 2)} : 1{way}")
+        clauses.append(f"axes {_size(known['axis_ratio'], 1.0, 2)} : 1{way}")
     if "offset_size" in known:
         way = _way(known.get("offset_direction"), " towards {}")
-        told.append(f"centre {_size(known['offset_size'], 100.0, 1)} % off{way}")
+        clauses.append(f"centre {_size(known['offset_size'], 100.0, 1)} % off{way}")
     if "mean_friction" in known:
-        told.append(f"mean friction {_size(known['mean_friction'], 1.0, 3)}")
-    words = [f"friction ellipse with {', '.join(told)}"] if told else []
+        clauses.append(f"mean friction {_size(known['mean_friction'], 1.0, 3)}")
+    words = [f"friction ellipse with {', '.join(clauses)}"] if clauses else []
     if "axis_ratio" not in known and "offset_size" not in known:
         words.append(_held_words(held))
     if "floor_bow" in known:
@@ -244,17 +246,17 @@ def _held_words(held: EllipseFriction) -> str:
     return f"friction held at axes {ratio:.2f} : 1, centre {off:.1f} % off"
 
 
-def note_sentences(found: Identification) -> list[str]:
+def note_sentences(identified: Identification) -> list[str]:
     """What qualifies the result."""
-    return [*worse_than_isotropic(found), *(f"note: {note}" for note in found.notes)]
+    return [*worse_than_isotropic(identified), *(f"note: {note}" for note in identified.notes)]
 
 
-def worse_than_isotropic(found: Identification) -> list[str]:
+def worse_than_isotropic(identified: Identification) -> list[str]:
     """Which data the identified surface predicts worse than isotropic friction does, by 1 %; left
     out where it was.
     """
     worse = []
-    for error in found.errors:
+    for error in identified.errors:
         mean = error.left_out_mean if error.left_out_mean == error.left_out_mean else error.mean
         if mean > WORSE * error.isotropic_mean:
             kind, unit = readable_kind(error.kind)
@@ -265,13 +267,13 @@ def worse_than_isotropic(found: Identification) -> list[str]:
     return [f"Worse than isotropic friction does: {'; '.join(worse)}."] if worse else []
 
 
-def page_sentences(found: Identification) -> list[str]:
+def page_sentences(identified: Identification) -> list[str]:
     """What is written on the page: how far predictions lie from the data, and what they predict
     worse.
     """
-    errors = f"Predictions lie from the data by {misfit_words(found)}."
+    errors = f"Predictions lie from the data by {misfit_words(identified)}."
     return [
-        f"Ranges are intervals of {100.0 * found.level:g} %.",
+        f"Ranges are intervals of {100.0 * identified.level:g} %.",
         errors,
-        *worse_than_isotropic(found),
+        *worse_than_isotropic(identified),
     ]

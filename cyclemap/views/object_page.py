@@ -117,9 +117,9 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
     """How many pushes of what, what they will tell, what any one's loss costs, and what the numbers
     rest on.
     """
-    number, name, floor = len(plan.pushes), plan.loop.slider.name, plan.loop.material.name
-    after = {one.pushes: one for one in plan.knowledge}
-    chosen = after[number]
+    planned, name, floor = len(plan.pushes), plan.loop.slider.name, plan.loop.material.name
+    after = {step.pushes: step for step in plan.knowledge}
+    chosen = after[planned]
     asked = {
         "direction": "where the loop locks in, if it does",
         "map": "the cycle map",
@@ -132,9 +132,9 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
         lock = "locks" if count < 2 else "lock"
         locks = f"Of {plan.samples} floors as {floor} has them {count or 'none'} {lock} it in. "
     return (
-        f"{number} pushes of {name} that tell most of {asked[plan.target]}.",
-        f"{locks}Known now: {known_words(after[0].planned)}. After these {number}: "
-        f"{known_words(chosen.planned)}; after {number} random ones: {known_words(chosen.random)}; "
+        f"{planned} pushes of {name} that tell most of {asked[plan.target]}.",
+        f"{locks}Known now: {known_words(after[0].planned)}. After these {planned}: "
+        f"{known_words(chosen.planned)}; after {planned} random ones: {known_words(chosen.random)}; "
         f"with one of them lost, at worst: {known_words(plan.without)}.",
         f"Expected, to first order, over {plan.samples} floors as {floor} has them, with readings "
         f"good to {read} and what models miss on real floors; two standard deviations, averaged "
@@ -148,13 +148,13 @@ def measured_sentences(measured: MeasuredPlan, within: float) -> tuple[str, ...]
     """
     locks = measured.directions.chance
     if not measured.is_enough(within):
-        told = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
+        verdict = f"Not yet known to {SURE:.0%} within ±{angle(within, 0)}"
     elif locks >= SURE:
-        told = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
+        verdict = f"Enough: {SURE:.0%} within ±{angle(measured.half_width)}"
     else:
-        told = f"Enough: it locks in nowhere, with a chance of {chance(1.0 - locks)}"
+        verdict = f"Enough: it locks in nowhere, with a chance of {chance(1.0 - locks)}"
     known = uncertainty_sentence(measured.loop.material.name, measured.directions)
-    return f"{told}.", known, *(f"data: {note}" for note in measured.notes)
+    return f"{verdict}.", known, *(f"data: {note}" for note in measured.notes)
 
 
 @picture_style()

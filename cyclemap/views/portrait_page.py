@@ -39,11 +39,11 @@ def portrait_page(
     portrait: Portrait, curves: PortraitCurves, measured: MeasuredOverlay | None = None
 ) -> Figure:
     """Draw `portrait`, whose curves are `curves`, with `measured` over it where given."""
-    told, foot = _words(portrait, measured)
+    words, foot = _words(portrait, measured)
     figure, panels = page(
         "abc;def",
         sentences.headline(portrait),
-        told,
+        words,
         foot,
         cycle_key(curves.scene),
         width_ratios=(5.2, 2.75, 3.2),
@@ -91,7 +91,7 @@ def _cobweb_title(portrait: Portrait, curves: PortraitCurves) -> str:
 def _words(portrait: Portrait, measured: MeasuredOverlay | None) -> tuple[list[str], str]:
     """The sentences of the page, and its foot."""
     material = portrait.loop.material
-    told = [
+    words = [
         sentences.lock_sentence(portrait),
         sentences.noise_sentence(portrait),
         sentences.staircase_sentence(portrait),
@@ -102,7 +102,7 @@ def _words(portrait: Portrait, measured: MeasuredOverlay | None) -> tuple[list[s
     foot = [sentences.parameters_line(portrait), f"{inferred}{how}"]
     if measured is not None:
         foot.append(sentences.agreement_sentence(measured.agreement))
-    return told, "\n".join(foot)
+    return words, "\n".join(foot)
 
 
 @picture_style()
@@ -111,15 +111,15 @@ def staircase_page(
 ) -> Figure:
     """Draw `forecast`, with `measured` beside it where given."""
     name = forecast.loop.material.name
-    told = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
-    told += [uncertainty_sentence(name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
+    words = [forecast_sentence(forecast), worn_sentence(forecast), run_sentence(forecast)]
+    words += [uncertainty_sentence(name, forecast.uncertainty), ahead_sentence(forecast.forecast)]
     if measured is not None:
-        told += [measured_sentence(measured), fitted_sentence(measured)]
+        words += [measured_sentence(measured), fitted_sentence(measured)]
     foot = (
         f"cycle map from {forecast.map.samples} computed cycles; dwells found in the path "
         "alone, without a model"
     )
-    figure, (runs, dwells, lengths) = page("ab;ac", f"Staircase of {name}", told, foot)
+    figure, (runs, dwells, lengths) = page("ab;ac", f"Staircase of {name}", words, foot)
     path, steps = forecast.run.theta, forecast.steps
     comparison: StepComparison | None = forecast.comparison
     if measured is None:
@@ -204,9 +204,9 @@ def fitted_sentence(measured: MeasuredStaircase) -> str:
     """What the map fitted to the data predicts, beside what was measured."""
     if measured.foretold is None:
         return f"No map is fitted to them: {measured.problem}."
-    found = measured.foretold
-    fitted, comparison = found.prediction, found.comparison
-    law = f"{found.fitted.law.harmonics} harmonics and {angle(found.fitted.sigma)} of noise"
+    foretold = measured.foretold
+    fitted, comparison = foretold.prediction, foretold.comparison
+    law = f"{foretold.fitted.law.harmonics} harmonics and {angle(foretold.fitted.sigma)} of noise"
     if fitted.step is None or comparison.net_steps is None or comparison.expected_steps is None:
         return f"The map fitted to them ({law}) has no flat step."
     climbed = f"where {comparison.net_steps:.1f} were climbed"

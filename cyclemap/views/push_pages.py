@@ -78,67 +78,67 @@ def _shade(axes: Axes, seen: Segments, spans: Whole, **look: Any) -> None:
         axes.axvspan(seen.t[seen.rests[first][1]], seen.t[seen.rests[end][0]], **look)
 
 
-def probe_sentences(found: Probe) -> tuple[str, ...]:
+def probe_sentences(probe: Probe) -> tuple[str, ...]:
     """The answer, what was found, the ellipse that does the same, and the lock-in that it would
     cause.
     """
     sizes = {
-        name: max(one.amplitude for one in found.harmonics if one.outcome == name)
+        name: max(harmonic.amplitude for harmonic in probe.harmonics if harmonic.outcome == name)
         for name in OUTCOMES
     }
     turn = f"±{math.degrees(sizes['dtheta']):.2g}°"
     place = f"±{1e3 * max(sizes['dx'], sizes['dy']):.2g} mm"
     noise = (
-        f"noise of one push {1e3 * max(found.noise[:2]):.2g} mm and "
-        f"{math.degrees(found.noise[2]):.2g}°"
+        f"noise of one push {1e3 * max(probe.noise[:2]):.2g} mm and "
+        f"{math.degrees(probe.noise[2]):.2g}°"
     )
-    if not found.found:
+    if not probe.found:
         return (
-            f"No sign that pushes depend on their direction, in {found.theta.size} pushes (p = "
-            f"{found.p_value:.2g}).",
-            f"Anisotropy that could hide behind the {noise}: axes up to {found.ratio.upper:.4g} : 1, "
-            f"a centre up to {found.offset.upper:.2g} of the mean radius off (95 % confidence).",
+            f"No sign that pushes depend on their direction, in {probe.theta.size} pushes (p = "
+            f"{probe.p_value:.2g}).",
+            f"Anisotropy that could hide behind the {noise}: axes up to {probe.ratio.upper:.4g} : 1, "
+            f"a centre up to {probe.offset.upper:.2g} of the mean radius off (95 % confidence).",
         )
-    if found.stable:
-        where = " and at ".join(orientation_and_push(theta, found.loop) for theta in found.stable)
+    if probe.stable:
+        where = " and at ".join(orientation_and_push(theta, probe.loop) for theta in probe.stable)
         locks = f"at {where}"
     else:
-        low, high = (angle(turn) for turn in found.turns)
+        low, high = (angle(turn) for turn in probe.turns)
         locks = f"nowhere: a cycle turns it by {low} to {high}"
     depend = (
-        f"Pushes depend on direction: by {turn} and {place} (p = {found.p_value:.2g}, "
-        f"{len(found.theta)} pushes)."
+        f"Pushes depend on direction: by {turn} and {place} (p = {probe.p_value:.2g}, "
+        f"{len(probe.theta)} pushes)."
     )
-    if found.ratio.lower > MOST_RATIO:
+    if probe.ratio.lower > MOST_RATIO:
         return (
             depend,
-            f"A friction ellipse would need axes {found.ratio.value:.3g} : 1, and no floor that was "
+            f"A friction ellipse would need axes {probe.ratio.value:.3g} : 1, and no floor that was "
             "measured has them beyond 1.7 : 1: this cannot be friction. Look at object, push, "
             "units and --angles of the data.",
         )
     return (
         depend,
-        f"A friction ellipse with axes {found.ratio.value:.4g} : 1 ({found.ratio.lower:.4g} to "
-        f"{found.ratio.upper:.4g}), longer along {angle(found.anisotropy.ellipse_direction)}, its "
-        f"centre {found.offset.value:.2g} of the mean radius off ({found.offset.lower:.2g} to "
-        f"{found.offset.upper:.2g}), explains {found.explained:.0%} of that; {noise}.",
+        f"A friction ellipse with axes {probe.ratio.value:.4g} : 1 ({probe.ratio.lower:.4g} to "
+        f"{probe.ratio.upper:.4g}), longer along {angle(probe.anisotropy.ellipse_direction)}, its "
+        f"centre {probe.offset.value:.2g} of the mean radius off ({probe.offset.lower:.2g} to "
+        f"{probe.offset.upper:.2g}), explains {probe.explained:.0%} of that; {noise}.",
         f"A push-and-drag-back collection on such a surface locks in {locks}.",
     )
 
 
 @picture_style()
-def probe_page(found: Probe) -> Figure:
+def probe_page(probe: Probe) -> Figure:
     """Draw each outcome over the orientation, with what the harmonics and the ellipse make of
     it."""
-    answer, *words = probe_sentences(found)
+    answer, *words = probe_sentences(probe)
     foot = f"called anisotropy where chance does as much in less than {ALARM_RATE:g} of probes"
     figure, panels = page("abc", answer, words, foot, size=(12.0, 4.8))
-    made = found.mimic.cycles(CIRCLE)
+    made = probe.mimic.cycles(CIRCLE)
     mimicked = np.column_stack([made.push_displacement, made.push_turn])
     # The mean motion is free in the fit: it is what the object rests on, not the direction.
-    mimicked += found.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
+    mimicked += probe.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
-        draw_outcome(axes, found.theta, found.change[:, column], outcome, "probed")
+        draw_outcome(axes, probe.theta, probe.change[:, column], outcome, "probed")
         title, _, scale = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)

@@ -242,21 +242,21 @@ def action_words(action: CycleAction) -> str:
     >>> action_words(CycleAction()), action_words(CycleAction(()))
     ('as the loop does', 'straight drag')
     """
-    push, told = action.push, []
+    push, clauses = action.push, []
     if push is not None:
-        told.append(f"push {1e3 * push.distance:.4g} mm on side {push.side}{_place(push)}")
+        clauses.append(f"push {1e3 * push.distance:.4g} mm on side {push.side}{_place(push)}")
     if action.way_points is not None:
         places = [
             f"{1e3 * math.hypot(x, y):.4g} mm at {angle(math.atan2(y, x))}"
             for x, y in action.way_points
         ]
         more = f", and {len(places) - _MOST_TOLD} places more" if len(places) > _MOST_TOLD else ""
-        told.append(
+        clauses.append(
             f"drag by {', then '.join(places[:_MOST_TOLD])}{more}" if places else "straight drag"
         )
     if action.turn:
-        told.append(f"gripper {angle(action.turn)}")
-    return ", ".join(told) or "as the loop does"
+        clauses.append(f"gripper {angle(action.turn)}")
+    return ", ".join(clauses) or "as the loop does"
 
 
 def _place(push: SidePush) -> str:
@@ -291,18 +291,22 @@ def recipe(strategy: ResetStrategy) -> str:
         return f"{ring}take one of {len(actions)} actions, {ordered} (see the protocol file)"
     if order != "random":
         return f"{ring}{ordered}: {', '.join(words)}{common}"
-    parts = np.array(strategy.weights or (1.0,) * len(words))
-    if not np.allclose(parts, parts.round(), rtol=0.0, atol=1e-9):
+    weights = np.array(strategy.weights or (1.0,) * len(words))
+    if not np.allclose(weights, weights.round(), rtol=0.0, atol=1e-9):
         shares = [
             f"{share:.1%} {word}"
             for share, word in zip(strategy.shares.tolist(), words, strict=True)
         ]
         return f"{ring}before every push draw: {', '.join(shares)}{common}"
-    counts, lots = [round(part) for part in parts.tolist()], round(parts.sum())
+    counts, lots = [round(weight) for weight in weights.tolist()], round(weights.sum())
     if counts == [1, 1]:
         return f"{ring}before every push toss a coin: heads {words[0]}, tails {words[1]}{common}"
-    told = ", ".join(f"{count} of {lots} {word}" for count, word in zip(counts, words, strict=True))
-    return f"{ring}before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {told}{common}"
+    draws = ", ".join(
+        f"{count} of {lots} {word}" for count, word in zip(counts, words, strict=True)
+    )
+    return (
+        f"{ring}before every push {_DRAWS.get(lots, f'draw one of {lots} lots')}: {draws}{common}"
+    )
 
 
 def _named(actions: Sequence[CycleAction]) -> tuple[list[str], str]:
@@ -373,14 +377,14 @@ def worst_words(about: MaterialRange) -> str:
     >>> worst_words(material_range(load_material("pu"))).partition(" (")[0]
     'at most in 95 % of its posterior, with 95 % confidence'
     """
-    told = f" ({about.told})" if about.told else ""
+    remark = f" ({about.told})" if about.told else ""
     if about.sampled:
         share, confidence = 100.0 * about.share, 100.0 * about.confidence
         return (
-            f"at most in {share:.0f} % of its posterior, with {confidence:.0f} % confidence{told}"
+            f"at most in {share:.0f} % of its posterior, with {confidence:.0f} % confidence{remark}"
         )
     return (
-        f"at the worst of {len(about.materials)} materials{told}"
+        f"at the worst of {len(about.materials)} materials{remark}"
         if about.others
         else "on that material alone"
     )
@@ -388,7 +392,7 @@ def worst_words(about: MaterialRange) -> str:
 
 def histogram_words(design: ResetDesign) -> str:
     """What histograms of as many pushes are held against, in 36 bins."""
-    told = (
+    measure = (
         f"histogram: mean distance of {design.demands.pushes} pushes in 36 bins, nominal and "
         "at worst"
     )
@@ -398,7 +402,7 @@ def histogram_words(design: ResetDesign) -> str:
         if steered is None
         else f", the chosen one steered by what is seen (cyclemap watch) {steered:.3f}"
     )
-    return f"{told}; independent uniform ones {design.independent:.3f}{seeing}"
+    return f"{measure}; independent uniform ones {design.independent:.3f}{seeing}"
 
 
 def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
@@ -408,7 +412,7 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
     if design.met:
         return ()
     missed = ", ".join(_DEMANDS[name][0] for name in design.chosen.misses) or "none by itself"
-    told = [
+    misses = [
         f"Nothing that was considered meets all demands. The nearest is told; it misses: {missed}."
     ]
     for limit in design.binding:
@@ -416,17 +420,23 @@ def miss_sentences(design: ResetDesign) -> tuple[str, ...]:
             _DEMANDS[limit.demand],
             "most" if limit.demand == "contact" else "least",
         )
-        told.append(
+        misses.append(
             f"The {least} {of} considered is {scale * limit.value:.3g}{unit}: "
             f"{recipe(limit.strategy)}."
         )
-    return tuple(told)
+    return tuple(misses)
 
 
 def row_cells(row: ResetRow) -> tuple[str, ...]:
     """A row as words, in the order of `COLUMNS`; a row that misses a demand says so."""
-    numbers = (row.nominal.total_variation, row.worst, row.worst_after)
+    distances = (row.nominal.total_variation, row.worst, row.worst_after)
     histogram = f"{row.histogram[0]:.3f}, {row.worst_histogram[0]:.3f}"
     costs = f"{1e3 * row.drag:.0f} mm", f"{row.seconds:.1f} s", f"{1e3 * row.contact:.0f} mm"
-    told = ", ".join(row.roles) + (" (misses)" if row.misses else "")
-    return told, recipe(row.strategy), *(f"{number:.3f}" for number in numbers), histogram, *costs
+    roles = ", ".join(row.roles) + (" (misses)" if row.misses else "")
+    return (
+        roles,
+        recipe(row.strategy),
+        *(f"{distance:.3f}" for distance in distances),
+        histogram,
+        *costs,
+    )

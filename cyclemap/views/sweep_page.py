@@ -195,7 +195,7 @@ def draw_swept_plane(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
 def rotation_plane(sweep: Sweep) -> RotationPlane:
     """The rotation numbers of a grid over two keys."""
     value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
-    period, winding = (np.nan_to_num(found).astype(int) for found in (periods, windings))
+    period, winding = (np.nan_to_num(locked).astype(int) for locked in (periods, windings))
     # Whether a map folds is told by its least slope, where that was asked for.
     slope = sweep.on_grid("min_slope") if "min_slope" in sweep.columns else np.zeros(sweep.shape)
     first, second = (axis.positions for axis in sweep.axes)
@@ -231,15 +231,15 @@ def without_specks(plane: RotationPlane) -> RotationPlane:
 
 def _shades(values: Array) -> tuple[Look, Array | None]:
     """One shade for each small count, light to dark; shades that run on for all else."""
-    found = values[np.isfinite(values)]
+    known = values[np.isfinite(values)]
     counted = (
-        found.size > 0
-        and bool(np.all(found == np.round(found)))
-        and float(np.ptp(found)) < _MOST_COUNTS
+        known.size > 0
+        and bool(np.all(known == np.round(known)))
+        and float(np.ptp(known)) < _MOST_COUNTS
     )
     if not counted:
         return {"cmap": "cividis"}, None
-    levels = np.arange(found.min(), found.max() + 1.0)
+    levels = np.arange(known.min(), known.max() + 1.0)
     # The lightest shade is not white: that is where no point is.
     shades = ListedColormap(colormaps["Blues"](np.linspace(0.12, 0.95, levels.size)))
     norm = BoundaryNorm(np.append(levels, levels[-1] + 1.0) - 0.5, levels.size)
@@ -279,7 +279,7 @@ def draw_swept_line(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     known = np.isfinite(values)
     if quantity.name == "rotation" and axis.is_number and known.any():
         value, lower, upper, *locked = (sweep.on_grid(name)[known] for name in _ROTATION)
-        period, winding = (found.astype(int) for found in locked)
+        period, winding = (column.astype(int) for column in locked)
         numbers = RotationNumbers(value, lower, upper, period, winding, 0.0)
         draw_rotation_numbers(axes, axis.positions[known], numbers, key_label(axis.key))
     else:
@@ -372,7 +372,7 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
             for key, ends in sample.get("ranges", {}).items()
         )
         swept = f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
-    told = [f"{whole} over {swept}."]
+    sentences = [f"{whole} over {swept}."]
     if "locked_period" in sweep.columns:
         period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
         pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
@@ -381,27 +381,27 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
             f"{count} at {ratio}" for ratio, count in ratios.most_common(_MOST_REASONS)
         )
         more = ", ..." if len(ratios) > _MOST_REASONS else ""
-        told.append(
+        sentences.append(
             f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock."
         )
     stable = sweep.columns.get("stable_points", np.empty(0))
     if np.isfinite(stable).any():
         counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
-        told.append(
+        sentences.append(
             f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}."
         )
     if refused := [text.partition(" (set:")[0] for text in sweep.refusals if text]:
         reason, count = Counter(refused).most_common(1)[0]
         short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
         most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
-        told.append(f"{len(refused)} refused; {most} so: {short}.")
-    return told
+        sentences.append(f"{len(refused)} refused; {most} so: {short}.")
+    return sentences
 
 
 def settings_line(sweep: Sweep) -> str:
     """What holds for all points: settings, and the accuracy asked for."""
     plan = sweep.description["plan"]
-    told = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
+    settings = ", ".join(f"{key}={value}" for key, value in plan["settings"].items())
     asked = plan["quantities"]
     accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
     pace = asked.get("rotation_tolerance", 0.0)
@@ -410,4 +410,6 @@ def settings_line(sweep: Sweep) -> str:
         if pace and "rotation" in sweep.columns
         else ""
     )
-    return "; ".join(part for part in (f"set: {told}" if told else "", accuracy, turns) if part)
+    return "; ".join(
+        clause for clause in (f"set: {settings}" if settings else "", accuracy, turns) if clause
+    )

@@ -151,8 +151,8 @@ def watch_sentences(report: BiasReport) -> tuple[str, ...]:
             f"{2.0 * 10.0**-report.threshold:g}"
         )
         verdict = f"No alarm in {_pushes(report.push + 1)}: evidence {evidence} {needed}."
-    told = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
-    return tuple(filter(None, told))
+    sentences = (verdict, rest_sentence(report), coverage_sentence(report), advice_sentence(report))
+    return tuple(filter(None, sentences))
 
 
 def alarm_sentence(alarm: Alarm) -> str:
@@ -228,63 +228,63 @@ def _power(log10: float) -> str:
 _LOCKED = 0.8
 
 
-def audit_headline(found: Audit) -> str:
+def audit_headline(audit: Audit) -> str:
     """Whether the data set can be used as it is."""
-    if found.is_good:
-        return f"{found.name}: the orientations are spread well"
-    if found.locked_from is not None:
-        how = "locks in" if found.gathered > _LOCKED else "lingers"
-        return f"{found.name}: {how} from push {found.locked_from} on"
-    return f"{found.name}: the orientations are not spread over the circle"
+    if audit.is_good:
+        return f"{audit.name}: the orientations are spread well"
+    if audit.locked_from is not None:
+        how = "locks in" if audit.gathered > _LOCKED else "lingers"
+        return f"{audit.name}: {how} from push {audit.locked_from} on"
+    return f"{audit.name}: the orientations are not spread over the circle"
 
 
-def audit_paragraph(found: Audit) -> str:
+def audit_paragraph(audit: Audit) -> str:
     """What stands on the data set's card: cover, lock-in, worth, what the reset did, what to
     change.
     """
-    pushes, others = len(found.theta), found.others
+    pushes, others = len(audit.theta), audit.others
     of = f" (and {others} pushes of other sets, not looked at)" if others else ""
-    cover = f"The orientations of the object before {pushes} pushes{of} {_covering(found)}."
+    cover = f"The orientations of the object before {pushes} pushes{of} {_covering(audit)}."
     worth = (
         f"The {pushes} pushes tell as much of how motion depends on orientation as "
-        f"{found.worth:.0f} spread evenly."
+        f"{audit.worth:.0f} spread evenly."
     )
-    return " ".join([cover, _gathering(found), worth, _undone(found), _change(found)])
+    return " ".join([cover, _gathering(audit), worth, _undone(audit), _change(audit)])
 
 
-def _covering(found: Audit) -> str:
-    state, arcs = found.report.coverage, found.covered
+def _covering(audit: Audit) -> str:
+    state, arcs = audit.report.coverage, audit.covered
     if len(arcs) == 1 and arcs[0][1] - arcs[0][0] > 6.28:
         return (
             f"cover the whole circle, their widest gap {angle(state.largest_gap, 0)} about "
             f"{angle(state.gap_centre, 0)}"
         )
-    told = ", ".join(
+    arc_words = ", ".join(
         f"{angle(low, 0)} to {angle(high % (2 * math.pi), 0)}" for low, high in arcs[:4]
     )
     more = f" and {len(arcs) - 4} arcs more" if len(arcs) > 4 else ""
-    return f"cover {told}{more}: {state.covered:.0%} of the circle is within 5° of one"
+    return f"cover {arc_words}{more}: {state.covered:.0%} of the circle is within 5° of one"
 
 
-def _gathering(found: Audit) -> str:
-    alarm, start = found.report.alarm, found.locked_from
-    if not found.ordered:
+def _gathering(audit: Audit) -> str:
+    alarm, start = audit.report.alarm, audit.locked_from
+    if not audit.ordered:
         return "Their order is not known, so that nothing can be said of when they gathered."
     if alarm is None or start is None:
-        return f"Nothing shows that they lock in (at an alarm rate of {found.alarm_rate:g})."
-    how = "lock in" if found.gathered > _LOCKED else "linger again and again"
+        return f"Nothing shows that they lock in (at an alarm rate of {audit.alarm_rate:g})."
+    how = "lock in" if audit.gathered > _LOCKED else "linger again and again"
     return (
         f"From push {start} on they {how} about {directions(alarm.directions)}: "
-        f"{found.gathered:.0%} of the {len(found.theta) - start} pushes from there on lie within "
+        f"{audit.gathered:.0%} of the {len(audit.theta) - start} pushes from there on lie within "
         "10° of it."
     )
 
 
-def _change(found: Audit) -> str:
-    start, aim = found.locked_from, angle(found.report.coverage.least_covered, 0)
-    if found.is_good:
+def _change(audit: Audit) -> str:
+    start, aim = audit.locked_from, angle(audit.report.coverage.least_covered, 0)
+    if audit.is_good:
         return f"Nothing needs to change; the orientation least covered is {aim}."
-    if start is not None and found.gathered > _LOCKED:
+    if start is not None and audit.gathered > _LOCKED:
         return (
             f"Weigh what follows push {start} less, or leave it out; for more data change the "
             f"reset (cyclemap reset finds one) and begin at {aim}, the orientation least covered."
@@ -295,9 +295,9 @@ def _change(found: Audit) -> str:
     )
 
 
-def _undone(found: Audit) -> str:
-    reset: ResetEffect | None = found.reset
-    if reset is None and found.posed:
+def _undone(audit: Audit) -> str:
+    reset: ResetEffect | None = audit.reset
+    if reset is None and audit.posed:
         return (
             "What the reset did cannot be said: poses before and after pushes are there, but not "
             "in a row of pushes that follow each other: it takes their numbers, a column rep, and "
@@ -315,18 +315,18 @@ def _undone(found: Audit) -> str:
 
 
 @picture_style()
-def audit_page(found: Audit) -> Figure:
+def audit_page(audit: Audit) -> Figure:
     """Draw the orientations push by push, their rose, their worth, and each reset's turn over its
     push's.
     """
-    title, words = audit_headline(found), [audit_paragraph(found)]
+    title, words = audit_headline(audit), [audit_paragraph(audit)]
     figure, panels = page("ac;bd", title, words, **_COURSE)
-    reset = draw_course(panels, found.theta, found.reports)
-    if found.reset is None:
+    reset = draw_course(panels, audit.theta, audit.reports)
+    if audit.reset is None:
         reset.axis("off")
         say(reset, "no poses after pushes: what the reset did is unknown")
         return figure
-    push, back = np.degrees([found.reset.push_turn, found.reset.reset_turn])
+    push, back = np.degrees([audit.reset.push_turn, audit.reset.reset_turn])
     reset.plot(push, back, label="measured", **DOTS)
     reset.axline((0.0, 0.0), slope=-1.0, label="undoes the push", **SECOND)
     reset.set(xlabel="turn by the push (°)", ylabel="turn by the reset (°)")

@@ -74,44 +74,44 @@ def slider_controls(
             low = min(setting.step, value)
         if setting.key in left_out or high <= low:
             continue
-        told = {name: getattr(setting, name) for name in ("key", "label", "step", "group")}
+        facts = {name: getattr(setting, name) for name in ("key", "label", "step", "group")}
         controls.append(
-            {**told, "unit": _UNITS[setting.unit], "low": low, "high": high, "value": value}
+            {**facts, "unit": _UNITS[setting.unit], "low": low, "high": high, "value": value}
         )
     return controls
 
 
-def of_portrait(found: Portrait, start: float) -> dict[str, object]:
+def of_portrait(portrait: Portrait, start: float) -> dict[str, object]:
     """The portrait as the page draws it; where noise does not settle the distribution, its density
     is None.
     """
     degrees = 2 * np.pi * np.arange(CELLS + 1) / CELLS
-    certain, known, loop = found.operator.is_certain, found.uncertainty, found.loop
+    certain, known, loop = portrait.operator.is_certain, portrait.uncertainty, portrait.loop
     ends = (
         []
         if known is None
         else [np.degrees([direction.lower, direction.upper]) for direction in known.directions]
     )
-    path = found.staircase.theta
+    path = portrait.staircase.theta
     every = max(1, math.ceil((len(path) - 1) / _STAIRCASE_POINTS))
     orbit, courses = _courses(loop, start)
     return {
         "may_lie": [_listed(pair, 2) for pair in ends],
         "said": [
-            *(typeset(sentence(found)) for sentence in _SENTENCES),
-            f"{sentences.accuracy_line(found).capitalize()}.",
+            *(typeset(sentence(portrait)) for sentence in _SENTENCES),
+            f"{sentences.accuracy_line(portrait).capitalize()}.",
         ],
-        "density": _listed(2 * np.pi * found.operator.density(degrees[:-1]), 4)
+        "density": _listed(2 * np.pi * portrait.operator.density(degrees[:-1]), 4)
         if certain
         else None,
-        "turn": _listed(np.degrees(found.map.turn(degrees)), 3),
+        "turn": _listed(np.degrees(portrait.map.turn(degrees)), 3),
         "fixed_points": [
             {
                 "theta_deg": round(math.degrees(point.points[0]), 6),
                 "multiplier": round(float(point.multiplier), 8),
                 "stable": point.stable,
             }
-            for point in found.fixed_points
+            for point in portrait.fixed_points
         ],
         "staircase": {"every": every, "turns": _listed(path[::every] / (2 * np.pi), 4)},
         "orbit": _listed(np.degrees(orbit), 4),

@@ -78,7 +78,7 @@ class Download:
 
 
 def page_html(
-    found: Portrait,
+    shown: Portrait,
     start: float,
     words: Sequence[str],
     settings: Mapping[str, object],
@@ -97,16 +97,16 @@ def page_html(
     sections, downloads, provenance : what a report tells beneath, in order. The portrait as a
         picture is shown where scripts do not run.
     """
-    loop, sigma = found.loop, found.noise.sigma
+    loop, sigma = shown.loop, shown.noise.sigma
     values, tables = slider_values(loop, sigma), browser_tables(loop.model, loop.reset)
     data = {
         "name": loop.material.name,
-        "answer": of_portrait(found, start),
+        "answer": of_portrait(shown, start),
         "measured": measured(pairs),
         "controls": slider_controls(loop, values, tables),
         "values": values,
         "start_deg": math.degrees(start) % 360.0,
-        "cycles": found.staircase.cycles,
+        "cycles": shown.staircase.cycles,
         "tables": tables,
         "stories": _stories(loop),
         "words": list(words),
@@ -129,7 +129,7 @@ def page_html(
     )
     return page.from_string(_file("page.html")).render(
         data=data,
-        picture=base64.b64encode(_still(found)).decode(),
+        picture=base64.b64encode(_still(shown)).decode(),
         policy=policy,
         style=style,
         plot=plot,
@@ -149,12 +149,12 @@ def explorer_frame(loop: CollectionLoop) -> str:
     >>> explorer_frame(CollectionLoop.mit("plywood")).count("<iframe")
     1
     """
-    found, tables = portrait(loop), collection_tables(loop)
+    shown, tables = portrait(loop), collection_tables(loop)
     settings = {
         key: value for table in tables.values() for key, value in plain_numbers(table).items()
     }
-    page = page_html(found, 0.0, (loop.material.name,), settings)
-    still = Section("", (), _still(found)).image
+    page = page_html(shown, 0.0, (loop.material.name,), settings)
+    still = Section("", (), _still(shown)).image
     return (
         f'<div style="position: relative; min-height: {_FRAME_HEIGHT}px">'
         f'<img alt="portrait of {escape(loop.material.name)}" width="100%" src="{still}">'
@@ -165,9 +165,9 @@ def explorer_frame(loop: CollectionLoop) -> str:
 
 
 @lru_cache(maxsize=1)
-def _still(found: Portrait) -> bytes:
+def _still(shown: Portrait) -> bytes:
     """The portrait as a picture of few colours, a third as long as with all of them."""
-    whole = render(portrait_page(found, portrait_curves(found)), "png", _DOTS_PER_INCH)
+    whole = render(portrait_page(shown, portrait_curves(shown)), "png", _DOTS_PER_INCH)
     few = io.BytesIO()
     with Image.open(io.BytesIO(whole)) as picture:
         picture.convert("RGB").quantize(_COLOURS, dither=Image.Dither.NONE).save(
@@ -176,18 +176,18 @@ def _still(found: Portrait) -> bytes:
     return few.getvalue()
 
 
-def provenance_of(found: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:
+def provenance_of(shown: Portrait, command: str, inputs: Sequence[Path]) -> list[tuple[str, str]]:
     """Where a report comes from: the command that made it, the digests of what it read,
     versions."""
     versions = [f"{name} {metadata.version(name)}" for name in _PACKAGES]
     return [
         ("command", command),
-        ("seed", str(found.staircase.seed)),
+        ("seed", str(shown.staircase.seed)),
         *(
             (f"input {path.name}", f"SHA-256 {hashlib.sha256(path.read_bytes()).hexdigest()}")
             for path in inputs
         ),
-        ("material", found.loop.material.provenance or "as named on the command line"),
+        ("material", shown.loop.material.provenance or "as named on the command line"),
         ("versions", ", ".join([*versions, f"Python {platform.python_version()}"])),
     ]
 

@@ -79,7 +79,7 @@ def write_page(
     beside = max(_text_width(line, _KEYED) for line in key.split("\n"))
     at_foot: Look = {"va": "bottom", "fontsize": 8, "color": QUIET, "linespacing": 1.35}
     _write(figure, height - 0.1, [key] if key else [], x=width - 0.2, ha="right", **at_foot)
-    paragraphs = [_wrapped(part, _KEYED, wide - beside - 0.2) for part in foot.split("\n")]
+    paragraphs = [_wrapped(block, _KEYED, wide - beside - 0.2) for block in foot.split("\n")]
     lines = [line for paragraph in paragraphs for line in paragraph]
     _write(figure, height - 0.1, lines, **at_foot)
     return (0.16 * len(lines) + 0.12 * bool(lines)) / height, 1.0 - y / height
@@ -209,9 +209,11 @@ def _texts(artist: Artist) -> Iterator[Text]:
     """
     if isinstance(artist, Text):
         yield artist
-    parts = [artist.label, artist.offsetText] if isinstance(artist, Axis) else artist.get_children()
-    for part in parts:
-        yield from _texts(part)
+    children = (
+        [artist.label, artist.offsetText] if isinstance(artist, Axis) else artist.get_children()
+    )
+    for child in children:
+        yield from _texts(child)
 
 
 def legend_above(axes: Axes) -> int:

@@ -224,7 +224,7 @@ def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:
     of the orbits.
     """
     # An orbit between two neighbouring ones is as stable as the one that is no bifurcation.
-    special = np.array([float(found.parameter) for found in branch.special])
+    special = np.array([float(bifurcation.parameter) for bifurcation in branch.special])
     distance = np.abs(branch.parameter[:, None] - special).min(axis=1, initial=np.inf)
     bifurcates = distance <= 1e-9 * max(float(np.ptp(branch.parameter)), 1e-300)
     stable = np.where(bifurcates[:-1], branch.stable[1:], branch.stable[:-1])
@@ -273,10 +273,12 @@ def draw_orbit_branches(
     curves = [curve for branch in branches for curve in branch_curves(branch)]
     for stable, (parameter, theta_deg) in sorted(curves, key=lambda curve: not curve[0]):
         axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
-    for found in sorted(bifurcations, key=lambda found: list(MARKERS).index(found.kind)):
-        parameter = np.full(found.points.size, float(found.parameter))
-        marker = {**BIFURCATION, **MARKERS[found.kind], "label": found.kind}
-        axes.plot(parameter, np.degrees(found.points), **marker)
+    for bifurcation in sorted(
+        bifurcations, key=lambda bifurcation: list(MARKERS).index(bifurcation.kind)
+    ):
+        parameter = np.full(bifurcation.points.size, float(bifurcation.parameter))
+        marker = {**BIFURCATION, **MARKERS[bifurcation.kind], "label": bifurcation.kind}
+        axes.plot(parameter, np.degrees(bifurcation.points), **marker)
     axes.margins(x=0.02)
     legend_above(axes)
 
