@@ -178,11 +178,10 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan = sweep.description["plan"]
-    columns: dict[str, object] = {key: sweep.swept[key] for key in sweep.keys}
+    columns: dict[str, object] = {key: sweep.table[key] for key in sweep.keys}
     for quantity in sweep.quantities:
-        values = (sweep.lists if quantity.many else sweep.columns)[quantity.name]
-        columns[quantity.written_name] = map(quantity.written, values)
-    refusals = [refusal or None for refusal in sweep.refusals]
+        columns[quantity.written_name] = map(quantity.written, sweep.table[quantity.name])
+    refusals = [refusal or None for refusal in sweep.table["refusal"]]
     return {
         **_status_report(status, store),
         "over": plan["points"],

@@ -100,10 +100,11 @@ def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[Panel]:
     panels: list[Panel] = []
     if len(keys) == 1:
         draw, sweep = draw_swept_line, in_order(sweep)
-        if "fixed_point_theta" in sweep.lists:
+        if "fixed_point_theta" in sweep.table:
             panels.append(("Fixed points", partial(draw_fixed_points, sweep=sweep)))
-    default = [name for name in ("rotation", "stable_points") if name in sweep.columns]
-    for name in names or default or tuple(sweep.columns)[:2]:
+    default = [name for name in ("rotation", "stable_points") if name in sweep.table]
+    first = [quantity.name for quantity in sweep.quantities if not quantity.many][:2]
+    for name in names or default or first:
         quantity = sweep.quantity(name)
         if quantity.many:
             raise InvalidInput(
@@ -119,7 +120,7 @@ def swept_panels(sweep: Sweep, names: tuple[str, ...] = ()) -> list[Panel]:
 def in_order(sweep: Sweep) -> Sweep:
     """A sweep over one key as a grid of its values, numbers in order."""
     (key,) = (axis.key for axis in sweep.axes) if sweep.axes else sweep.keys
-    values = sweep.axes[0].values if sweep.axes else tuple(set(sweep.swept[key]))
+    values = sweep.axes[0].values if sweep.axes else tuple(set(sweep.table[key]))
     if sweep.is_numeric(key) or not sweep.axes:
         values = tuple(sorted(values))  # type: ignore[type-var]
     return replace(sweep, axes=(SweepAxis(key, values),))
@@ -197,7 +198,7 @@ def rotation_plane(sweep: Sweep) -> RotationPlane:
     value, lower, upper, periods, windings = (sweep.on_grid(name) for name in _ROTATION)
     period, winding = (np.nan_to_num(locked).astype(int) for locked in (periods, windings))
     # Whether a map folds is told by its least slope, where that was asked for.
-    slope = sweep.on_grid("min_slope") if "min_slope" in sweep.columns else np.zeros(sweep.shape)
+    slope = sweep.on_grid("min_slope") if "min_slope" in sweep.table else np.zeros(sweep.shape)
     first, second = (axis.positions for axis in sweep.axes)
     return RotationPlane(first, second, value, lower, upper, period, winding, slope < 0.0, 0.0)
 
@@ -257,10 +258,10 @@ def draw_fixed_points(axes: Axes, sweep: Sweep) -> None:
     (axis,), (places,) = sweep.axes, sweep.places()
     axes.set(xlabel=key_label(axis.key), ylabel="θ of the fixed points (°)")
     whole_turn_ticks(axes)
-    points = sweep.lists["fixed_point_theta"]
+    points = sweep.table["fixed_point_theta"].tolist()
     at = np.repeat(axis.positions[places], [theta.size for theta in points])
     theta = np.degrees(np.concatenate(points))
-    stable = np.concatenate(sweep.lists["fixed_point_stable"]) == 1.0
+    stable = np.concatenate(sweep.table["fixed_point_stable"].tolist()) == 1.0
     if not at.size:
         say(axes, "no fixed point")
     size = float(np.clip(300.0 / len(sweep), 2.0, 6.0))
@@ -305,7 +306,7 @@ def _finish_line_axis(axes: Axes, sweep: Sweep) -> None:
 def draw_swept_scatter(axes: Axes, sweep: Sweep, quantity: Quantity) -> None:
     """One quantity at the points of a sample over two keys, by colour;
     refused points as crosses."""
-    values = quantity.written(sweep.columns[quantity.name])
+    values = quantity.written(sweep.table[quantity.name])
     first, second = (sweep.values(key) for key in sweep.keys)
     look, ticks = _shades(values)
     size = float(np.clip(6000.0 / len(sweep), 6.0, 60.0))
@@ -347,7 +348,7 @@ def sweep_headline(sweep: Sweep) -> str:
         else f"{', '.join(sweep.description['plan']['material'])}: "
     )
     kept = [axis.key for axis in sweep.axes] or list(sweep.keys)
-    values = {key: sweep.swept[key][0] for key in sweep.keys if key not in kept and len(sweep)}
+    values = {key: sweep.table[key].iloc[0] for key in sweep.keys if key not in kept and len(sweep)}
     fixed = [
         f"{key_words(key)} = {f'{value:.5g}' if isinstance(value, float) else value}"
         for key, value in values.items()
@@ -373,8 +374,8 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
         )
         swept = f"{', '.join(ranges)} ({sample.get('sequence')} sample, seed {sample.get('seed')})"
     sentences = [f"{whole} over {swept}."]
-    if "locked_period" in sweep.columns:
-        period, winding = sweep.columns["locked_period"], sweep.columns["locked_winding"]
+    if "locked_period" in sweep.table:
+        period, winding = sweep.table["locked_period"], sweep.table["locked_winding"]
         pairs = zip(winding[period > 0].tolist(), period[period > 0].tolist(), strict=True)
         ratios = Counter(f"{int(p)}/{int(q)}" for p, q in pairs)
         listed = ", ".join(
@@ -384,13 +385,12 @@ def sweep_sentences(sweep: Sweep) -> list[str]:
         sentences.append(
             f"{ratios.total()} lock ({listed}{more})." if ratios else "No point is proved to lock."
         )
-    stable = sweep.columns.get("stable_points", np.empty(0))
-    if np.isfinite(stable).any():
-        counts = sorted(Counter(stable[np.isfinite(stable)].astype(int).tolist()).items())
+    if "stable_points" in sweep.table and sweep.table["stable_points"].notna().any():
+        counts = sorted(Counter(sweep.table["stable_points"].dropna().astype(int)).items())
         sentences.append(
             f"Stable directions: {', '.join(f'{points} with {count}' for count, points in counts)}."
         )
-    if refused := [text.partition(" (set:")[0] for text in sweep.refusals if text]:
+    if refused := [text.partition(" (set:")[0] for text in sweep.table["refusal"] if text]:
         reason, count = Counter(refused).most_common(1)[0]
         short = reason if len(reason) <= _LONGEST_REASON else f"{reason[: _LONGEST_REASON - 1]}…"
         most = f"{count} of them" if count < len(refused) else "all of them" if count > 1 else "it"
@@ -406,9 +406,7 @@ def settings_line(sweep: Sweep) -> str:
     accuracy = f"map to {np.degrees(asked['tolerance']):.1g}°" if "tolerance" in asked else ""
     pace = asked.get("rotation_tolerance", 0.0)
     turns = (
-        f"rotation numbers to {pace:g} turns a cycle"
-        if pace and "rotation" in sweep.columns
-        else ""
+        f"rotation numbers to {pace:g} turns a cycle" if pace and "rotation" in sweep.table else ""
     )
     return "; ".join(
         clause for clause in (f"set: {settings}" if settings else "", accuracy, turns) if clause

@@ -112,7 +112,7 @@ def test_a_line_has_the_bifurcation_diagram_beside_the_rotation_number(swept) ->
     assert [len(line.get_xdata()) for line in points.lines[:3]] == [5, 5, 1], (
         "unstable, stable and refused points"
     )
-    assert sweep_sentences(sweep.where(sweep.number < 4))[0].startswith(
+    assert sweep_sentences(sweep.where(sweep.table["number"] < 4))[0].startswith(
         "4 of 11 points over friction μa"
     )
 
@@ -144,7 +144,7 @@ def test_a_sweep_of_refusals_alone_can_still_be_drawn(tmp_path) -> None:
     )
     run_sweep(plan, tmp_path / "sweep.sqlite", workers=1)
     sweep = load_sweep(tmp_path / "sweep.sqlite")
-    assert all("contact fraction" in text for text in sweep.refusals)
+    assert all("contact fraction" in text for text in sweep.table["refusal"])
     assert "4 refused" in words(page_of(sweep))
     assert "2 refused" in words(page_of(sweep.select(push_mm=100.0)))
 
