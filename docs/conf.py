@@ -24,13 +24,13 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
     "sphinx_click",
     "sphinx_copybutton",
     "sphinx_design",
     "drawings",
     "explorer_page",
     "gallery",
-    "house_docstrings",
     "mathml_math",
     "public_names",
     "settings_table",
@@ -40,6 +40,10 @@ exclude_patterns = ["_build", "_extensions", "_figures", "gallery/*.md"]
 # of its own.
 write_pages(HERE / "reference" / "api")
 autosummary_generate = False
+napoleon_google_docstring = False
+# Types are words for people: no links.
+napoleon_use_param = False
+napoleon_custom_sections = [("Attributes", "params_style")]
 nitpicky = True
 # Types in signatures that are not public, and those of other libraries, have no page of their own
 # here.
@@ -52,6 +56,8 @@ nitpick_ignore_regex = [
     (r"py:class", r"[A-Z][A-Za-z]*"),
     # How Sphinx splits `tuple[float, ...]` in the signature of a class with defaults.
     (r"py:class", r"tuple\[float"),
+    # Errors that docstrings name without their room.
+    (r"py:exc", r"[A-Z][A-Za-z]*"),
 ]
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]

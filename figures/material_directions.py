@@ -1,5 +1,5 @@
-"""Fig. 6 and the paper's staircases: how often each orientation θ0 is pushed from on four materials,
-and how θ0, not wrapped, climbs over 2000 pushes.
+"""Fig. 6 and the paper's staircases: how often each orientation θ0 is pushed from on four
+materials, and how θ0, not wrapped, climbs over 2000 pushes.
 """
 
 from __future__ import annotations
@@ -148,8 +148,8 @@ def _histogram_sentence(panel: MaterialDirections) -> str:
     sentence = f"On {name} the density {where}"
     if not _published(panel):
         return (
-            f"{sentence}, {panel.density.max() / UNIFORM:.1f} times the uniform one at most (paper: "
-            "none)."
+            f"{sentence}, {panel.density.max() / UNIFORM:.1f} times the uniform one at most "
+            "(paper: none)."
         )
     words = [
         f"{at:.0f}° {word}" for at, word in zip(_published(panel), PEAK_WORDS[name], strict=True)
@@ -166,7 +166,8 @@ def _histogram_sentence(panel: MaterialDirections) -> str:
     low, high = np.degrees(panel.recorded.edges[highest : highest + 2])
     apart = float(total_variation(panel.theta0, panel.run.pushes.theta))
     return (
-        f"{sentence}, {recorded:.0%} of the {panel.theta0.size} recorded ones, whose highest bin is "
+        f"{sentence}, {recorded:.0%} of the {panel.theta0.size} recorded ones, whose highest bin "
+        "is "
         f"{low:.0f}° to {high:.0f}°; the two histograms are {apart:.2f} apart in total variation."
     )
 

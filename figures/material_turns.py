@@ -1,5 +1,5 @@
-"""Figs. 5 and 7: the turn Δθ of the push on four materials, over the orientation that it starts from,
-and its histogram, as a fitted law predicts it and as it was.
+"""Figs. 5 and 7: the turn Δθ of the push on four materials, over the orientation that it starts
+from, and its histogram, as a fitted law predicts it and as it was.
 """
 
 from __future__ import annotations
@@ -269,10 +269,11 @@ def _histogram_sentence(panel: TurnPanel) -> str:
     low, high = np.degrees(np.quantile(panel.law.value, [0.025, 0.975]))
     chance = "within" if histogram.total_variation <= histogram.chance_total_variation else "beyond"
     return (
-        f"Of {histogram.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; the "
+        f"Of {histogram.count} {what} on {panel.surface}, 95 % turn by {low:.1f}° to {high:.1f}°; "
+        "the "
         f"law's histogram is {histogram.total_variation:.2f} off in total variation, {chance} the "
-        f"{histogram.chance_total_variation:.2f} that chance makes in 19 of 20 sets, and without its "
-        f"scatter {histogram.law_alone_total_variation:.2f}."
+        f"{histogram.chance_total_variation:.2f} that chance makes in 19 of 20 sets, and without "
+        f"its scatter {histogram.law_alone_total_variation:.2f}."
     )
 
 

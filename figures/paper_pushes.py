@@ -1,5 +1,5 @@
-"""The paper's repeated pushes on four materials: what Ma & Rodriguez (2018) publish of them, and those
-that the user's folder holds.
+"""The paper's repeated pushes on four materials: what Ma & Rodriguez (2018) publish of them, and
+those that the user's folder holds.
 
 The paper gives standard deviations and root mean square errors, and both as percentages of the
 mean: the mean is one over the other. Percentages carry no sign. In this package's frame the object

@@ -1,5 +1,5 @@
-"""Turns over θ0 on plywood: simulated and measured (Fig. 13), and what the anisotropy of friction and
-the floor's shape each explain of them.
+"""Turns over θ0 on plywood: simulated and measured (Fig. 13), and what the anisotropy of friction
+and the floor's shape each explain of them.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Tables I to III: the friction ellipses of the materials, how much equal pushes differ, and how far
-they lie from a law of θ0 that is fitted to them.
+"""Tables I to III: the friction ellipses of the materials, how much equal pushes differ, and how
+far they lie from a law of θ0 that is fitted to them.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Figs. 3 and 4: paths of the pushed object's centre on the paper's four surfaces, in the object's own
-frame before the push, and in the robot's, where they seldom cross.
+"""Figs. 3 and 4: paths of the pushed object's centre on the paper's four surfaces, in the object's
+own frame before the push, and in the robot's, where they seldom cross.
 """
 
 from dataclasses import dataclass

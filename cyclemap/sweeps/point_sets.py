@@ -75,7 +75,8 @@ class SweepAxis:
 
     @property
     def positions(self) -> Array:
-        """Where the values stand, (n,): the numbers themselves, or 0, 1, 2, ... for anything else."""
+        """Where the values stand, (n,): the numbers themselves, or 0, 1, 2, ... for anything "
+        "else."""
         return np.array(self.values if self.is_number else range(len(self.values)), dtype=float)
 
     def at(self, share: float) -> object:

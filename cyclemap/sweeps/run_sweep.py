@@ -63,8 +63,8 @@ def find_chunk(numbers: PortraitNumbers, points: tuple[SweptPoint, ...]) -> Foun
                 for key, value in given
             )
             raise CycleMapError(
-                f"point {point.number} ({', '.join(settings)}) failed, which no input should make it "
-                f"do: {type(error).__name__}: {error}"
+                f"point {point.number} ({', '.join(settings)}) failed, which no input should make "
+                f"it do: {type(error).__name__}: {error}"
             ) from error
     return outcomes, numbers.version, time.perf_counter() - begun
 

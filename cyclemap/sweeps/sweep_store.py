@@ -144,7 +144,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._faults_told():
             counts = "SELECT count(*), coalesce(sum(refusal != ''), 0) FROM points"
             stored, refused = self.connection.execute(counts).fetchone()
-        return SweepStatus(int(self.description["count"]), stored, refused)  # type: ignore[call-overload]
+        points: int = self.description["count"]  # type: ignore[assignment]
+        return SweepStatus(points, stored, refused)
 
     def digests(self, first: int, end: int) -> set[str]:
         """The digests of the stored points with numbers from `first` up to, but without, `end`."""

@@ -126,8 +126,8 @@ def bow_sentence(fingerprint: Fingerprint, bow: float) -> str:
     """What stands instead of a prediction where the floor has a bow."""
     return (
         f"The floor has a bow of {bow:.3g} mean pressures: to first order it changes the turn by "
-        f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from that; "
-        "portrait computes the map."
+        f"up to {angle(bow * fingerprint.cycle.bow_amplitude, 1)}. No direction is predicted from "
+        "that; portrait computes the map."
     )
 
 

@@ -158,7 +158,8 @@ def set_sentences(fit: SetFit) -> list[str]:
             "The histogram of Δθ that the law predicts with its scatter has "
             f"{_share(histogram.total_variation)} of the pushes in other bins than measured "
             f"({chance}), {angle(histogram.distance, 2)} away on average; without scatter "
-            f"{_share(histogram.law_alone_total_variation)}, {angle(histogram.law_alone_distance, 2)}."
+            f"{_share(histogram.law_alone_total_variation)}, "
+            f"{angle(histogram.law_alone_distance, 2)}."
         )
     if fit.cycle_map is None:
         return [*said, f"No cycle map: {fit.map_problem}."]

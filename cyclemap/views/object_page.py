@@ -1,4 +1,6 @@
-"""An object that is set up, and a plan of pushes to print: each to scale on one page, and in sentences."""
+"""An object that is set up, and a plan of pushes to print: each to scale on one page, and in
+sentences.
+"""
 
 from __future__ import annotations
 
@@ -87,8 +89,8 @@ _COLUMNS = 4
 _WIDTH, _BESIDE, _WORDS = 2.6, 1.0, 1.8
 _FOOT = (
     "Filled: the object as it is set, its ring a circle, corners a and b to set and to measure. "
-    "Dashed: where it is likely to end. Arrow: the rod's centre, from first touch. Millimetres from "
-    "the near left corner of the room."
+    "Dashed: where it is likely to end. Arrow: the rod's centre, from first touch. Millimetres "
+    "from the near left corner of the room."
 )
 
 
@@ -134,7 +136,8 @@ def plan_sentences(plan: PushPlan) -> tuple[str, ...]:
     return (
         f"{planned} pushes of {name} that tell most of {asked[plan.target]}.",
         f"{locks}Known now: {known_words(after[0].planned)}. After these {planned}: "
-        f"{known_words(chosen.planned)}; after {planned} random ones: {known_words(chosen.random)}; "
+        f"{known_words(chosen.planned)}; after {planned} random ones: "
+        f"{known_words(chosen.random)}; "
         f"with one of them lost, at worst: {known_words(plan.without)}.",
         f"Expected, to first order, over {plan.samples} floors as {floor} has them, with readings "
         f"good to {read} and what models miss on real floors; two standard deviations, averaged "

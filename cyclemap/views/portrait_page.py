@@ -1,5 +1,5 @@
-"""The portrait of a loop on one page, with turn, directions, cobweb, staircase, and a cycle to scale;
-and its staircase alone, predicted and measured, in sentences and on a page.
+"""The portrait of a loop on one page, with turn, directions, cobweb, staircase, and a cycle to
+scale; and its staircase alone, predicted and measured, in sentences and on a page.
 """
 
 from __future__ import annotations

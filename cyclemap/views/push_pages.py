@@ -1,5 +1,5 @@
-"""Pushes one by one: a stream of poses and how it was cut into them, a probe of what goes with their
-orientation, and recorded ones replayed; in sentences, and each on a landscape page.
+"""Pushes one by one: a stream of poses and how it was cut into them, a probe of what goes with
+their orientation, and recorded ones replayed; in sentences, and each on a landscape page.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ def probe_sentences(probe: Probe) -> tuple[str, ...]:
         return (
             f"No sign that pushes depend on their direction, in {probe.theta.size} pushes (p = "
             f"{probe.p_value:.2g}).",
-            f"Anisotropy that could hide behind the {noise}: axes up to {probe.ratio.upper:.4g} : 1, "
+            f"Anisotropy that could hide behind the {noise}: axes up to {probe.ratio.upper:.4g} : "
+            "1, "
             f"a centre up to {probe.offset.upper:.2g} of the mean radius off (95 % confidence).",
         )
     if probe.stable:
@@ -112,8 +113,8 @@ def probe_sentences(probe: Probe) -> tuple[str, ...]:
     if probe.ratio.lower > MOST_RATIO:
         return (
             depend,
-            f"A friction ellipse would need axes {probe.ratio.value:.3g} : 1, and no floor that was "
-            "measured has them beyond 1.7 : 1: this cannot be friction. Look at object, push, "
+            f"A friction ellipse would need axes {probe.ratio.value:.3g} : 1, and no floor that "
+            "was measured has them beyond 1.7 : 1: this cannot be friction. Look at object, push, "
             "units and --angles of the data.",
         )
     return (

@@ -187,17 +187,16 @@ def multiplier_sentence(multiplier: RestMultiplier | None) -> str:
     """
     if multiplier is None:
         return ""
-    kept = f"{multiplier.value:.2f} of an error ({multiplier.lower:.2f} to {multiplier.upper:.2f})".replace(
-        "-", "−"
-    )
+    between = f"{multiplier.lower:.2f} to {multiplier.upper:.2f}"
+    kept = f"{multiplier.value:.2f} of an error ({between})".replace("-", "−")
     lost = (
         " At 1 the direction is lost: watch whether that share grows."
         if multiplier.upper >= 1.0
         else ""
     )
     return (
-        f"Over the last {multiplier.cycles} cycles, at rest near {angle(multiplier.theta, 0)}, each "
-        f"keeps {kept}.{lost}"
+        f"Over the last {multiplier.cycles} cycles, at rest near {angle(multiplier.theta, 0)}, "
+        f"each keeps {kept}.{lost}"
     )
 
 

@@ -1,4 +1,6 @@
-"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a sample."""
+"""A sweep: in sentences, and drawn as a diagram over one key or two, or as a scatter of a
+sample.
+"""
 
 import math
 from collections import Counter

@@ -114,8 +114,8 @@ def _pooled_verdict(agreement: QuantityAgreement, whose: str) -> Verdict:
     error = "" if agreement.bias_error is None else f" ± {quantity.value(agreement.bias_error)}"
     words = (
         f"Over {agreement.count} pushes{whose} the {quantity.name} is predicted with RMSE "
-        f"{quantity.value(agreement.rmse)}, bias {quantity.value(agreement.bias)}{error}; its standard deviation "
-        f"is {quantity.value(agreement.measured_std)}."
+        f"{quantity.value(agreement.rmse)}, bias {quantity.value(agreement.bias)}{error}; its "
+        f"standard deviation is {quantity.value(agreement.measured_std)}."
     )
     return Verdict(f"{quantity.name}{whose}", None, words)
 
@@ -236,7 +236,8 @@ def _staircase_verdict(quantity: _Quantity, simulated: SimulatedQuantity) -> Ver
     words = (
         f"The {quantity.name}{tested}: {measured} measured, "
         f"{quantity.value(simulated.predicted, digits)} predicted (95 % of collections: "
-        f"{quantity.number(simulated.lower, digits)} to {quantity.number(simulated.upper, digits)})."
+        f"{quantity.number(simulated.lower, digits)} to "
+        f"{quantity.number(simulated.upper, digits)})."
     )
     return Verdict(
         quantity.name, None if simulated.p_value is None else _kept(simulated.p_value), words

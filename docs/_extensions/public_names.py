@@ -1,5 +1,5 @@
-"""Signatures as people read them: arrays without their insides, and links to where a name is
-public.
+"""Signatures and docstrings as people read them: arrays without their insides, links to where a
+name is public, and no mark of reStructuredText but code.
 """
 
 import re
@@ -15,6 +15,38 @@ ARRAY_LIKE = re.compile(r"~?[\w.]*Buffer \| .*?_NestedSequence\[complex \| bytes
 ARRAY = re.compile(
     r"~?(?:numpy\.)?ndarray\[tuple\[.*?\.\.\.\], ~?(?:numpy\.)?dtype\[[^\[\]]*(?:\[[^\]]*\])?\]\]"
 )
+
+
+CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
+
+
+def as_text(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
+    """Mark a docstring's code as code, and nothing else, outside its examples."""
+    example = False
+    for index, line in enumerate(lines):
+        example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
+        if not example:
+            lines[index] = marked(line)
+
+
+def marked(line: str) -> str:
+    """A line with names in backticks as code, or as links where they are public, and all else as it
+    stands.
+
+    >>> marked("`theta`, |f'| of `CircleMap` * 2")
+    "``theta``, \\\\|f'\\\\| of :py:obj:`~cyclemap.CircleMap` \\\\* 2"
+    """
+    words = []
+    for part in CODE.split(line):
+        name = part.strip("`")
+        if not CODE.fullmatch(part):
+            words.append(re.sub(r"([|*])", r"\\\1", part))
+        else:
+            public = name in cyclemap.__all__
+            words.append(f":py:obj:`~cyclemap.{name}`" if public else f"``{name}``")
+    return "".join(words)
 
 
 def short_types(
@@ -63,7 +95,8 @@ def public_link(app: Sphinx, env: Any, node: Any, content: nodes.Node) -> nodes.
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Mend the types in signatures."""
+    """Mend docstrings, before their sections are read, and the types in signatures."""
+    app.connect("autodoc-process-docstring", as_text, priority=400)
     app.connect("autodoc-process-signature", short_types)
     app.connect("doctree-read", short_properties)
     app.connect("missing-reference", public_link)

@@ -1,5 +1,5 @@
-"""Pages and pictures as layouts of panels: titles and sentences above, legends that cover nothing, and
-the bytes of them.
+"""Pages and pictures as layouts of panels: titles and sentences above, legends that cover nothing,
+and the bytes of them.
 """
 
 import math

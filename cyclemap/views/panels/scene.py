@@ -1,4 +1,6 @@
-"""The object with its push and its ring, and a cycle's push and drag, drawn to scale in the plane."""
+"""The object with its push and its ring, and a cycle's push and drag, drawn to scale in the
+plane.
+"""
 
 from __future__ import annotations
 

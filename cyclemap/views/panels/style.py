@@ -1,4 +1,6 @@
-"""One look for every picture: colours that also differ in lightness, lines, markers, axes, name tags."""
+"""One look for every picture: colours that also differ in lightness, lines, markers, axes, name
+tags.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
