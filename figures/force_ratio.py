@@ -28,7 +28,7 @@ from cyclemap.views.panels.scene import MM
 from cyclemap.views.panels.style import EVEN, LINE, MARKS, QUIET, Look, picture_style
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
-from .paper_pushes import push_file_names, readable_pushes
+from .materials.paper_pushes import push_file_names, readable_pushes
 
 Chosen = NDArray[np.bool_]
 FOLDER = "mit_files"

@@ -31,7 +31,7 @@ from cyclemap.views.panels.style import (
 )
 
 from .catalogue import NO_DATA, Exhibit, MeasuredFolder
-from .paper_pushes import measured_scans
+from .materials.paper_pushes import measured_scans
 
 # Direction (rad) in which the point of the first panel slides: one whose traction leans visibly
 # away from it.

@@ -58,7 +58,7 @@ from cyclemap.views.panels.style import (
 from cyclemap.views.sentences import angle
 
 from .catalogue import NO_DATA, THETA0_FILE, Exhibit, MeasuredFolder
-from .paper_pushes import MeasuredRun, measured_run, measured_theta0, published_statistics
+from .materials.paper_pushes import MeasuredRun, measured_run, measured_theta0, published_statistics
 
 SURFACE = "plywood"
 # As in the paper.

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 from importlib import import_module
-from pathlib import Path
+from pkgutil import walk_packages
 
 import pytest
 from refusals import refused
@@ -16,8 +16,8 @@ NAMES = [entry.name for entry in CATALOGUE]
 
 def test_every_exhibit_is_in_the_catalogue_once_and_is_a_figure_a_table_or_an_animation() -> None:
     modules = [
-        import_module(f"cyclemap.figures.{path.stem}")
-        for path in Path(cyclemap.figures.__file__).parent.glob("*.py")
+        import_module(name)
+        for _, name, _ in walk_packages(cyclemap.figures.__path__, "cyclemap.figures.")
     ]
     found = [getattr(module, "EXHIBITS", {}) for module in modules]
     exhibits = {name: exhibit for made in found for name, exhibit in made.items()}

@@ -7,7 +7,7 @@ import pytest
 from figure_cases import SCANS, recorded_folder
 
 from cyclemap.figures.catalogue import MeasuredFolder
-from cyclemap.figures.tables import (
+from cyclemap.figures.materials.tables import (
     FRICTION_HEADER,
     friction_caption,
     friction_ellipses,

@@ -7,7 +7,7 @@ import pytest
 from figure_cases import RECORDED_ABS, SMALL, recorded_folder, small
 
 from cyclemap.figures.catalogue import NO_DATA, load_exhibit
-from cyclemap.figures.simulated_collections import sampled_run
+from cyclemap.figures.materials.simulated_collections import sampled_run
 
 # As printed, of Δθ (°), Δx (mm), Δy (mm): standard deviation and percentage in Table II, RMSE and
 # percentage in III.

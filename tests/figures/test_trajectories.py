@@ -10,7 +10,7 @@ from figure_cases import DRAWN, NOWHERE, assert_drawn, recorded_plywood, small, 
 
 from cyclemap.collection import CollectionLoop
 from cyclemap.figures.catalogue import NO_DATA, MeasuredFolder, load_exhibit
-from cyclemap.figures.trajectories import (
+from cyclemap.figures.materials.trajectories import (
     CROWDED,
     crowded_arcs,
     object_frame_caption,

@@ -15,7 +15,7 @@ from cyclemap.views.panels.scene import MM
 from cyclemap.views.panels.style import FORCE, picture_style, show_window
 from cyclemap.views.sentences import angle
 
-from .catalogue import Exhibit, MeasuredFolder
+from ..catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import published_statistics
 from .pushed_paths import (
     DRAWN,

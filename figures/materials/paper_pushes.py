@@ -32,7 +32,7 @@ from cyclemap.evidence.pushes.mit_names import push_facts, scan_facts
 from cyclemap.evidence.pushes.push_files import SUFFIXES, PushRecord, read_push_file
 from cyclemap.views.sentences import listed
 
-from .catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
+from ..catalogue import NO_DATA, THETA0_FILE, MeasuredFolder
 
 if TYPE_CHECKING:
     import pandas

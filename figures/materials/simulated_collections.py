@@ -33,7 +33,7 @@ from cyclemap.maps import (
 from cyclemap.views.panels.layout import entitle, page, rows_of
 from cyclemap.views.panels.style import QUIET, picture_style
 
-from .catalogue import MeasuredFolder
+from ..catalogue import MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured

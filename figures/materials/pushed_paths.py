@@ -26,7 +26,7 @@ from cyclemap.views.panels.scene import MM
 from cyclemap.views.panels.style import cross
 from cyclemap.views.sentences import angle, listed
 
-from .catalogue import MeasuredFolder
+from ..catalogue import MeasuredFolder
 from .paper_pushes import (
     measured_run,
     measured_theta0,

@@ -21,7 +21,7 @@ from cyclemap.views.panels.staircase import draw_staircase
 from cyclemap.views.panels.style import LINE, SECOND, THIRD, name_tag
 from cyclemap.views.sentences import angle, listed
 
-from .catalogue import Exhibit, MeasuredFolder
+from ..catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import measured_theta0, not_found
 from .simulated_collections import (
     NOISE,

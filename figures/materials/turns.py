@@ -19,7 +19,7 @@ from cyclemap.views.panels.orientation import CIRCLE, OUTCOMES, draw_curves
 from cyclemap.views.panels.style import DOTS, FOURTH, QUIET, SECOND, say
 from cyclemap.views.sentences import angle, listed
 
-from .catalogue import Exhibit, MeasuredFolder
+from ..catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import MeasuredRun, measured_run, measured_theta0, not_found
 from .simulated_collections import (
     PAPER,

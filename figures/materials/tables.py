@@ -17,7 +17,7 @@ from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.mechanics import EllipseFriction, load_material
 from cyclemap.views.sentences import angle, listed
 
-from .catalogue import Exhibit, MeasuredFolder
+from ..catalogue import Exhibit, MeasuredFolder
 from .paper_pushes import PUBLISHED_CYCLES, measured_scans, not_found
 from .simulated_collections import (
     PAPER,
