@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.data_blocks.force_blocks import friction_ellipse_from_scans, scan_traction
 from cyclemap.mechanics import EllipseFriction, PointFootprint, grid_footprint
@@ -180,8 +181,7 @@ def _traction_axes(axes: Axes, title: str, middle: Array) -> None:
 
 
 def _turned(vector: Array, angle: float) -> Array:
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
+    return placed(np.array([0.0, 0.0, angle]), vector)
 
 
 def caption(result: LimitEllipseAndPatch) -> str:

@@ -62,7 +62,7 @@ def residual_page(comparison: Comparison) -> Figure | None:
     if comparison.pushes:
         theta = np.concatenate([pushes.theta for pushes in comparison.pushes])
         off = np.concatenate([pushes.measured - pushes.predicted for pushes in comparison.pushes])
-        for column, (_, label, scale) in zip(off.T, OUTCOMES.values(), strict=True):
+        for column, (_, label, scale, _) in zip(off.T, OUTCOMES.values(), strict=True):
             left.append((label, theta, scale * column))
     if not left:
         return None
@@ -108,7 +108,7 @@ def _draw_pushes(panels: list[Axes], comparison: Comparison) -> None:
     largest = comparison.pushes[0]
     for column, (axes, quantity) in enumerate(zip(panels, largest.quantities, strict=True)):
         draw_outcome(axes, largest.theta, largest.measured[:, column], quantity.name)
-        symbol, _, scale = OUTCOMES[quantity.name]
+        symbol, _, scale, _ = OUTCOMES[quantity.name]
         predicted = {**DOTS, "color": PREDICTED, "markeredgewidth": 0.0, "alpha": 1.0}
         theta, values = np.degrees(largest.theta) % 360.0, scale * largest.predicted[:, column]
         axes.plot(theta, values, label="predicted", **{**predicted, "markersize": 2.2})
@@ -122,10 +122,9 @@ def _draw_sets(panels: list[Axes], comparison: Comparison) -> None:
     measured = np.concatenate([pushes.measured for pushes in comparison.pushes])
     predicted = np.concatenate([pushes.predicted for pushes in comparison.pushes])
     for column, (axes, quantity) in enumerate(zip(panels, quantities, strict=True)):
-        symbol, label, scale = OUTCOMES[quantity.name]
+        symbol, label, scale, unit = OUTCOMES[quantity.name]
         values = scale * measured[:, column], scale * predicted[:, column]
         orientation.draw_agreement(axes, *values, label, "pushes")
-        unit = "°" if quantity.name == "dtheta" else " mm"
         entitle(axes, f"{symbol}: RMSE {scale * quantity.rmse:.2f}{unit}")
 
 

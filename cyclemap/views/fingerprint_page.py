@@ -18,7 +18,7 @@ from cyclemap.views.panels import orientation
 from cyclemap.views.panels.layout import Panel, picture
 from cyclemap.views.panels.orientation import CIRCLE
 from cyclemap.views.panels.style import BAND, LINE, MEASURED, SECOND
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, rounded
 
 ANYWHERE = math.radians(90.0)
 
@@ -102,7 +102,7 @@ def seven_numbers(response: TurnResponse) -> tuple[str, ...]:
         for measure in ("amplitude", "phase")
     ]
     names = ("turn", *harmonics)
-    return tuple(_signed(math.degrees(getattr(response, name))) for name in names)
+    return tuple(rounded(math.degrees(getattr(response, name)), 3) for name in names)
 
 
 def protocol_sentence(fingerprint: Fingerprint) -> str:
@@ -159,7 +159,7 @@ def direction_sentence(prediction: Prediction, material: str) -> str:
             )
             places.append(
                 f"{angle(direction.theta)} {width} (multiplier "
-                f"{_signed(direction.orbit.multiplier)}{second})"
+                f"{rounded(direction.orbit.multiplier, 3)}{second})"
             )
         return (
             f"To first order {material} locks into {', '.join(places)}{_doubt(prediction, LOCKS)}."
@@ -211,7 +211,7 @@ def check_sentence(checked: PredictionCheck) -> str:
     if not checked.stable_points:
         return "The full map has no stable direction."
     places = [
-        f"{angle(orbit.points[0])} (multiplier {_signed(orbit.multiplier)})"
+        f"{angle(orbit.points[0])} (multiplier {rounded(orbit.multiplier, 3)})"
         for orbit in checked.stable_points
     ]
     misses = [
@@ -223,10 +223,6 @@ def check_sentence(checked: PredictionCheck) -> str:
         if direction.predicted.stable
     ]
     return " ".join([f"The full map locks into {', '.join(places)}.", *misses])
-
-
-def _signed(value: float) -> str:
-    return f"{value:.3f}".replace("-", "−")
 
 
 def _doubt(prediction: Prediction, verdict: str) -> str:

@@ -42,7 +42,7 @@ from cyclemap.views.panels.style import (
     say,
     stability,
 )
-from cyclemap.views.sentences import angle, listed, multiplier_sentence, number
+from cyclemap.views.sentences import angle, listed, multiplier_sentence, number, rounded
 
 LATE_BAND: Look = {**BAND, "color": "#cfcfcf", "alpha": 0.75}
 
@@ -204,9 +204,8 @@ def law_sentence(law: MotionLaw) -> str:
 
 def amount(law: MotionLaw, value: float) -> str:
     """A value of the law's quantity in degrees or millimetres."""
-    if law.quantity == "dtheta":
-        return angle(value, 2)
-    return f"{round(1000.0 * value, 2) + 0.0:.2f} mm".replace("-", "−")
+    _, _, scale, unit = OUTCOMES[law.quantity]
+    return f"{rounded(scale * value, 2)}{unit}"
 
 
 def map_sentences(cycle_map: MeasuredCycleMap) -> list[str]:

@@ -140,7 +140,7 @@ def probe_page(probe: Probe) -> Figure:
     mimicked += probe.change.mean(axis=0) - mimicked[:-1].mean(axis=0)
     for column, (axes, outcome) in enumerate(zip(panels, OUTCOMES, strict=True)):
         draw_outcome(axes, probe.theta, probe.change[:, column], outcome, "probed")
-        title, _, scale = orientation.OUTCOMES[outcome]
+        title, _, scale, _ = orientation.OUTCOMES[outcome]
         values = scale * mimicked[:, column]
         axes.plot(np.degrees(CIRCLE), values, label="the ellipse", **LINE)
         entitle(axes, title)

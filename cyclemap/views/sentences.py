@@ -187,8 +187,9 @@ def multiplier_sentence(multiplier: RestMultiplier | None) -> str:
     """
     if multiplier is None:
         return ""
-    between = f"{multiplier.lower:.2f} to {multiplier.upper:.2f}"
-    kept = f"{multiplier.value:.2f} of an error ({between})".replace("-", "−")
+    kept, *ends = (
+        rounded(end, 2) for end in (multiplier.value, multiplier.lower, multiplier.upper)
+    )
     lost = (
         " At 1 the direction is lost: watch whether that share grows."
         if multiplier.upper >= 1.0
@@ -196,7 +197,7 @@ def multiplier_sentence(multiplier: RestMultiplier | None) -> str:
     )
     return (
         f"Over the last {multiplier.cycles} cycles, at rest near {angle(multiplier.theta, 0)}, "
-        f"each keeps {kept}.{lost}"
+        f"each keeps {kept} of an error ({' to '.join(ends)}).{lost}"
     )
 
 
@@ -279,7 +280,7 @@ def lock_sentence(portrait: Portrait) -> str:
         for orbit in orbits:
             _, decimals = _known_to(portrait.uncertainty, orbit.points[0])
             directions.append(angle(orbit.points[0], decimals))
-        multipliers = listed([f"{orbit.multiplier:.3f}".replace("-", "−") for orbit in orbits])
+        multipliers = listed(rounded(orbit.multiplier, 3) for orbit in orbits)
         # How many cycles take an error to its tenth.
         sizes = [abs(orbit.multiplier) for orbit in orbits]
         after = [
@@ -347,7 +348,7 @@ def staircase_sentence(portrait: Portrait) -> str:
     if portrait.worn is not None:
         path = portrait.staircase.theta
         run = f"one run of {portrait.staircase.cycles} cycles (seed {portrait.staircase.seed})"
-        climbed = f"{(path[-1] - path[0]) / (2 * math.pi):.1f}".replace("-", "−")
+        climbed = rounded((path[-1] - path[0]) / (2 * math.pi), 1)
         return (
             f"As the surface wears, {run} makes {climbed} turns; by then θ0 rests "
             f"{worn_rests(portrait.worn)}."
@@ -453,8 +454,16 @@ def angle(radians: float, decimals: int = 1) -> str:
     >>> angle(math.pi / 3)
     '60.0°'
     """
-    # Adding zero turns a rounded -0.0 into 0.0.
-    return f"{round(math.degrees(radians), decimals) + 0.0:.{decimals}f}°".replace("-", "−")
+    return f"{rounded(math.degrees(radians), decimals)}°"
+
+
+def rounded(value: float, decimals: int) -> str:
+    """A number for people, with so many decimals; never −0.
+
+    >>> rounded(-1.25, 1), rounded(-0.001, 2)
+    ('−1.2', '0.00')
+    """
+    return f"{round(value, decimals) + 0.0:.{decimals}f}".replace("-", "−")
 
 
 def chance(share: float) -> str:

@@ -21,7 +21,7 @@ from cyclemap.evidence.comparison.push_agreement import (
     pooled_quantities,
 )
 from cyclemap.evidence.laws.circular_distance import PValue
-from cyclemap.views.sentences import angle
+from cyclemap.views.sentences import angle, rounded
 
 # A prediction is rejected below this p-value.
 LEVEL = 0.05
@@ -56,7 +56,7 @@ class _Quantity:
 
     def number(self, value: float, digits: int = 2) -> str:
         """The number alone; never −0."""
-        return f"{round(self.scale * value, digits) + 0.0:.{digits}f}".replace("-", "−")
+        return rounded(self.scale * value, digits)
 
     def value(self, value: float, digits: int = 2) -> str:
         """The number with its unit."""

@@ -31,6 +31,7 @@ from cyclemap.maps import (
     transfer_operator,
 )
 from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.orientation import OUTCOMES
 from cyclemap.views.panels.style import QUIET, picture_style
 
 from ..catalogue import MeasuredFolder
@@ -56,7 +57,10 @@ SIMULATED = {
 }
 # Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and
 # this package's signs.
-QUANTITIES = (("Δθ", "°", 57.29577951308232), ("Δx", "mm", 1e3), ("Δy", "mm", -1e3))
+QUANTITIES = [
+    (name, unit.strip(), sign * factor)
+    for (name, _, factor, unit), sign in zip(OUTCOMES.values(), (1.0, 1.0, -1.0), strict=True)
+]
 # The laws of Δθ, Δx and Δy over θ0 of a set; one and the same set is fitted once.
 fitted_laws = lru_cache(maxsize=32)(set_laws)
 

@@ -39,11 +39,11 @@ if TYPE_CHECKING:
 PER_DEGREE = np.pi / 180
 TURN = "turn of one cycle, f(θ0) - θ0 (°)"
 CIRCLE = np.linspace(0.0, TWO_PI, 721)
-# An outcome of a push: its sign, its label, and the factor from SI units.
+# An outcome of a push: its sign, its label, the factor from SI units, and the unit behind a number.
 OUTCOMES = {
-    "dtheta": ("Δθ", "turn of the push, Δθ (°)", 1.0 / PER_DEGREE),
-    "dx": ("Δx", "displacement, Δx (mm)", 1e3),
-    "dy": ("Δy", "displacement, Δy (mm)", 1e3),
+    "dtheta": ("Δθ", "turn of the push, Δθ (°)", 1.0 / PER_DEGREE, "°"),
+    "dx": ("Δx", "displacement, Δx (mm)", 1e3, " mm"),
+    "dy": ("Δy", "displacement, Δy (mm)", 1e3, " mm"),
 }
 
 
@@ -112,7 +112,7 @@ def draw_outcome(
     axes: Axes, theta: Array, values: Array, outcome: str, name: str = "measured"
 ) -> None:
     """Measured values (SI) of an outcome of pushes over orientations (rad)."""
-    _, label, scale = OUTCOMES[outcome]
+    _, label, scale, _ = OUTCOMES[outcome]
     draw_measured(axes, theta, scale * values, name)
     degree_axis(axes)
     axes.set_ylabel(label)
