@@ -24,7 +24,6 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.napoleon",
     "sphinx_click",
     "sphinx_copybutton",
     "sphinx_design",
@@ -40,10 +39,6 @@ exclude_patterns = ["_build", "_extensions", "_figures", "gallery/*.md"]
 # of its own.
 write_pages(HERE / "reference" / "api")
 autosummary_generate = False
-napoleon_google_docstring = False
-# Types are words for people: no links.
-napoleon_use_param = False
-napoleon_custom_sections = [("Attributes", "params_style")]
 nitpicky = True
 # Types in signatures that are not public, and those of other libraries, have no page of their own
 # here.

@@ -262,26 +262,31 @@ def largest(difference: Array) -> float:
 
 def draw_turn_differences(axes: Axes, both: Twins) -> None:
     """Dynamic less quasi-static turns over θ0, on a material and on isotropic friction."""
-    for name, *look in _TURNS:
-        off = [np.degrees(comparison.difference(name)) for comparison in both]
-        _draw_differences(axes, both[0].dynamic.theta, off, *look)
-    axes.set_ylabel("dynamic − quasi-static (°)")
+    curves = [
+        ([np.degrees(comparison.difference(name)) for comparison in both], look)
+        for name, *look in _TURNS
+    ]
+    _draw_differences(axes, both, curves, "°")
 
 
 def draw_place_differences(axes: Axes, both: Twins) -> None:
     """Dynamic less quasi-static displacements of the push over θ0."""
-    for column, *look in _PLACES:
-        off = [1e3 * comparison.difference("push_displacement")[..., column] for comparison in both]
-        _draw_differences(axes, both[0].dynamic.theta, off, *look)
-    axes.set_ylabel("dynamic − quasi-static (mm)")
+    off = [1e3 * comparison.difference("push_displacement") for comparison in both]
+    curves = [([values[..., column] for values in off], look) for column, *look in _PLACES]
+    _draw_differences(axes, both, curves, "mm")
 
 
 def _draw_differences(
-    axes: Axes, theta: Array, off: list[Array], label: str, colour: str, marker: str
+    axes: Axes, both: Twins, curves: list[tuple[list[Array], list[str]]], unit: str
 ) -> None:
-    """One quantity, on the material solid and filled, on isotropic friction open."""
+    """Values on a material, solid and filled, and on isotropic friction, open, of each quantity;
+    with its label, colour and marker.
+    """
     axes.axhline(0.0, **ZERO)
-    look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
-    axes.plot(np.degrees(theta), off[0], label=label, **look)
-    axes.plot(np.degrees(theta), off[1], "--", markerfacecolor="white", **look)
+    theta = np.degrees(both[0].dynamic.theta)
+    for (filled, hollow), (label, colour, marker) in curves:
+        look: Look = {"color": colour, "marker": marker, "markersize": 4.5, "linewidth": 1.3}
+        axes.plot(theta, filled, label=label, **look)
+        axes.plot(theta, hollow, "--", markerfacecolor="white", **look)
     degree_axis(axes, every=60)
+    axes.set_ylabel(f"dynamic − quasi-static ({unit})")

@@ -8,6 +8,7 @@ from typing import Any
 from docutils import nodes
 from sphinx import addnodes
 from sphinx.application import Sphinx
+from sphinx.ext.napoleon import Config, NumpyDocstring
 
 import cyclemap
 
@@ -17,18 +18,29 @@ ARRAY = re.compile(
 )
 
 
+# Types are words for people: no links.
+SECTIONS = Config(
+    napoleon_use_param=False,
+    napoleon_use_rtype=False,
+    napoleon_custom_sections=[("Attributes", "params_style")],
+)
 CODE = re.compile(r"(``.+?``|`[^`\s][^`]*`)")
 
 
 def as_text(
     app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
 ) -> None:
-    """Mark a docstring's code as code, and nothing else, outside its examples."""
+    """Mark a docstring's code as code, and nothing else, outside its examples; then have its
+    sections, NumPy's, as lists. Those of attributes are a sentence, in which a colon is none of a
+    type.
+    """
     example = False
     for index, line in enumerate(lines):
         example = bool(line.strip()) and (example or line.lstrip().startswith(">>>"))
         if not example:
             lines[index] = marked(line)
+    if what not in ("attribute", "data", "property"):
+        lines[:] = NumpyDocstring(lines, SECTIONS, app, what, name, thing, options).lines()
 
 
 def marked(line: str) -> str:
@@ -95,8 +107,8 @@ def public_link(app: Sphinx, env: Any, node: Any, content: nodes.Node) -> nodes.
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
-    """Mend docstrings, before their sections are read, and the types in signatures."""
-    app.connect("autodoc-process-docstring", as_text, priority=400)
+    """Mend docstrings and the types in signatures."""
+    app.connect("autodoc-process-docstring", as_text)
     app.connect("autodoc-process-signature", short_types)
     app.connect("doctree-read", short_properties)
     app.connect("missing-reference", public_link)

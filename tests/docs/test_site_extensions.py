@@ -39,13 +39,22 @@ def test_what_is_no_known_formula_is_refused(latex: str) -> None:
 
 def test_in_docstrings_code_alone_is_marked_and_examples_stay_as_they_are() -> None:
     lines = ["With |a| * x_n, of `CircleMap`:", "", ">>> `1` * 2", "2 | `3`", "", "then `theta`."]
-    public_names.as_text(None, "", "", None, None, lines)
+    public_names.as_text(None, "property", "", None, None, lines)
     assert lines == [
         r"With \|a\| \* x_n, of :py:obj:`~cyclemap.CircleMap`:",
         *lines[1:5],
         "then ``theta``.",
     ]
     assert lines[2:4] == [">>> `1` * 2", "2 | `3`"]
+
+
+def test_sections_become_lists_whose_types_are_no_links() -> None:
+    lines = ["A sum.", "", "Parameters", "----------", "theta : ndarray, shape (n,)", "    Angles."]
+    lines += ["", "Returns", "-------", "float", "    Of them."]
+    public_names.as_text(None, "function", "", None, None, lines)
+    text = "\n".join(lines)
+    assert ":Parameters: **theta** (*ndarray, shape (n,)*) -- Angles." in text
+    assert ":returns: *float* -- Of them." in text
 
 
 @pytest.mark.parametrize("module", [mathml_math, public_names, rooms], ids=lambda one: one.__name__)
