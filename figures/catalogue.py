@@ -77,6 +77,10 @@ class Entry:
     module: str = field(metadata=UNWRITTEN)
 
 
+# What an exhibit computes, of a type of its own.
+Result = Any
+
+
 @dataclass(frozen=True)
 class Exhibit:
     """How an exhibit is made: a picture, a table or an animation.
@@ -88,12 +92,12 @@ class Exhibit:
     frames : result -> the `Frame`s of an animation, all of one size.
     """
 
-    compute: Callable[..., Any]
-    caption: Callable[[Any], str]
-    draw: Callable[[Any], Figure] | None = None
+    compute: Callable[..., Result]
+    caption: Callable[[Result], str]
+    draw: Callable[[Result], Figure] | None = None
     header: tuple[str, ...] = ()
-    rows: Callable[[Any], list[tuple[str, ...]]] | None = None
-    frames: Callable[[Any], Iterator[Frame]] | None = None
+    rows: Callable[[Result], list[tuple[str, ...]]] | None = None
+    frames: Callable[[Result], Iterator[Frame]] | None = None
 
 
 @dataclass(frozen=True, eq=False)

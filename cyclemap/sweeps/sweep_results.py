@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +17,7 @@ from cyclemap.errors import InvalidInput, unknown_name
 from cyclemap.sweeps.point_sets import SweepAxis, key_unit
 from cyclemap.sweeps.portrait_numbers import Quantity
 from cyclemap.sweeps.sweep_plan import SweepPlan
-from cyclemap.sweeps.sweep_store import SweepStore
+from cyclemap.sweeps.sweep_store import Description, SweepStore
 from cyclemap.text_files import write_whole
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Sweep:
     axes: tuple[SweepAxis, ...]
     quantities: tuple[Quantity, ...]
     table: pandas.DataFrame
-    description: Mapping[str, Any]
+    description: Description
 
     def __len__(self) -> int:
         return len(self.table)
@@ -239,7 +239,7 @@ def load_sweep(path: str | Path, plan: SweepPlan | None = None) -> Sweep:
     import pandas
 
     with SweepStore(Path(path), plan) as store:
-        description: dict[str, Any] = store.description
+        description = store.description
         rows = list(store.rows())
     keys = tuple(description["keys"])
     quantities = tuple(Quantity(**column) for column in description["columns"])

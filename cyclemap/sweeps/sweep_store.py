@@ -13,14 +13,17 @@ import math
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.sweeps.portrait_numbers import PointOutcome, SweptPoint
 from cyclemap.sweeps.sweep_plan import SweepPlan
 
+# What a store tells of its plan, as JSON.
+Description = dict[str, Any]
 # "cysw": tells a sweep's store from any other SQLite file.
 _APPLICATION = 0x63797377
 _FORMAT = 2
@@ -144,8 +147,7 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with self._faults_told():
             counts = "SELECT count(*), coalesce(sum(refusal != ''), 0) FROM points"
             stored, refused = self.connection.execute(counts).fetchone()
-        points: int = self.description["count"]  # type: ignore[assignment]
-        return SweepStatus(points, stored, refused)
+        return SweepStatus(self.description["count"], stored, refused)
 
     def digests(self, first: int, end: int) -> set[str]:
         """The digests of the stored points with numbers from `first` up to, but without, `end`."""
@@ -205,13 +207,12 @@ class SweepStore(AbstractContextManager["SweepStore"]):
 
     def _columns(self) -> tuple[list[str], list[str], list[str]]:
         """Names of the columns of keys, of numbers, and of lists."""
-        quantities: list[dict[str, str]] = self.description["columns"]  # type: ignore[assignment]
-        keys: list[str] = self.description["keys"]  # type: ignore[assignment]
-        scalars = [quantity["name"] for quantity in quantities if not quantity["many"]]
-        lists = [quantity["name"] for quantity in quantities if quantity["many"]]
-        return list(keys), scalars, lists
+        columns = self.description["columns"]
+        scalars = [column["name"] for column in columns if not column["many"]]
+        lists = [column["name"] for column in columns if column["many"]]
+        return self.description["keys"], scalars, lists
 
-    def _begun(self, plan: SweepPlan | None) -> dict[str, object]:
+    def _begun(self, plan: SweepPlan | None) -> Description:
         """Check the file, or begin a new one; return its description."""
         run = self.connection.execute
         run(f"PRAGMA busy_timeout = {int(1000 * _PATIENCE_SECONDS)}")
@@ -236,9 +237,7 @@ class SweepStore(AbstractContextManager["SweepStore"]):
             for row in run(f"SELECT * FROM {table}"):
                 if _seal(row[:-1]) != row[-1]:
                     raise self._damaged(f"a row of its table {table} is not as it was written")
-        description: dict[str, object] = json.loads(
-            run("SELECT description FROM sweep").fetchone()[0]
-        )
+        description: Description = json.loads(run("SELECT description FROM sweep").fetchone()[0])
         if plan is not None:
             self._check_same(description, _description(plan))
         self.description = description
@@ -279,9 +278,8 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         with suppress(sqlite3.OperationalError):
             run("PRAGMA journal_mode = WAL")
 
-    def _check_same(self, stored: dict[str, object], wanted: dict[str, object]) -> None:
-        there: dict[str, object] = stored["plan"]  # type: ignore[assignment]
-        plan: dict[str, object] = wanted["plan"]  # type: ignore[assignment]
+    def _check_same(self, stored: Description, wanted: Description) -> None:
+        there, plan = stored["plan"], wanted["plan"]
         other = [name for name in plan if there.get(name) != plan[name]]
         if other == ["code"]:
             raise InvalidInput(
@@ -336,19 +334,11 @@ class SweepStore(AbstractContextManager["SweepStore"]):
         )
 
 
-def _description(plan: SweepPlan) -> dict[str, object]:
+def _description(plan: SweepPlan) -> Description:
     """What the store tells about itself, after a passage through JSON."""
-    columns = [
-        {
-            "name": quantity.name,
-            "unit": quantity.unit,
-            "meaning": quantity.meaning,
-            "many": quantity.many,
-        }
-        for quantity in plan.numbers.quantities
-    ]
+    columns = [asdict(quantity) for quantity in plan.numbers.quantities]
     facts = {"plan": plan.described(), "keys": plan.keys, "count": len(plan), "columns": columns}
-    description: dict[str, object] = json.loads(json.dumps(facts))
+    description: Description = json.loads(json.dumps(facts))
     return description
 
 
