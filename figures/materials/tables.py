@@ -12,7 +12,7 @@ import numpy as np
 from cyclemap.arrays import Array
 from cyclemap.collection import CollectionLoop
 from cyclemap.errors import ConvergenceError, InvalidInput
-from cyclemap.evidence import SetLaws, friction_ellipse_from_scans, push_statistics
+from cyclemap.evidence import PushSet, SetLaws, friction_ellipse_from_scans, push_statistics
 from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.mechanics import EllipseFriction, load_material
 from cyclemap.views.sentences import angle, listed
@@ -168,36 +168,26 @@ _SPREADS = [
     for word in (f"{name} mean ({unit})", f"std ({unit})", "% of mean")
 ]
 DEVIATION_HEADER = ("material", "source", "pushes", *_SPREADS)
-# A material's pushes; and of each of its sets source, number of pushes, and (3, 2) mean and
-# standard deviation.
-Deviations = list[tuple[MaterialPushes, list[tuple[str, int, Array]]]]
 
 
-def deviations(measured: MeasuredFolder, sampling: Sampling = PAPER) -> Deviations:
-    """Simulate pushes on each material, look for recorded ones, and take their statistics; NaN of
-    too few pushes.
-    """
-    result: Deviations = []
-    for each in material_pushes(measured, sampling):
-        numbers = []
-        for source, pushes in each.sets:
-            statistics = push_statistics(pushes)
-            given = [
-                (statistic.mean, statistic.std) if statistic else (np.nan, np.nan)
-                for statistic in (statistics.dtheta, statistics.dx, statistics.dy)
-            ]
-            numbers.append((source, statistics.count, np.array(given)))
-        result.append((each, numbers))
-    return result
+def _spread(pushes: PushSet) -> tuple[int, Array]:
+    """How many pushes there are, and (3, 2) mean and standard deviation; NaN of too few."""
+    statistics = push_statistics(pushes)
+    numbers = [
+        (statistic.mean, statistic.std) if statistic else (np.nan, np.nan)
+        for statistic in (statistics.dtheta, statistics.dx, statistics.dy)
+    ]
+    return statistics.count, np.array(numbers)
 
 
-def deviation_rows(result: Deviations) -> list[tuple[str, ...]]:
+def deviation_rows(result: list[MaterialPushes]) -> list[tuple[str, ...]]:
     """The paper's row of each material, then those simulated, then the recorded one where it was
     found.
     """
     lines = []
-    for each, sets in result:
+    for each in result:
         paper = ("paper", PUBLISHED_CYCLES, np.transpose([each.published.mean, each.published.std]))
+        sets = [(source, *_spread(pushes)) for source, pushes in each.sets]
         for source, count, numbers in (paper, *sets):
             cells = []
             for (mean, std), (_, _, factor) in zip(numbers, QUANTITIES, strict=True):
@@ -210,12 +200,13 @@ def deviation_rows(result: Deviations) -> list[tuple[str, ...]]:
     return lines
 
 
-def deviation_caption(result: Deviations) -> str:
+def deviation_caption(result: list[MaterialPushes]) -> str:
     """What the rows are, and how far the simulated ones lie from the paper's."""
     offs, shares = [], []
-    for each, sets in result:
-        for source, _, numbers in sets:
+    for each in result:
+        for source, pushes in each.sets:
             if source.startswith("simulated"):
+                _, numbers = _spread(pushes)
                 offs.append(np.abs(numbers[:, 0] - each.published.mean))
                 shares.append(numbers[:, 1] / each.published.std)
     furthest, low, high = np.max(offs, axis=0), np.min(shares, axis=0), np.max(shares, axis=0)
@@ -231,10 +222,11 @@ def deviation_caption(result: Deviations) -> str:
             f"Simulated means of {name} are within {within} of the paper's, simulated spreads "
             f"{low[index]:.2f} to {high[index]:.2f} of the paper's."
         )
-    sentences.append(
-        not_found("pushes", [each.published.material for each, _ in result if not each.recorded])
-    )
-    return " ".join(filter(None, sentences))
+    return " ".join(filter(None, [*sentences, _not_recorded(result)]))
+
+
+def _not_recorded(materials: list[MaterialPushes]) -> str:
+    return not_found("pushes", [each.published.material for each in materials if not each.recorded])
 
 
 _ERRORS = [
@@ -302,7 +294,7 @@ def law_error_caption(result: LawErrors) -> str:
         *sentences,
         "What is left of the paper's errors may be wear, other scatter of friction and the "
         "instruments.",
-        not_found("pushes", [each.published.material for each, _ in result if not each.recorded]),
+        _not_recorded([each for each, _ in result]),
     ]
     return " ".join(filter(None, paragraphs))
 
@@ -316,7 +308,7 @@ EXHIBITS = {
         friction_ellipses, friction_caption, header=FRICTION_HEADER, rows=friction_rows
     ),
     "table-deviations": Exhibit(
-        deviations, deviation_caption, header=DEVIATION_HEADER, rows=deviation_rows
+        material_pushes, deviation_caption, header=DEVIATION_HEADER, rows=deviation_rows
     ),
     "table-law-errors": Exhibit(
         law_errors, law_error_caption, header=LAW_ERROR_HEADER, rows=law_error_rows
