@@ -330,7 +330,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1)",
             ),
             ("(LIFT * angle * disturbed + unseen) / moved", "(LIFT * angle * disturbed) / moved"),
-            ("if unseen == 0.0 or self._sign * missed <= 0.0:", "if True:"),
+            ("if unseen == 0.0 or missed <= 0.0:", "if True:"),
             (
                 "max(self.right - self.left, 0.0), self.left.error_bound + self.right.error_bound",
                 "max(self.right - self.left, 0.0), self.left.error_bound",
