@@ -5,9 +5,9 @@ diagrams.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -23,6 +23,7 @@ from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecre
 from cyclemap.maps.orbits.rotation_number import rotation_number, window
 from cyclemap.progress import Progress
 
+_WORKERS = os.cpu_count() or 1
 _CHUNK = 24_576  # maps at once: many enough to hide the cost of calls, few enough for the caches
 # After so many cycles: the longest period tried for locking, and how far beside the orbit, radians
 # over the period.
@@ -123,25 +124,29 @@ def rotation_numbers(
         raise InvalidInput(
             f"family is {family!r}: give a ParametricLift; rotation_plane takes any callable"
         )
-    wanted = positive_number("tolerance", tolerance)
-    if wanted > 0.1:
-        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    workers = (
-        (os.cpu_count() or 1) if threads is None else whole_number("threads", threads, least=1)
-    )
+    wanted = _wanted(tolerance)
+    workers = _WORKERS if threads is None else whole_number("threads", threads, least=1)
     if not parameters:
         raise InvalidInput("parameters are missing: give an array for each parameter of the family")
     arrays = [finite_array(f"parameter {i}", values) for i, values in enumerate(parameters)]
     shape = np.broadcast_shapes(*(array.shape for array in arrays))
-    flat = [np.ascontiguousarray(np.broadcast_to(array, shape)).ravel() for array in arrays]
-    lower, upper = _bounds(formula, flat, wanted, workers)
-    return RotationNumbers(*_in_shape(_judged(lower, upper, wanted), shape), wanted)
+    flat = np.array([np.broadcast_to(array, shape).ravel() for array in arrays])
+    bounds = _bounds(formula, flat, wanted, workers)
+    return RotationNumbers(*_in_shape(_judged(bounds, wanted), shape), wanted)
 
 
-def _judged(lower: Array, upper: Array, tolerance: float, mean: Array | None = None) -> Array:
+def _wanted(tolerance: float) -> float:
+    wanted = positive_number("tolerance", tolerance)
+    if wanted > 0.1:
+        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
+    return wanted
+
+
+def _judged(bounds: Array, tolerance: float, mean: Array | None = None) -> Array:
     """Rows of value, lower, upper, period and winding: these where both bounds are the same
     fraction, else 0; the value is the ``mean`` where that lies between the bounds.
     """
+    lower, upper = bounds
     same = np.where(lower == upper, upper, -np.inf)
     period = _simplest_periods(lower, same, int(np.floor(1.0 / tolerance)) + 2)
     value = 0.5 * (lower + upper)
@@ -164,47 +169,40 @@ def _in_shape(table: Array, shape: tuple[int, ...]) -> tuple[Array, Array, Array
 
 
 def _bounds(
-    family: ParametricLift | _Envelopes, parameters: list[Array], tolerance: float, workers: int
-) -> tuple[Array, Array]:
-    """The best p/n below and above each rotation number, once they are near enough or after
+    family: ParametricLift | _Envelopes, parameters: Array, tolerance: float, workers: int
+) -> Array:
+    """(2, m): the best p/n below and above each rotation number, once they are near enough or after
     1/tolerance cycles.
     """
-    size = parameters[0].size
-    lower = np.full(size, -np.inf)
-    upper = np.full(size, np.inf)
-
+    size = parameters.shape[1]
+    bounds = np.empty((2, size))
     # After n cycles two orbits bound ρ to 2/n: a little more than 1/tolerance are always enough.
     most = int(np.floor(1.0 / tolerance)) + 2
-    looks = [
-        *(look for look in _LOOKS if look < most),
-        *range(2 * _LOOKS[-1], most, _LOOKS[-1]),
-        most,
-    ]
-    width = (
-        2.0 * tolerance * (1.0 - 1e-9)
-    )  # a little less, so that rounding outward keeps to the tolerance
+    looks = [look for look in _LOOKS if look < most]
+    looks += [*range(2 * _LOOKS[-1], most, _LOOKS[-1]), most]
+    # A little less, so that rounding outward keeps to the tolerance.
+    width = 2.0 * tolerance * (1.0 - 1e-9)
 
     def advance(at: int) -> None:
         """Go on through the looks with one chunk of the maps,
         writing the bounds to their places."""
-        orbits = _begun(family, [values[at : at + _CHUNK] for values in parameters], at)
+        orbits = _begun(family, parameters[:, at : at + _CHUNK], at)
         for look in looks:
             orbits.run_to(look)
             for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
                 orbits.try_locking(width, longest, beside)
-            lower[orbits.place] = orbits.lower
-            upper[orbits.place] = orbits.upper
-            orbits = orbits.those(orbits.upper - orbits.lower > width)
+            bounds[:, orbits.place] = orbits.bounds
+            orbits = orbits.those(np.diff(orbits.bounds, axis=0)[0] > width)
             if orbits.place.size == 0:
                 break
 
     with ThreadPoolExecutor(workers) as pool:
         list(pool.map(advance, range(0, size, _CHUNK)))
-    if np.any(lower > upper):
+    if np.any(bounds[0] > bounds[1]):
         raise ConvergenceError(
             "bounds contradict each other: the lift is computed worse than its max_error says"
         )
-    return lower, upper
+    return bounds
 
 
 @dataclass
@@ -212,41 +210,33 @@ class _Orbits:
     """Maps still at work, m of them: the orbit of F - e (row 0) and of F + e (row 1), and their
     bounds so far.
 
-    parameters, lower, upper, place (index among all maps) : shape (m,); push (∓e), theta (in [-π,
-        π], where sines are quickest, -π at the start) and turns (whole turns so far, one more in
-        row 1) : shape (2, m).
+    parameters : shape (k, m); place (m,) : index among all maps.
+    push (∓e), theta (in [-π, π], where sines are quickest, -π at the start), turns (whole turns so
+        far, one more in row 1), bounds : shape (2, m).
     cycles : iterates done.
     """
 
     family: ParametricLift | _Envelopes
-    parameters: list[Array]
+    parameters: Array
+    place: Whole
     push: Array
     theta: Array
     turns: Array
-    lower: Array
-    upper: Array
-    place: Whole
+    bounds: Array
     cycles: int = 0
 
     def those(self, which: Mask) -> _Orbits:
         """Copies of the maps where ``which`` is true."""
         index = np.flatnonzero(which)
-        parameters = [values.take(index) for values in self.parameters]
-        push, theta, turns = (
-            pair.take(index, axis=1) for pair in (self.push, self.theta, self.turns)
-        )
-        lower = self.lower.take(index)
-        upper = self.upper.take(index)
-        place = self.place.take(index)
-        return _Orbits(
-            self.family, parameters, push, theta, turns, lower, upper, place, self.cycles
-        )
+        names = "parameters", "place", "push", "theta", "turns", "bounds"
+        return replace(self, **{name: getattr(self, name).take(index, axis=-1) for name in names})
 
     def run_to(self, count: int, start: Array | None = None) -> None:
         """Go on to the iterate of that number; ``start`` : where the orbits began, (2, m) in [-π,
         π], None for -π.
         """
         laps = np.empty_like(self.theta)
+        lower, upper = self.bounds
         while self.cycles < count:
             self.cycles += 1
             np.add(self.family.lift(self.theta, *self.parameters), self.push, out=self.theta)
@@ -257,15 +247,16 @@ class _Orbits:
             self.theta -= laps
             whole = self.turns if start is None else self.turns - (self.theta < start)
             np.divide(whole, self.cycles, out=laps)
-            np.maximum(self.lower, laps[0], out=self.lower)
-            np.minimum(self.upper, laps[1], out=self.upper)
+            np.maximum(lower, laps[0], out=lower)
+            np.minimum(upper, laps[1], out=upper)
 
     def try_locking(self, width: float, longest: int, beside: float) -> None:
         """For maps with some p/q, q ≤ ``longest``, in too wide bounds: orbits that start beside the
         present angles.
         """
-        period = _simplest_periods(self.lower, self.upper, longest)
-        open_still = (self.upper - self.lower > width) & (period > 0)
+        lower, upper = self.bounds
+        period = _simplest_periods(lower, upper, longest)
+        open_still = (upper - lower > width) & (period > 0)
         trial = self.those(open_still)
         start = trial.theta + beside / period[open_still] * _SIDES
         start -= TWO_PI * np.rint(start / TWO_PI)
@@ -273,15 +264,14 @@ class _Orbits:
         trial.turns = _ONE_MORE + np.zeros_like(start)
         trial.cycles = 0
         trial.run_to(longest, start)
-        self.lower[open_still] = trial.lower
-        self.upper[open_still] = trial.upper
+        self.bounds[:, open_still] = trial.bounds
 
 
-def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: int) -> _Orbits:
+def _begun(family: ParametricLift | _Envelopes, parameters: Array, first: int) -> _Orbits:
     """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing
     lifts.
     """
-    size = parameters[0].size
+    size = parameters.shape[1]
     ends = np.asarray(family.lift(np.array([[0.0], [TWO_PI]]), *parameters), dtype=np.float64)
     if ends.shape != (2, size):
         raise InvalidInput(
@@ -290,19 +280,23 @@ def _begun(family: ParametricLift | _Envelopes, parameters: list[Array], first: 
     gap = np.abs(ends[1] - ends[0] - TWO_PI)
     bad = ~(gap <= 1e-8 * (1.0 + np.abs(ends[0]))) | ~family.rises(*parameters)
     if np.any(bad):
-        given = ", ".join(f"{values[np.argmax(bad)]:.9g}" for values in parameters)
+        given = ", ".join(f"{value:.9g}" for value in parameters[:, np.argmax(bad)])
         raise InvalidInput(
             f"at parameters ({given}) the map is no nondecreasing lift of degree 1: a folded one "
             "has an interval of rotation numbers; ask rotation_interval(family(...)), or "
             "rotation_plane for many"
         )
     push = _SIDES * (family.max_error + LIFT * (2.0 * TWO_PI + np.abs(ends[0])))
-    theta = np.full((2, size), -np.pi)
-    turns = _ONE_MORE + np.zeros((2, size))
-    low = np.full(size, -np.inf)
-    high = np.full(size, np.inf)
-    place = np.arange(first, first + size)
-    return _Orbits(family, parameters, push, theta, turns, low, high, place)
+    nothing = np.zeros((2, size))
+    return _Orbits(
+        family,
+        parameters,
+        place=np.arange(first, first + size),
+        push=push,
+        theta=nothing - np.pi,
+        turns=nothing + _ONE_MORE,
+        bounds=nothing + _SIDES * np.inf,
+    )
 
 
 def _simplest_periods(lower: Array, upper: Array, longest: int) -> Whole:
@@ -372,26 +366,22 @@ class _Envelopes:
     """Upper or lower envelopes of many folded members of a family: ``lift`` as of a
     ``ParametricLift``.
 
-    Its last parameter is the number of the member, whose plateaus are a row of ``start``, ``end``,
-    ``level`` (m, most).
+    Its last parameter is the number of the member, whose plateaus are ``plateaus[:, number]``:
+    starts, ends and levels, shape (3, members, most).
     """
 
     family: ParametricLift
-    start: Array
-    end: Array
-    level: Array
+    plateaus: Array
     max_error: float
 
     def lift(self, theta: Array, *parameters: Array) -> Array:
         """The envelopes at ``theta``, which broadcasts with the parameters."""
-        row = parameters[-1].astype(np.int64)
-        first = self.start[row, 0]
-        turns = np.floor((theta - first) / TWO_PI)
+        plateaus = self.plateaus[:, parameters[-1].astype(np.int64)]
+        turns = np.floor((theta - plateaus[0, :, 0]) / TWO_PI)
         base = theta - TWO_PI * turns
         image = self.family.lift(theta.copy(), *parameters[:-1])
-        for start, end, level in zip(self.start.T, self.end.T, self.level.T, strict=True):
-            flat = (base >= start[row]) & (base < end[row])
-            image = np.where(flat, level[row] + TWO_PI * turns, image)
+        for start, end, level in np.moveaxis(plateaus, 2, 0):
+            image = np.where((base >= start) & (base < end), level + TWO_PI * turns, image)
         return image
 
     def rises(self, *parameters: Array) -> Mask:
@@ -399,47 +389,46 @@ class _Envelopes:
         return np.ones(parameters[0].shape, dtype=bool)
 
 
-def _envelopes(family: ParametricLift, plateaus: list[Plateaus]) -> _Envelopes:
-    """The envelopes of all members; rows with fewer plateaus than the longest are filled with empty
-    ones.
+def _envelopes(family: ParametricLift, plateaus: Sequence[Plateaus]) -> _Envelopes:
+    """The envelopes of all members; rows with fewer plateaus than the longest have their last one
+    several times.
     """
-    tables = np.zeros((3, len(plateaus), max(1, *(columns[0].size for columns in plateaus))))
+    most = max(1, *(start.size for start, _, _, _ in plateaus))
+    tables = np.zeros((3, len(plateaus), most))
     for row, (start, end, level, _) in enumerate(plateaus):
-        if start.size == 0:
-            continue
-        turns = np.floor(start / TWO_PI)
-        order = np.argsort(start - TWO_PI * turns)
-        columns = np.stack([start, end, level]) - TWO_PI * turns
-        tables[:, row] = columns[:, order[:1]]
-        tables[1, row, start.size :] = tables[0, row, start.size :]
-        tables[:, row, : start.size] = columns[:, order]
+        if start.size:
+            columns = np.stack([start, end, level]) - TWO_PI * np.floor(start / TWO_PI)
+            columns = columns[:, np.argsort(columns[0])]
+            tables[:, row] = np.pad(columns, ((0, 0), (0, most - start.size)), mode="edge")
     inexact = max(columns[3] for columns in plateaus)
-    start, end, level = tables
-    return _Envelopes(family, start, end, level, inexact + SLACK)
+    return _Envelopes(family, tables, inexact + SLACK)
 
 
 def _folded_numbers(
     family: ParametricLift,
-    plateaus: list[list[Plateaus]],
-    parameters: list[Array],
+    plateaus: list[tuple[Plateaus, Plateaus]],
+    parameters: Array,
     tolerance: float,
 ) -> Array:
     """Rows as of ``_judged`` of folded members, all together: the ends are those of the
     envelopes.
     """
-    numbered = [*parameters, np.arange(float(len(plateaus)))]
-    workers = os.cpu_count() or 1
-    low, high = (_envelopes(family, list(columns)) for columns in zip(*plateaus, strict=True))
+    numbered = np.vstack([parameters, np.arange(len(plateaus))])
     # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
-    narrow = _ENDS * tolerance
-    lower = _bounds(low, numbered, narrow, workers)[0]
-    upper = _bounds(high, numbered, narrow, workers)[1]
+    low, high = (
+        _bounds(_envelopes(family, columns), numbered, _ENDS * tolerance, _WORKERS)
+        for columns in zip(*plateaus, strict=True)
+    )
     theta, mean = np.zeros((2, len(plateaus)))
-    for weight in window(max(16, int(np.ceil(1.0 / tolerance)))).tolist():
+    for weight in window(_iterates(tolerance)).tolist():
         image = family.lift(theta.copy(), *parameters)
         mean += weight * (image - theta) / TWO_PI
         theta = image - TWO_PI * np.floor(image / TWO_PI)
-    return _judged(lower, upper, tolerance, mean)
+    return _judged(np.stack([low[0], high[1]]), tolerance, mean)
+
+
+def _iterates(tolerance: float) -> int:
+    return max(16, int(np.ceil(1.0 / tolerance)))
 
 
 def rotation_plane(
@@ -500,30 +489,25 @@ def rotation_plane(
         )
     first = _axis("first_values", first_values)
     second = _axis("second_values", second_values)
-    wanted = positive_number("tolerance", tolerance)
-    if wanted > 0.1:
-        raise InvalidInput(f"tolerance is {wanted:g}: give at most 0.1 turns a cycle")
-    rows = np.repeat(first, second.size)
-    columns = np.tile(second, first.size)
-    table = np.empty((5, rows.size))
-    folded = np.zeros(rows.size, dtype=bool)
-    singly = np.ones(rows.size, dtype=bool)
+    wanted = _wanted(tolerance)
+    places = np.array([np.repeat(first, second.size), np.tile(second, first.size)])
+    table = np.empty((5, places.shape[1]))
+    folded = np.zeros(places.shape[1], dtype=bool)
+    singly = np.ones(places.shape[1], dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
-        singly = ~formula.rises(rows, columns)
-        many = rotation_numbers(formula, rows[~singly], columns[~singly], tolerance=wanted)
+        singly = ~formula.rises(*places)
+        many = rotation_numbers(formula, *places[:, ~singly], tolerance=wanted)
         table[:, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
-    pairs = list(zip(rows[singly].tolist(), columns[singly].tolist(), strict=True))
     work = partial(_cell, family, wanted, formula is not None)
-    cells = list(each_done(work, pairs, executor, progress, 16))
-    folded[singly] = [cell.folds for cell in cells]
+    cells = list(each_done(work, places[:, singly].T.tolist(), executor, progress, 16))
+    plateaus = [cell for cell in cells if isinstance(cell, tuple)]
     for place, cell in zip(np.flatnonzero(singly).tolist(), cells, strict=True):
-        if cell.row:
-            table[:, place] = cell.row
-    plateaus = [cell.plateaus for cell in cells if cell.plateaus]
+        folded[place] = isinstance(cell, tuple) or cell[-1]
+        if not isinstance(cell, tuple):
+            table[:, place] = cell[:5]
     if formula is not None and plateaus:
-        several = _folded_numbers(formula, plateaus, [rows[folded], columns[folded]], wanted)
-        table[:, folded] = several
+        table[:, folded] = _folded_numbers(formula, plateaus, places[:, folded], wanted)
     shape = (first.size, second.size)
     folded = folded.reshape(shape)
     folded.setflags(write=False)
@@ -531,36 +515,25 @@ def rotation_plane(
     return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
 
 
-@dataclass(frozen=True, eq=False)
-class _Cell:
-    """One map of a plane: whether it folds, and its row as of ``_judged``, or the plateaus of its
+def _cell(
+    family: Callable[..., CircleMap], tolerance: float, together: bool, place: list[float]
+) -> list[float] | tuple[Plateaus, Plateaus]:
+    """What is found of one map by itself: value, lower, upper, period, winding and whether it
+    folds; of a folded one whose number is found ``together`` with others', the plateaus of its
     envelopes.
     """
-
-    folds: bool
-    row: tuple[float, ...] = ()
-    plateaus: list[Plateaus] = field(default_factory=list)
-
-
-def _cell(
-    family: Callable[..., CircleMap], tolerance: float, together: bool, pair: tuple[float, float]
-) -> _Cell:
-    """What is found of one map by itself; of a folded one whose number is found ``together`` with
-    others', its plateaus.
-    """
-    member = family(*pair)
+    member = family(*place)
     if not isinstance(member, CircleMap) or member.degree != 1:
         raise InvalidInput(
-            f"the family gives {member!r} at {pair}: it must be a CircleMap of degree 1"
+            f"the family gives {member!r} at {tuple(place)}: it must be a CircleMap of degree 1"
         )
     folds = not is_nondecreasing(member)
     if folds and together:
-        return _Cell(folds, plateaus=[envelope_plateaus(member, side) for side in (-1.0, 1.0)])
-    iterates = max(16, int(np.ceil(1.0 / tolerance)))
-    known = rotation_number(member, iterates=iterates, tolerance=tolerance)
+        return envelope_plateaus(member, -1.0), envelope_plateaus(member, 1.0)
+    known = rotation_number(member, iterates=_iterates(tolerance), tolerance=tolerance)
     locked = known.locked
-    fraction = (0.0, 0.0) if locked is None else (locked.denominator, locked.numerator)
-    return _Cell(folds, (known.value, known.lower, known.upper, *fraction))
+    period, winding = (0, 0) if locked is None else (locked.denominator, locked.numerator)
+    return [known.value, known.lower, known.upper, period, winding, folds]
 
 
 def _axis(name: str, values: ArrayLike) -> Array:
