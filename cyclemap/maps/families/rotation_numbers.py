@@ -191,7 +191,8 @@ def _bounds(
             orbits.run_to(look)
             for longest, beside in [trial[1:] for trial in _TRIALS if trial[0] == look]:
                 orbits.try_locking(width, longest, beside)
-            bounds[:, orbits.place] = orbits.bounds
+            for everywhere, here in zip(bounds, orbits.bounds, strict=True):
+                everywhere[orbits.place] = here
             orbits = orbits.those(np.diff(orbits.bounds, axis=0)[0] > width)
             if orbits.place.size == 0:
                 break
