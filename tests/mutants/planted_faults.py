@@ -364,15 +364,15 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("TWO_PI * known.rotation_number.error_bound)", "0.0)"),
             (
-                "rate = float(np.sum(starts) - starts[ring] @ missed[0])",
-                "rate = float(np.sum(starts))",
+                "float(starts @ of_all - starts[ring] @ of_missed)",
+                "float(starts @ of_all)",
             ),
             (
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
             # Weights that do not add up halve without end: they are noticed by the time alone.
-            ("return first[0] + second[0], first[1]", "return 2.0 * first[0], first[1]"),
+            ("return sum(half[0] for half in halves),", "return 2.0 * halves[0][0],"),
         ],
     ),
     "maps/staircases/staircase.py": (
@@ -388,8 +388,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "error = before.max_error",
             ),
             (
-                "path = sample_staircases(circle_map, noise, count, [theta], seed)[0]",
-                "path = sample_staircases(circle_map, noise, count, [theta], 0)[0]",
+                "path = sample_staircases(circle_map, noise, count, [begin], seed)[0]",
+                "path = sample_staircases(circle_map, noise, count, [begin], 0)[0]",
             ),
             ("if error <= tolerance:", "if error <= 100.0 * tolerance:"),
         ],

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import pairwise
 
 import numpy as np
@@ -192,20 +193,24 @@ def predict_staircase(
     turn = circle_map.turn(grid)
     if np.ptp(turn) <= _FLAT:
         return StaircaseSummary(mean_turn, None, None, ())
-    found = _stable_zones(circle_map, noise)
-    if not found:
+    zones = _stable_zones(circle_map, noise)
+    if not zones:
         share = (np.arange(_INSIDE) + 0.5) / _INSIDE
         for ghost in _ghosts(circle_map, noise, grid, turn):
             inside = ghost.arc[0] + (ghost.arc[1] - ghost.arc[0]) * share
             if TWO_PI * np.mean(known.density(inside)) >= _LINGERING:
-                found.append(ghost)
-    if not found:
+                zones.append(ghost)
+    if not zones:
         return StaircaseSummary(mean_turn, None, None, ())
-    zones = tuple(_with_visits(zone, circle_map, noise, known) for zone in found)
     residences = [zone.residence_cycles for zone in zones]
     mean = float(np.mean(residences))
-    bound = float(np.mean([one.error_bound for one in residences])) if np.isfinite(mean) else 0.0
-    return StaircaseSummary(mean_turn, Estimate(mean, bound), TWO_PI / len(zones), zones)
+    bound = float(np.mean([residence.error_bound for residence in residences]))
+    return StaircaseSummary(
+        mean_turn,
+        Estimate(mean, bound if np.isfinite(mean) else 0.0),
+        TWO_PI / len(zones),
+        tuple(_with_visits(zone, circle_map, noise, known) for zone in zones),
+    )
 
 
 def _stable_zones(circle_map: CircleMap, noise: Noise) -> list[SlowZone]:
@@ -238,25 +243,22 @@ def _ghosts(circle_map: CircleMap, noise: Noise, grid: Array, turn: Array) -> li
     if not np.any(slow) or np.all(slow):
         return []
     zones = []
-    step = grid[1]
+    step = float(grid[1])
     for first in np.flatnonzero(slow & ~np.roll(slow, 1)).tolist():
         # The slow arc begins at this grid point and ends where |turn| crosses the level.
         ahead = np.roll(turn, -first)
         slowness = np.abs(ahead)
         length = int(np.argmax(slowness >= level))
-        begin = float(grid[first])
         before, after = (
-            (level - slowness[inside]) / (slowness[outside] - slowness[inside])
+            float((level - slowness[inside]) / (slowness[outside] - slowness[inside]))
             for inside, outside in ((0, -1), (length - 1, length))
         )
-        start = float(begin - step * before)
-        end = float(begin + step * (length - 1) + step * after)
+        begin = float(grid[first])
+        arc = begin - step * before, begin + step * (length - 1 + after)
         slowest = int(np.argmin(slowness[:length]))
-        residence = mean_passage_time(
-            still, noise, start if ahead[slowest] >= 0.0 else end, (start, end)
-        )
-        centre = float((begin + step * slowest) % TWO_PI)
-        zones.append(SlowZone(centre, (start, end), "ghost", residence, winding))
+        residence = mean_passage_time(still, noise, arc[int(ahead[slowest] < 0.0)], arc)
+        centre = (begin + step * slowest) % TWO_PI
+        zones.append(SlowZone(centre, arc, "ghost", residence, winding))
     return sorted(zones, key=lambda zone: zone.centre)
 
 
@@ -313,11 +315,11 @@ def _visit_moments(
     ring = (theta < zone.core[0]) | (theta > zone.core[1])
     missed = _run_moments((kernel * weight)[np.ix_(ring, ring)], out[ring])
     whole = _run_moments(kernel * weight, out)
-    rate = float(np.sum(starts) - starts[ring] @ missed[0])
-    length, square = (
-        float(starts @ w - starts[ring] @ m) for w, m in zip(whole[1:], missed[1:], strict=True)
+    chance, length, square = (
+        float(starts @ of_all - starts[ring] @ of_missed)
+        for of_all, of_missed in zip(whole, missed, strict=True)
     )
-    return (rate, length / rate, square / rate) if rate > 0.0 else None
+    return (chance, length / chance, square / chance) if chance > 0.0 else None
 
 
 def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
@@ -365,7 +367,7 @@ class DriftSummary:
         """Steps expected over the run, ``turns`` × 2π/step; None where the step changes or there is
         none.
         """
-        height = np.array([one.step for one in self.summaries], dtype=np.float64)
+        height = np.array([summary.step for summary in self.summaries], dtype=np.float64)
         return None if not np.ptp(height) <= 1e-9 else float(self.turns * TWO_PI / height[0])
 
 
@@ -420,8 +422,9 @@ def predict_drift(
     require_room("the frozen maps", many, "give fewer points")
     chosen = np.linspace(0.0, count - 1.0, many)
     operators = [transfer_operator(drifting.at(n), noise) for n in chosen]
-    summaries = tuple(predict_staircase(one.map, noise, one) for one in operators)
+    summaries = tuple(predict_staircase(operator.map, noise, operator) for operator in operators)
 
+    @cache
     def winding(n: float) -> float:
         """The rotation number without its bound, which costs several times as much."""
         operator = transfer_operator(drifting.at(n), noise)
@@ -432,52 +435,34 @@ def predict_drift(
     # Simpson's rule.
     low = -0.5
     high = count - 0.5
-    rho = winding
     inner = drifting.cycles[(drifting.cycles > low) & (drifting.cycles < high)]
-    edges = (
-        np.concatenate([[low], inner, [high]])
-        if inner.size < _PANELS
-        else np.linspace(low, high, _PANELS + 1)
-    )
-    allowed = _TOLERANCE / count
-    panels = [
-        _simpson(rho, a, b, (rho(a), rho(0.5 * (a + b)), rho(b)), allowed, 0)
-        for a, b in pairwise(edges)
+    edges = np.linspace(low, high, _PANELS + 1)
+    if inner.size < _PANELS:
+        edges = np.concatenate([[low], inner, [high]])
+    panels = [_simpson(winding, a, b, _TOLERANCE / count) for a, b in pairwise(edges.tolist())]
+    turns = Estimate(*np.sum(panels, axis=0).tolist())
+    change = np.abs(np.diff([operator.rotation_number for operator in operators])).tolist()
+    gaps = [min(pair) for pair in pairwise(operator.spectral_gap for operator in operators)]
+    lags = [
+        moved / gap if gap > 0.0 else float("inf")
+        for moved, gap in zip(change, gaps, strict=True)
+        if moved > 0.0
     ]
-    turns = Estimate(
-        float(sum(panel[0] for panel in panels)), float(sum(panel[1] for panel in panels))
-    )
-    change = np.abs(np.diff([one.rotation_number for one in operators]))
-    forgetting = np.array(
-        [1.0 / one.spectral_gap if one.spectral_gap > 0.0 else np.inf for one in operators]
-    )
-    lag = (
-        float(np.sum(change * np.maximum(forgetting[:-1], forgetting[1:])))
-        if np.any(change)
-        else 0.0
-    )
-    return DriftSummary(read_only(chosen), summaries, turns, lag)
+    return DriftSummary(read_only(chosen), summaries, turns, float(sum(lags)))
 
 
 def _simpson(
-    rho: Callable[[float], float],
-    a: float,
-    b: float,
-    at: tuple[float, float, float],
-    allowed: float,
-    depth: int,
+    function: Callable[[float], float], a: float, b: float, allowed: float, depth: int = 0
 ) -> tuple[float, float]:
-    """The integral over [a, b] and how much the last halving changed it; ``at``: values at a, the
-    middle and b.
-    """
+    """The integral over [a, b] and how much the last halving changed it."""
     middle = 0.5 * (a + b)
-    width = b - a
-    left = rho(0.5 * (a + middle))
-    right = rho(0.5 * (middle + b))
-    once = width / 6.0 * (at[0] + 4.0 * at[1] + at[2])
-    twice = width / 12.0 * (at[0] + 4.0 * left + 2.0 * at[1] + 4.0 * right + at[2])
-    if abs(twice - once) <= allowed * width or depth >= 12:
+    places = a, 0.5 * (a + middle), middle, 0.5 * (middle + b), b
+    values = np.array([function(place) for place in places])
+    once = float(np.dot(values[::2], [1.0, 4.0, 1.0])) * (b - a) / 6.0
+    twice = float(np.dot(values, [1.0, 4.0, 2.0, 4.0, 1.0])) * (b - a) / 12.0
+    if abs(twice - once) <= allowed * (b - a) or depth >= 12:
         return twice, abs(twice - once)
-    first = _simpson(rho, a, middle, (at[0], left, at[1]), allowed, depth + 1)
-    second = _simpson(rho, middle, b, (at[1], right, at[2]), allowed, depth + 1)
-    return first[0] + second[0], first[1] + second[1]
+    halves = [
+        _simpson(function, low, high, allowed, depth + 1) for low, high in pairwise(places[::2])
+    ]
+    return sum(half[0] for half in halves), sum(half[1] for half in halves)

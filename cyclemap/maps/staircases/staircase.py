@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import (
     finite_array,
     finite_number,
@@ -42,6 +42,29 @@ class Stretch:
     before: CircleMap
     after: CircleMap
     share: Array
+
+    def images(self, theta: Array, cycle: Whole | int) -> Array:
+        """F_n(θ) in cycles n of the stretch, one or as many as ``theta`` has columns."""
+        before = self.before(theta)
+        if self.before is self.after:
+            return before
+        return before + self.share[cycle - self.first] * (self.after(theta) - before)
+
+    def path(self, theta: float, kicks: list[float]) -> list[float]:
+        """The angles to which ``theta`` is carried with these kicks, one a cycle."""
+        visited = []
+        before = self.before.scalar()
+        if self.before is self.after:
+            for kick in kicks:
+                theta = before(theta) + kick
+                visited.append(theta)
+            return visited
+        after = self.after.scalar()
+        for share, kick in zip(self.share.tolist(), kicks, strict=True):
+            image = before(theta)
+            theta = image + share * (after(theta) - image) + kick
+            visited.append(theta)
+        return visited
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,13 +214,11 @@ class DriftingMap:
         """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of
         ``theta``.
         """
-        found = np.empty_like(theta)
+        images = np.empty_like(theta)
         for part in self.stretches(int(cycle.min()), int(cycle.max()) + 1):
             here = (cycle >= part.first) & (cycle < part.last)
-            before = part.before(theta[..., here])
-            share = part.share[cycle[here].astype(np.int64) - part.first]
-            found[..., here] = before + share * (part.after(theta[..., here]) - before)
-        return found
+            images[..., here] = part.images(theta[..., here], cycle[here].astype(np.int64))
+        return images
 
     def stretches(self, first: int, last: int) -> Iterator[Stretch]:
         """The cycles first, ..., last - 1 in stretches between neighbouring maps, in order."""
@@ -223,10 +244,10 @@ def _fitted(
     while waiting:
         a, b = waiting.pop()
         tried = {n: at(n) for n in {(3 * a + b) // 4, (a + b) // 2, (a + 3 * b) // 4} - {a, b}}
+        ends = knots[a](_GRID), knots[b](_GRID)
         error = 0.0
         for n, truth in tried.items():
-            share = (n - a) / (b - a)
-            blend = (1.0 - share) * knots[a](_GRID) + share * knots[b](_GRID)
+            blend = ends[0] + (n - a) / (b - a) * (ends[1] - ends[0])
             error = max(error, float(np.max(np.abs(blend - truth(_GRID)))))
         if error <= tolerance:
             worst = max(worst, error)
@@ -413,33 +434,19 @@ def sample_staircase(
     [0.0, 0.5, 1.0, 1.5, 2.0]
     """
     count = whole_number("cycles", cycles, least=1)
-    theta = begin = finite_number("start", start)
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    _check(circle_map, noise)
+    begin = finite_number("start", start)
     if isinstance(noise, LocalNoise):
-        path = sample_staircases(circle_map, noise, count, [theta], seed)[0]
+        path = sample_staircases(circle_map, noise, count, [begin], seed)[0]
         return Staircase(path, seed, begin)
+    rng = _generator(circle_map, noise, seed)
     require_room("the path", count, "give fewer cycles")
     path = np.empty(count + 1)
-    path[0] = theta
+    path[0] = begin
     for at in range(0, count, _CHUNK):
-        size = min(_CHUNK, count - at)
-        kicks = np.zeros(size) if noise is None else noise.sample(rng, size)
-        for part in _stretches(circle_map, at, at + size):
-            visited = []
+        kicks = _kicks(noise, rng, min(_CHUNK, count - at))
+        for part in _stretches(circle_map, at, at + kicks.size):
             given = kicks[part.first - at : part.last - at].tolist()
-            before = part.before.scalar()
-            after = part.after.scalar()
-            if part.before is part.after:
-                for kick in given:
-                    theta = before(theta) + kick
-                    visited.append(theta)
-            else:
-                for share, kick in zip(part.share.tolist(), given, strict=True):
-                    image = before(theta)
-                    theta = image + share * (after(theta) - image) + kick
-                    visited.append(theta)
-            path[part.first + 1 : part.last + 1] = visited
+            path[part.first + 1 : part.last + 1] = part.path(float(path[part.first]), given)
     return Staircase(read_only(path), seed, begin)
 
 
@@ -481,51 +488,45 @@ def sample_staircases(
     """
     count = whole_number("cycles", cycles, least=1)
     begin = finite_array("starts", starts, ndim=1)
-    rng = np.random.default_rng(whole_number("seed", seed, least=0))
-    _check(circle_map, noise)
+    rng = _generator(circle_map, noise, seed)
     if begin.size == 0:
         raise InvalidInput("starts is empty: give one angle a path")
     require_room("the paths", begin.size * count, "give fewer cycles or starts")
-    paths = np.empty((begin.size, count + 1))
-    paths[:, 0] = theta = begin
+    paths = np.empty((count + 1, begin.size))
+    paths[0] = begin
     block = max(1, min(count, _DRAWS // begin.size))
-    kicks = np.zeros((0, begin.size))
+    kicks = None
     for at in range(0, count, block):
-        size = min(block, count - at)
+        size = min(block, count - at), begin.size
         if isinstance(noise, LocalNoise):  # in its own σ, each like the one before
-            kicks = noise.units(rng, (size, begin.size), kicks[-1] if at else None)
+            kicks = noise.units(rng, size, None if kicks is None else kicks[-1])
         else:
-            kicks = (
-                np.zeros((size, begin.size))
-                if noise is None
-                else noise.sample(rng, (size, begin.size))
-            )
-        visited = np.empty((size, begin.size))
-        for part in _stretches(circle_map, at, at + size):
+            kicks = _kicks(noise, rng, size)
+        for part in _stretches(circle_map, at, at + size[0]):
             for n in range(part.first, part.last):
-                kick = kicks[n - at]
-                kick = noise.sigma(theta) * kick if isinstance(noise, LocalNoise) else kick
-                image = part.before(theta)
-                if part.before is not part.after:
-                    image = image + part.share[n - part.first] * (part.after(theta) - image)
-                theta = image + kick
-                visited[n - at] = theta
-        paths[:, at + 1 : at + 1 + size] = visited.T
-    paths.setflags(write=False)
-    return paths
+                scale = noise.sigma(paths[n]) if isinstance(noise, LocalNoise) else 1.0
+                paths[n + 1] = part.images(paths[n], n) + scale * kicks[n - at]
+    return read_only(paths.T)
 
 
-def _check(circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None) -> None:
+def _generator(
+    circle_map: CircleMap | DriftingMap, noise: Noise | LocalNoise | None, seed: int
+) -> np.random.Generator:
+    """The random numbers of a path, once it is sure that it can be followed."""
     if not isinstance(circle_map, CircleMap | DriftingMap):
         raise InvalidInput(f"the map is {circle_map!r}: give a CircleMap or a DriftingMap")
     if noise is not None and not isinstance(noise, Noise | LocalNoise):
         raise InvalidInput(
             f"the noise is {noise!r}: give a noise, for example WrappedNormal(0.02), or None"
         )
+    return np.random.default_rng(whole_number("seed", seed, least=0))
+
+
+def _kicks(noise: Noise | None, rng: np.random.Generator, size: int | tuple[int, int]) -> Array:
+    return np.zeros(size) if noise is None else noise.sample(rng, size)
 
 
 def _stretches(circle_map: CircleMap | DriftingMap, first: int, last: int) -> Iterator[Stretch]:
     if isinstance(circle_map, DriftingMap):
-        yield from circle_map.stretches(first, last)
-    else:
-        yield Stretch(first, last, circle_map, circle_map, np.empty(0))
+        return circle_map.stretches(first, last)
+    return iter([Stretch(first, last, circle_map, circle_map, np.empty(0))])
