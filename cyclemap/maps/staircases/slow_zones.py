@@ -20,8 +20,8 @@ from cyclemap.maps.lifts.map_algebra import shifted
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_operator
 from cyclemap.maps.orbits.periodic_points import crossings_by_jump, fixed_points
+from cyclemap.maps.passages.killed_chain import killed_chain, outside_of
 from cyclemap.maps.passages.passage_times import mean_passage_time
-from cyclemap.maps.quadrature import arc_rule
 from cyclemap.maps.staircases.staircase import DriftingMap
 from cyclemap.one_thread import one_thread
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
@@ -30,10 +30,7 @@ _GRID = 4_096
 _INSIDE = 257  # angles at which the density in a ghost's arc is averaged
 _FLAT = 1e-9  # radians: a turn that varies by less has no slow zone
 _CORE = 0.5  # a visit must come this much nearer the centre than the arc's ends are
-# noise coefficients neglected by the visits' law and by its check
-_FINE = 1e-10
-_COARSE = 1e-6
-_MAX_BANDWIDTH = 4_000.0
+_STRETCH = 1.4  # bandwidth of the nodes of the visits' law over that of its check
 _MAX_NODES = 2_000
 _LONGEST_VISIT = (
     1e5  # cycles: beyond, visits are taken to be exponential, with the residence as mean
@@ -278,8 +275,8 @@ def _with_visits(
     if residence > _LONGEST_VISIT:
         bound = np.inf if np.isfinite(residence) else 0.0
         return replace(zone, visit_cycles=Estimate(residence, bound), visit_spread=residence)
-    fine = _visit_moments(zone, still, noise, operator, _FINE)
-    coarse = _visit_moments(zone, still, noise, operator, _COARSE) if fine is not None else None
+    fine = _visit_moments(zone, still, noise, operator, _STRETCH)
+    coarse = fine and _visit_moments(zone, still, noise, operator, 1.0)
     if coarse is None or fine is None:
         return zone
     rate, mean, square = fine
@@ -293,28 +290,34 @@ def _visit_moments(
     circle_map: CircleMap,
     noise: Noise,
     operator: TransferOperator,
-    neglected: float,
+    stretch: float,
 ) -> tuple[float, float, float] | None:
-    """Visits begun per cycle, E length, E length²; None where it takes too many nodes."""
-    bandwidth = 4.0
-    while noise.tail(int(bandwidth)) > neglected and bandwidth <= _MAX_BANDWIDTH:
-        bandwidth *= 1.1
-    edges = (zone.arc[0], *zone.core, zone.arc[1])
-    rules = [
-        arc_rule(circle_map, low, high, bandwidth, every_sample=False)
-        for low, high in pairwise(edges)
-    ]
-    theta, weight = (np.concatenate(part) for part in zip(*rules, strict=True))
-    if bandwidth > _MAX_BANDWIDTH or theta.size > _MAX_NODES:
+    """Visits begun per cycle, E length, E length²; None where it takes too many nodes, or the noise
+    has a density that jumps.
+    """
+    arcs = tuple(pairwise((zone.arc[0], *zone.core, zone.arc[1])))
+    exits = outside_of(zone.arc, lifted=True)
+    try:
+        chain = killed_chain(
+            circle_map,
+            noise,
+            arcs,
+            exits,
+            lifted=True,
+            every_sample=False,
+            stretch=stretch,
+            most=_MAX_NODES,
+        )
+    except InvalidInput:
         return None
-    image = circle_map(theta)
-    kernel = noise.density(theta - image[:, None], lifted=True)
-    stationary = operator.density(theta) * weight
-    starts = stationary - weight * (stationary @ kernel)
-    out = noise.exceedance(zone.arc[1] - image) + noise.exceedance(image - zone.arc[0])
+    theta = chain.theta
+    moves = chain.transitions(chain.images)
+    out = chain.departures(chain.images).sum(axis=0)
+    stationary = operator.density(theta) * chain.weight
+    starts = stationary - stationary @ moves
     ring = (theta < zone.core[0]) | (theta > zone.core[1])
-    missed = _run_moments((kernel * weight)[np.ix_(ring, ring)], out[ring])
-    whole = _run_moments(kernel * weight, out)
+    missed = _run_moments(moves[np.ix_(ring, ring)], out[ring])
+    whole = _run_moments(moves, out)
     chance, length, square = (
         float(starts @ of_all - starts[ring] @ of_missed)
         for of_all, of_missed in zip(whole, missed, strict=True)
@@ -322,12 +325,12 @@ def _visit_moments(
     return (chance, length / chance, square / chance) if chance > 0.0 else None
 
 
-def _run_moments(kernel: Array, out: Array) -> tuple[Array, Array, Array]:
+def _run_moments(moves: Array, out: Array) -> tuple[Array, Array, Array]:
     """From each node: the chance to leave by ``out``, and E length and E length² on that event."""
-    runs = np.linalg.inv(np.eye(out.size) - kernel)
+    runs = np.linalg.inv(np.eye(out.size) - moves)
     chance = runs @ out
     length = runs @ chance
-    return chance, length, runs @ (chance + 2.0 * (kernel @ length))
+    return chance, length, runs @ (chance + 2.0 * (moves @ length))
 
 
 @dataclass(frozen=True, eq=False)
