@@ -29,10 +29,8 @@ from cyclemap.maps.operator.transfer_operator import TransferOperator, transfer_
 from cyclemap.maps.orbits.periodic_points import fixed_points
 from cyclemap.maps.passages.killed_chain import (
     Arc,
-    arc_ends,
+    begun,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.one_thread import one_thread
 
@@ -178,9 +176,7 @@ class Response:
         Ṫ(x) = ∂F/∂p·∂/∂F ∫ g(y - F) T(y) dy + ∫ g(y - F(x)) Ṫ(y) dy, on the nodes of
         ``mean_passage_time``.
         """
-        ends = arc_ends(arc, "arc", whole=lifted)
-        inside = required_inside(start, ends)
-        exits = outside_of(ends, lifted)
+        inside, ends, exits = begun(start, arc, lifted)
         make = partial(killed_chain, self.operator.map, self.operator.noise, (ends,), exits, lifted)
         rates = []
         for push, stretch in ((self.near, 1.0), (self.far, 1.0), (self.near, _STRETCH)):

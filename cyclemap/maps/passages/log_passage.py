@@ -15,10 +15,8 @@ from cyclemap.maps.passages.killed_chain import (
     MAX_UNKNOWNS,
     Arc,
     KilledChain,
-    arc_ends,
+    begun,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.maps.passages.passage_times import LONGEST, mean_passage_time
 from cyclemap.one_thread import one_thread
@@ -97,11 +95,10 @@ def log10_passage_time(
     312.235583
     """
     sigma = required_noise(noise).sigma
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
+    inside, ends, exits = begun(start, arc, lifted)
 
     def chain(every_sample: bool, stretch: float) -> KilledChain:
-        settings = circle_map, noise, (ends,), outside_of(ends, lifted), lifted
+        settings = circle_map, noise, (ends,), exits, lifted
         return killed_chain(*settings, every_sample=every_sample, stretch=stretch, most=_MOST_NODES)
 
     many = sigma is not None and chain(False, 1.0).theta.size > _FEW

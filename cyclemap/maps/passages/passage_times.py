@@ -19,10 +19,9 @@ from cyclemap.maps.passages.killed_chain import (
     KilledChain,
     arc_ends,
     arcs_between,
+    begun,
     into_arc,
     killed_chain,
-    outside_of,
-    required_inside,
 )
 from cyclemap.one_thread import one_thread
 
@@ -98,9 +97,7 @@ def mean_passage_time(
     >>> round(time, 3), time.error_bound < 1e-9
     (44.624, True)
     """
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
-    exits = outside_of(ends, lifted)
+    inside, ends, exits = begun(start, arc, lifted)
     rewards = np.zeros(len(exits))
     jump = required_noise(noise).jump
     if jump > 0.0:
@@ -246,9 +243,8 @@ def survival_probabilities(
     """
     count = whole_number("cycles", cycles, least=0)
     require_room("the chances", count, "give fewer cycles")
-    ends = arc_ends(arc, "arc", whole=lifted)
-    inside = required_inside(start, ends)
-    chain = killed_chain(circle_map, noise, (ends,), outside_of(ends, lifted), lifted)
+    inside, ends, exits = begun(start, arc, lifted)
+    chain = killed_chain(circle_map, noise, (ends,), exits, lifted)
     images = np.append(chain.images, circle_map(inside))
     moves = chain.transitions(images)
     moves *= ((1.0 - chain.departures(images).sum(axis=0)) / moves.sum(axis=1))[:, None]
