@@ -5,7 +5,7 @@ diagrams.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,8 +19,8 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.families.family import ParametricLift, each_done, parametric_form
 from cyclemap.maps.lifts.circle_map import CircleMap
-from cyclemap.maps.orbits.envelopes import SLACK, envelope_plateaus, is_nondecreasing
-from cyclemap.maps.orbits.rotation_number import rotation_number, window
+from cyclemap.maps.orbits.envelopes import is_nondecreasing
+from cyclemap.maps.orbits.rotation_number import rotation_number
 from cyclemap.progress import Progress
 
 _WORKERS = os.cpu_count() or 1
@@ -31,7 +31,6 @@ _TRIALS = (
     *((16, 2, 0.5), (48, 8, 0.3), (128, 16, 0.1), (128, 16, 1e-3)),
     *((256, 16, 0.03), (256, 16, 1e-5), (512, 24, 0.01), (512, 24, 1e-7)),
 )
-_ENDS = 0.2  # of the tolerance: what the ends of a folded map's interval are sought to
 _SIDES = np.array([[-1.0], [1.0]])
 _ONE_MORE = np.array([[0.0], [1.0]])
 # After so many cycles the finished maps are taken out, then at equal distances.
@@ -142,17 +141,14 @@ def _wanted(tolerance: float) -> float:
     return wanted
 
 
-def _judged(bounds: Array, tolerance: float, mean: Array | None = None) -> Array:
+def _judged(bounds: Array, tolerance: float) -> Array:
     """Rows of value, lower, upper, period and winding: these where both bounds are the same
-    fraction, else 0; the value is the ``mean`` where that lies between the bounds.
+    fraction, else 0.
     """
     lower, upper = bounds
     same = np.where(lower == upper, upper, -np.inf)
     period = _simplest_periods(lower, same, int(np.floor(1.0 / tolerance)) + 2)
-    value = 0.5 * (lower + upper)
-    if mean is not None:
-        value = np.where((lower <= mean) & (mean <= upper), mean, value)
-    value = np.where(period > 0, lower, value)
+    value = np.where(period > 0, lower, 0.5 * (lower + upper))
     winding = np.where(period > 0, np.round(lower * period), 0.0)
     # Bounds p/n as floats, moved outward by the rounding of that division.
     low = np.where(lower == np.round(lower), lower, np.nextafter(lower, -np.inf))
@@ -168,9 +164,7 @@ def _in_shape(table: Array, shape: tuple[int, ...]) -> tuple[Array, Array, Array
     return value, lower, upper, whole[0], whole[1]
 
 
-def _bounds(
-    family: ParametricLift | _Envelopes, parameters: Array, tolerance: float, workers: int
-) -> Array:
+def _bounds(family: ParametricLift, parameters: Array, tolerance: float, workers: int) -> Array:
     """(2, m): the best p/n below and above each rotation number, once they are near enough or after
     1/tolerance cycles.
     """
@@ -217,7 +211,7 @@ class _Orbits:
     cycles : iterates done.
     """
 
-    family: ParametricLift | _Envelopes
+    family: ParametricLift
     parameters: Array
     place: Whole
     push: Array
@@ -268,7 +262,7 @@ class _Orbits:
         self.bounds[:, open_still] = trial.bounds
 
 
-def _begun(family: ParametricLift | _Envelopes, parameters: Array, first: int) -> _Orbits:
+def _begun(family: ParametricLift, parameters: Array, first: int) -> _Orbits:
     """The orbits of θ = -π before the first cycle, and the check that these are nondecreasing
     lifts.
     """
@@ -359,79 +353,6 @@ class RotationPlane:
     tolerance: float
 
 
-Plateaus = tuple[Array, Array, Array, float]  # starts, ends, levels, and what they may be off
-
-
-@dataclass(frozen=True, eq=False)
-class _Envelopes:
-    """Upper or lower envelopes of many folded members of a family: ``lift`` as of a
-    ``ParametricLift``.
-
-    Its last parameter is the number of the member, whose plateaus are ``plateaus[:, number]``:
-    starts, ends and levels, shape (3, members, most).
-    """
-
-    family: ParametricLift
-    plateaus: Array
-    max_error: float
-
-    def lift(self, theta: Array, *parameters: Array) -> Array:
-        """The envelopes at ``theta``, which broadcasts with the parameters."""
-        plateaus = self.plateaus[:, parameters[-1].astype(np.int64)]
-        turns = np.floor((theta - plateaus[0, :, 0]) / TWO_PI)
-        base = theta - TWO_PI * turns
-        image = self.family.lift(theta.copy(), *parameters[:-1])
-        for start, end, level in np.moveaxis(plateaus, 2, 0):
-            image = np.where((base >= start) & (base < end), level + TWO_PI * turns, image)
-        return image
-
-    def rises(self, *parameters: Array) -> Mask:
-        """Everywhere, as envelopes do."""
-        return np.ones(parameters[0].shape, dtype=bool)
-
-
-def _envelopes(family: ParametricLift, plateaus: Sequence[Plateaus]) -> _Envelopes:
-    """The envelopes of all members; rows with fewer plateaus than the longest have their last one
-    several times.
-    """
-    most = max(1, *(start.size for start, _, _, _ in plateaus))
-    tables = np.zeros((3, len(plateaus), most))
-    for row, (start, end, level, _) in enumerate(plateaus):
-        if start.size:
-            columns = np.stack([start, end, level]) - TWO_PI * np.floor(start / TWO_PI)
-            columns = columns[:, np.argsort(columns[0])]
-            tables[:, row] = np.pad(columns, ((0, 0), (0, most - start.size)), mode="edge")
-    inexact = max(columns[3] for columns in plateaus)
-    return _Envelopes(family, tables, inexact + SLACK)
-
-
-def _folded_numbers(
-    family: ParametricLift,
-    plateaus: list[tuple[Plateaus, Plateaus]],
-    parameters: Array,
-    tolerance: float,
-) -> Array:
-    """Rows as of ``_judged`` of folded members, all together: the ends are those of the
-    envelopes.
-    """
-    numbered = np.vstack([parameters, np.arange(len(plateaus))])
-    # Bounds so narrow that most ends, which lock on plateaus, are proved to be fractions.
-    low, high = (
-        _bounds(_envelopes(family, columns), numbered, _ENDS * tolerance, _WORKERS)
-        for columns in zip(*plateaus, strict=True)
-    )
-    theta, mean = np.zeros((2, len(plateaus)))
-    for weight in window(_iterates(tolerance)).tolist():
-        image = family.lift(theta.copy(), *parameters)
-        mean += weight * (image - theta) / TWO_PI
-        theta = image - TWO_PI * np.floor(image / TWO_PI)
-    return _judged(np.stack([low[0], high[1]]), tolerance, mean)
-
-
-def _iterates(tolerance: float) -> int:
-    return max(16, int(np.ceil(1.0 / tolerance)))
-
-
 def rotation_plane(
     family: Callable[..., CircleMap],
     first_values: ArrayLike,
@@ -446,9 +367,9 @@ def rotation_plane(
     ----------
     family : callable
         Any callable of two numbers that gives a CircleMap of degree 1; a ``ParametricLift``,
-        ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once: a folded one
-        takes some milliseconds, in which its folds are found, others far less
-        (``rotation_numbers``). All else goes map by map (``rotation_number``).
+        ``CircleMap.arnold`` and ``CircleMap.moebius`` are done many maps at once where they do
+        not fold (``rotation_numbers``). All else goes map by map (``rotation_number``), some
+        milliseconds each.
     first_values : array_like, shape (m,)
         Strictly increasing or decreasing.
     second_values : array_like, shape (n,)
@@ -492,49 +413,38 @@ def rotation_plane(
     second = _axis("second_values", second_values)
     wanted = _wanted(tolerance)
     places = np.array([np.repeat(first, second.size), np.tile(second, first.size)])
-    table = np.empty((5, places.shape[1]))
-    folded = np.zeros(places.shape[1], dtype=bool)
+    table = np.zeros((6, places.shape[1]))
     singly = np.ones(places.shape[1], dtype=bool)
     formula = parametric_form(family)
     if formula is not None:
         singly = ~formula.rises(*places)
         many = rotation_numbers(formula, *places[:, ~singly], tolerance=wanted)
-        table[:, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
-    work = partial(_cell, family, wanted, formula is not None)
+        table[:5, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
+    work = partial(_cell, family, wanted)
     cells = list(each_done(work, places[:, singly].T.tolist(), executor, progress, 16))
-    plateaus = [cell for cell in cells if isinstance(cell, tuple)]
-    for place, cell in zip(np.flatnonzero(singly).tolist(), cells, strict=True):
-        folded[place] = isinstance(cell, tuple) or cell[-1]
-        if not isinstance(cell, tuple):
-            table[:, place] = cell[:5]
-    if formula is not None and plateaus:
-        table[:, folded] = _folded_numbers(formula, plateaus, places[:, folded], wanted)
+    table[:, singly] = np.reshape(cells, (-1, 6)).T
     shape = (first.size, second.size)
-    folded = folded.reshape(shape)
+    folded = table[5].reshape(shape) > 0.0
     folded.setflags(write=False)
-    numbers = _in_shape(table, shape)
+    numbers = _in_shape(table[:5], shape)
     return RotationPlane(read_only(first), read_only(second), *numbers, folded, wanted)
 
 
 def _cell(
-    family: Callable[..., CircleMap], tolerance: float, together: bool, place: list[float]
-) -> list[float] | tuple[Plateaus, Plateaus]:
-    """What is found of one map by itself: value, lower, upper, period, winding and whether it
-    folds; of a folded one whose number is found ``together`` with others', the plateaus of its
-    envelopes.
-    """
+    family: Callable[..., CircleMap], tolerance: float, place: list[float]
+) -> tuple[float, ...]:
+    """Value, lower, upper, period and winding of one map, and whether it folds."""
     member = family(*place)
     if not isinstance(member, CircleMap) or member.degree != 1:
         raise InvalidInput(
             f"the family gives {member!r} at {tuple(place)}: it must be a CircleMap of degree 1"
         )
-    folds = not is_nondecreasing(member)
-    if folds and together:
-        return envelope_plateaus(member, -1.0), envelope_plateaus(member, 1.0)
-    known = rotation_number(member, iterates=_iterates(tolerance), tolerance=tolerance)
+    iterates = max(16, int(np.ceil(1.0 / tolerance)))
+    known = rotation_number(member, iterates=iterates, tolerance=tolerance)
     locked = known.locked
     period, winding = (0, 0) if locked is None else (locked.denominator, locked.numerator)
-    return [known.value, known.lower, known.upper, period, winding, folds]
+    folds = not is_nondecreasing(member)
+    return known.value, known.lower, known.upper, period, winding, folds
 
 
 def _axis(name: str, values: ArrayLike) -> Array:
