@@ -69,18 +69,18 @@ def bifurcations(
     True
     """
     low, high = parameter_range("parameters", parameters)
-    kept: list[Bifurcation] = []
+    met: list[Bifurcation] = []
     for branch in orbit_branches(family, (low, high), period, winding, resolution=resolution):
-        for found in branch.special:
+        for special in branch.special:
             again = any(
-                found.kind == other.kind
-                and abs(found.parameter - other.parameter) <= _SAME_PARAMETER * (high - low)
-                and same_orbit(found.points, other.points, _SAME_POINT)
-                for other in kept
+                special.kind == other.kind
+                and abs(special.parameter - other.parameter) <= _SAME_PARAMETER * (high - low)
+                and same_orbit(special.points, other.points, _SAME_POINT)
+                for other in met
             )
             if not again:
-                kept.append(found)
-    return sorted(kept, key=lambda found: float(found.parameter))
+                met.append(special)
+    return sorted(met, key=lambda special: float(special.parameter))
 
 
 def saddle_nodes(
@@ -132,8 +132,8 @@ def saddle_nodes(
     True
     """
     within = parameter_range("parameters", parameters)
-    found = bifurcations(family, within, period, winding, resolution=resolution)
-    folds = [each for each in found if each.kind == "saddle-node"]
+    met = bifurcations(family, within, period, winding, resolution=resolution)
+    folds = [special for special in met if special.kind == "saddle-node"]
     return [_proved_fold(family, fold, within) for fold in folds] if proved else folds
 
 
@@ -198,8 +198,8 @@ def period_doublings(
     >>> flip.parameter.holds(float(np.hypot(2.0, 0.2 * np.pi)))
     True
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "period-doubling"]
+    met = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [special for special in met if special.kind == "period-doubling"]
 
 
 def border_collisions(
@@ -243,5 +243,5 @@ def border_collisions(
     >>> collision.folds, collision.parameter.holds(0.0)
     (True, True)
     """
-    found = bifurcations(family, parameters, period, winding, resolution=resolution)
-    return [one for one in found if one.kind == "border-collision"]
+    met = bifurcations(family, parameters, period, winding, resolution=resolution)
+    return [special for special in met if special.kind == "border-collision"]

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -34,6 +35,7 @@ from cyclemap.maps.passages.killed_chain import (
 )
 from cyclemap.one_thread import one_thread
 
+Rate = TypeVar("Rate", float, Array)
 _STEP = 1e-3  # of the range: spacing of the differences by which ∂F/∂p is told
 _STRETCH = 1.4  # factor on the nodes' bandwidth of the second route to a passage time's derivative
 
@@ -158,14 +160,11 @@ class Response:
         moving = []
         for orbit in fixed_points(self.operator.map):
             if orbit.stable:
-                near, far = (
-                    float(push(orbit.points)[0]) / (1.0 - orbit.multiplier)
-                    for push in (self.near, self.far)
-                )
-                rounding = 64.0 * EPS / self.near.step
-                bound = abs(near - far) + (rounding + self._unknown) / (1.0 - orbit.multiplier)
-                rate = Estimate((4.0 * near - far) / 3.0, bound)
-                moving.append((float(orbit.points[0]), rate))
+                still = 1.0 - orbit.multiplier
+                near, far = (float(push(orbit.points)[0]) / still for push in (self.near, self.far))
+                rate, bound = _extrapolated(near, far)
+                bound += (64.0 * EPS / self.near.step + self._unknown) / still
+                moving.append((float(orbit.points[0]), Estimate(rate, bound)))
         return tuple(moving)
 
     @one_thread
@@ -187,14 +186,15 @@ class Response:
             growth = time.growth(images, chain)
             source = push(theta) * growth
             # Elimination keeps all digits of what is not negative.
-            parts = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
-            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(parts[:-1])
-            up, down, most = (parts[-1] + onward).tolist()
+            positive = np.maximum(np.stack([source, -source, np.abs(growth)], axis=1), 0.0)
+            onward = chain.transitions(images[-1:])[0] @ chain.elimination.solve(positive[:-1])
+            up, down, most = (positive[-1] + onward).tolist()
             rates.append(up - down)
         near, far, again = rates
-        bound = abs(near - far) + 4.0 * abs(near - again) + most * self._unknown
+        rate, bound = _extrapolated(near, far)
+        bound += 4.0 * abs(near - again) + most * self._unknown
         bound += 1e3 * EPS * (1.0 / self.near.step + abs(near))
-        return Estimate((4.0 * near - far) / 3.0, bound)
+        return Estimate(rate, bound)
 
     @property
     def _unknown(self) -> float:
@@ -230,5 +230,12 @@ class Response:
             moved = across @ (rates * (basis.evaluate(jumps) @ law.coefficients))
             near = near + moved
             far = far + moved
-        unknown = self._unknown * np.sum(np.abs(slopes), axis=-1)
-        return (4.0 * near - far) / 3.0, np.abs(near - far) + unknown
+        rate, bound = _extrapolated(near, far)
+        return rate, bound + self._unknown * np.sum(np.abs(slopes), axis=-1)
+
+
+def _extrapolated(near: Rate, far: Rate) -> tuple[Rate, Rate]:
+    """From centred differences over a step and over two: to no step, and what the larger one
+    changes.
+    """
+    return (4.0 * near - far) / 3.0, abs(near - far)
