@@ -180,35 +180,27 @@ class DriftingMap:
             raise InvalidInput(
                 f"family is {family!r}: give a callable that turns a parameter into a CircleMap"
             )
-        given: Callable[[int], Any]
-        if callable(schedule):
-            given = schedule
-        else:
-            values = finite_array("schedule", schedule)
+        given = schedule
+        if not callable(given):
+            values = finite_array("schedule", given)
             if values.ndim == 0 or values.shape[0] < count:
                 raise InvalidInput(
                     f"schedule has shape {values.shape}: it needs one entry for each of {count} "
                     "cycles"
                 )
             given = values.__getitem__
-        knots, error = _fitted(
+        return _fitted(
             lambda n: family(given(n)), count - 1, positive_number("tolerance", tolerance)
-        )
-        return cls(
-            np.array(sorted(knots), dtype=float), tuple(knots[n] for n in sorted(knots)), error
         )
 
     def at(self, cycle: float) -> CircleMap:
         """The map frozen at ``cycle`` (any real number)."""
-        now = finite_number("cycle", cycle)
-        after = int(np.searchsorted(self.cycles, now, side="left"))
-        if after == self.cycles.size:
-            return self.maps[-1]
-        if after == 0 or self.cycles[after] == now:
+        now = float(np.clip(finite_number("cycle", cycle), self.cycles[0], self.cycles[-1]))
+        after = int(np.searchsorted(self.cycles, now))
+        if self.cycles[after] == now:
             return self.maps[after]
-        a = self.cycles[after - 1]
-        b = self.cycles[after]
-        return _blended(self.maps[after - 1], self.maps[after], float((now - a) / (b - a)))
+        a, b = self.cycles[after - 1 : after + 1].tolist()
+        return _blended(self.maps[after - 1], self.maps[after], (now - a) / (b - a))
 
     def images(self, theta: Array, cycle: Array) -> Array:
         """F_n(θ) of angles (..., k) in the whole cycles n (k,): (..., k), radians, on the lift of
@@ -223,20 +215,19 @@ class DriftingMap:
     def stretches(self, first: int, last: int) -> Iterator[Stretch]:
         """The cycles first, ..., last - 1 in stretches between neighbouring maps, in order."""
         inner = np.ceil(self.cycles[(self.cycles > first) & (self.cycles < last)]).astype(int)
-        bounds = np.unique(np.concatenate([[first], inner, [last]]))
-        for low, high in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
+        bounds = np.unique([first, *inner, last]).tolist()
+        for low, high in pairwise(bounds):
             after = min(int(np.searchsorted(self.cycles, low, side="right")), self.cycles.size - 1)
             before = max(after - 1, 0) if low < self.cycles[after] else after
-            a = self.cycles[before]
-            width = self.cycles[after] - self.cycles[before] if after > before else 1.0
-            share = np.clip((np.arange(low, high) - a) / width, 0.0, 1.0)
+            ends = self.cycles[[before, after]]
+            share = np.interp(np.arange(low, high), ends, [0.0, 1.0])
             yield Stretch(low, high, self.maps[before], self.maps[after], share)
 
 
-def _fitted(
-    at: Callable[[int], CircleMap], last: int, tolerance: float
-) -> tuple[dict[int, CircleMap], float]:
-    """The maps at the chosen cycles, and the largest difference that was accepted."""
+def _fitted(at: Callable[[int], CircleMap], last: int, tolerance: float) -> DriftingMap:
+    """The blend of the maps at chosen cycles; ``max_error``: the largest difference that was
+    accepted.
+    """
     ends = np.unique(np.linspace(0, last, _PIECES + 1).astype(int)).tolist()
     knots = {n: at(n) for n in ends}
     worst = 0.0
@@ -244,10 +235,11 @@ def _fitted(
     while waiting:
         a, b = waiting.pop()
         tried = {n: at(n) for n in {(3 * a + b) // 4, (a + b) // 2, (a + 3 * b) // 4} - {a, b}}
-        ends = knots[a](_GRID), knots[b](_GRID)
+        before = knots[a](_GRID)
+        change = knots[b](_GRID) - before
         error = 0.0
         for n, truth in tried.items():
-            blend = ends[0] + (n - a) / (b - a) * (ends[1] - ends[0])
+            blend = before + (n - a) / (b - a) * change
             error = max(error, float(np.max(np.abs(blend - truth(_GRID)))))
         if error <= tolerance:
             worst = max(worst, error)
@@ -259,7 +251,8 @@ def _fitted(
             middle = (a + b) // 2
             knots[middle] = tried[middle]
             waiting += [(a, middle), (middle, b)]
-    return knots, worst
+    order = sorted(knots)
+    return DriftingMap(np.array(order, dtype=float), tuple(knots[n] for n in order), worst)
 
 
 def _blended(before: CircleMap, after: CircleMap, share: float) -> CircleMap:
