@@ -418,8 +418,8 @@ def rotation_plane(
     formula = parametric_form(family)
     if formula is not None:
         singly = ~formula.rises(*places)
-        many = rotation_numbers(formula, *places[:, ~singly], tolerance=wanted)
-        table[:5, ~singly] = many.value, many.lower, many.upper, many.period, many.winding
+        bounds = _bounds(formula, places[:, ~singly], wanted, _WORKERS)
+        table[:5, ~singly] = _judged(bounds, wanted)
     work = partial(_cell, family, wanted)
     cells = list(each_done(work, places[:, singly].T.tolist(), executor, progress, 16))
     table[:, singly] = np.reshape(cells, (-1, 6)).T

@@ -136,15 +136,16 @@ def eliminated(q: Array, out: Array) -> Elimination:
         mass = mass @ q
         mass /= max(mass.sum(), np.finfo(float).tiny)
     order = np.argsort(-mass, kind="stable")
-    work = q[np.ix_(order, order)]
-    left = out[order]
-    for high in range(left.size, 0, -_BLOCK):
+    # The first column leads out; all sums are of >= 0.
+    work = np.column_stack([out[order], q[np.ix_(order, order)]])
+    for high in range(out.size, 0, -_BLOCK):
         low = max(0, high - _BLOCK)
-        inside = slice(low, high)
-        # The states of a block among themselves, then towards those before it; all sums are of >=
-        # 0.
-        block = work[inside, inside]
-        away = left[inside] + work[inside, :low].sum(axis=1)
+        rows = slice(low, high)
+        among = slice(low + 1, high + 1)
+        before = slice(0, low + 1)
+        # The states of a block among themselves, then towards those before it.
+        block = work[rows, among]
+        away = work[rows, before].sum(axis=1)
         for k in range(high - low - 1, -1, -1):
             pivot = away[k] + np.sum(block[k, :k])
             share = block[:k, k] / pivot if pivot > 0.0 else np.zeros(k)
@@ -156,13 +157,11 @@ def eliminated(q: Array, out: Array) -> Elimination:
         shares = np.eye(high - low) - np.triu(block, 1)
         moves = np.diag(np.where(pivots > 0.0, pivots, np.inf)) - np.tril(block, -1)
         # An upper triangle is its own LU factor: these only substitute, in sums of >= 0.
-        left[inside] = np.linalg.solve(shares, left[inside])
-        work[inside, :low] = np.linalg.solve(shares, work[inside, :low])
-        work[:low, inside] = np.linalg.solve(moves.T, work[:low, inside].T).T
-        left[:low] += work[:low, inside] @ left[inside]
-        work[:low, :low] += work[:low, inside] @ work[inside, :low]
-    packed = np.negative(work, out=np.empty_like(work, order="F"))
-    np.fill_diagonal(packed, np.diag(work))
+        work[rows, before] = np.linalg.solve(shares, work[rows, before])
+        work[:low, among] = np.linalg.solve(moves.T, work[:low, among].T).T
+        work[:low, before] += work[:low, among] @ work[rows, before]
+    packed = -work[:, 1:]
+    np.fill_diagonal(packed, -np.diag(packed))
     return Elimination(packed, out[order], order)
 
 
