@@ -371,8 +371,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
-            # Weights that do not add up halve without end: they are noticed by the time alone.
-            ("return sum(half[0] for half in halves),", "return 2.0 * halves[0][0],"),
+            ("np.sum(np.abs(np.diff(slopes)))) / 8.0", "0.0) / 8.0"),
         ],
     ),
     "maps/staircases/staircase.py": (

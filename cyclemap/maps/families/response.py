@@ -136,23 +136,13 @@ class Response:
     @one_thread
     def expectation(self, function: Callable[[Array], Array]) -> Estimate:
         """d/dp of E h(θ) under the stationary law; h as of ``TransferOperator.expectation``."""
-
-        def moments(basis: FourierDiscretisation) -> Array:
-            theta, weight = basis.rule
-            return basis.integrals(theta, weight * checked_values(function, theta))
-
-        return self._estimated(moments, 0.0)
+        return self._estimated(function, 0.0)
 
     @cached_property
     @one_thread
     def rotation_number(self) -> Estimate:
         """d/dp of the mean winding, turns a cycle."""
-
-        def moments(basis: FourierDiscretisation) -> Array:
-            theta, weight = basis.rule
-            return basis.integrals(theta, weight * basis.map.turn(theta) / TWO_PI)
-
-        return self._estimated(moments, 1.0 / TWO_PI)
+        return self._estimated(lambda at: self.operator.map.turn(at) / TWO_PI, 1.0 / TWO_PI)
 
     @cached_property
     def stable_points(self) -> tuple[tuple[float, Estimate], ...]:
@@ -201,14 +191,15 @@ class Response:
         """What ∂F/∂p, extrapolated, may be off by the maps' ``max_error``."""
         return (4.0 * self.near.error + self.far.error) / 3.0
 
-    def _estimated(
-        self, moments: Callable[[FourierDiscretisation], Array], direct: float
-    ) -> Estimate:
-        value, changed = self._moved(FourierLaw(self.basis), moments(self.basis), direct)
-        fine = self.basis.refined()
-        again, _ = self._moved(FourierLaw(fine), moments(fine), direct)
-        rounding = 64.0 * EPS * (1.0 + abs(float(value))) / self.near.step
-        return Estimate(float(value), float(changed) + 4.0 * abs(float(value - again)) + rounding)
+    def _estimated(self, function: Callable[[Array], Array], direct: float) -> Estimate:
+        moved = []
+        for basis in (self.basis, self.basis.refined()):
+            theta, weight = basis.rule
+            moments = basis.integrals(theta, weight * checked_values(function, theta))
+            moved.append([float(each) for each in self._moved(FourierLaw(basis), moments, direct)])
+        (value, changed), (again, _) = moved
+        rounding = 64.0 * EPS * (1.0 + abs(value)) / self.near.step
+        return Estimate(value, changed + 4.0 * abs(value - again) + rounding)
 
     def _moved(self, law: FourierLaw, moments: Array, direct: float = 0.0) -> tuple[Array, Array]:
         """d/dp E h for h of integrals ``moments`` (columns of several), and what the larger step
