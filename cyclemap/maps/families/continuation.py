@@ -22,6 +22,7 @@ from cyclemap.maps.families.orbit_equations import (
 )
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.orbits.periodic_points import Orbit, periodic_orbits
+from cyclemap.maps.orbits.rotation_number import orbit_angles
 
 RESOLUTION = 24
 _ON_ORBIT = 1e-12  # radians: residual of points that are an orbit
@@ -280,10 +281,7 @@ def follow_orbit(
     else:
         n = whole_number("period", period, least=1)
         turns = whole_number("winding", winding)
-        points = np.full(n, finite_number("start", start))
-        member = family_member(family, p)
-        for i in range(1, n):
-            points[i] = np.mod(member(points[i - 1]), TWO_PI)
+        points = orbit_angles(family_member(family, p), finite_number("start", start), n)
     equations = orbit_equations(family, points, p, turns, within)
     first = _first_orbit(equations, np.append(points, p) / equations.scales)
     if first is None or np.max(np.abs(first.theta - points)) > 0.5:

@@ -204,18 +204,14 @@ def _within(path: Array, window: float) -> Steps:
     # Twice the cycles that the window's height takes at the mean pace: stays weighted by the height
     # they cover.
     whole = np.r_[length[reach < path.size - 1], back[cycle - back + 1 > 0]].astype(float)
-    shortest = _SHORTEST
+    shortest = 0.0
     if whole.size:
-        shortest = max(
-            _SHORTEST, int(np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2)))
-        )
+        shortest = np.ceil(_SLOW * np.sum(1.0 / whole) / np.sum(1.0 / whole**2))
+    shortest = max(_SHORTEST, shortest)
     # Runs of cycles in which each neighbouring pair lies in one of the long windows.
-    long = np.flatnonzero(length >= shortest)
-    cover = np.zeros(path.size + 1)
-    np.add.at(cover, long, 1.0)
-    np.add.at(cover, reach[long], -1.0)
+    farthest = np.maximum.accumulate(np.where(length >= shortest, reach, -1))
     runs = []
-    for first, last in stretches(np.cumsum(cover[:-1]) > 0.5):
+    for first, last in stretches(farthest > cycle):
         # Without the ends that already lead away.
         away = np.abs(path[first : last + 1] - np.median(path[first : last + 1]))
         kept = first + np.flatnonzero(away <= _TRIM * np.median(away) + STAIRCASE * window)
