@@ -402,8 +402,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "alive = np.cumprod(1.0 - ended / values.size)",
             ),
             (
-                "chance = min(1.0, 2.0 * min(middle, 1.0 - middle))",
-                "chance = min(1.0, min(middle, 1.0 - middle))",
+                "return min(1.0, 2.0 * min(middle, 1.0 - middle))",
+                "return min(1.0, min(middle, 1.0 - middle))",
             ),
             ("exposure / exits**1.5", "exposure / exits"),
         ],
