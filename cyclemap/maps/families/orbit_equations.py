@@ -4,7 +4,7 @@ with the condition of a bifurcation.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -65,7 +65,7 @@ class OrbitState:
     @property
     def other_slopes(self) -> Array:
         """The product of all slopes but each: how the multiplier moves with that one."""
-        return np.array([np.prod(np.delete(self.slopes, i)) for i in range(self.slopes.size)])
+        return _products_of_others(self.slopes)
 
     @property
     def halves(self) -> Array:
@@ -111,6 +111,10 @@ class OrbitState:
             slopes *= self.member.derivative(theta)
             theta = self.member(theta) - TWO_PI * hop
         return np.asarray(_STENCILS @ slopes / np.array([width, width**2]))
+
+
+def _products_of_others(slopes: Array) -> Array:
+    return np.array([np.prod(np.delete(slopes, i)) for i in range(slopes.size)])
 
 
 def second_derivative(member: CircleMap, theta: Array) -> Array:
@@ -192,40 +196,34 @@ class OrbitEquations:
         residual = images - np.roll(theta, -1) - TWO_PI * self.hops
         jacobian = np.diag(slopes) - np.roll(np.eye(n), 1, axis=1)
         matrix = np.column_stack([jacobian, *(tangent(pushed) for tangent in tangents)])
-        plain = OrbitState(
-            at,
-            self.parameters(at),
-            theta,
-            member,
-            slopes,
-            self.hops,
-            residual,
-            matrix * self.scales,
-        )
-        if not self.kind:
-            return plain
-        missed, row = self._condition(plain, tangents, gap)
-        return replace(
-            plain,
-            residual=np.append(residual, missed),
-            matrix=np.vstack([plain.matrix, row * self.scales]),
+        if self.kind:
+            missed, row = self._condition(member, theta, slopes, tangents, gap)
+            residual = np.append(residual, missed)
+            matrix = np.vstack([matrix, row])
+        return OrbitState(
+            at, parameters, theta, member, slopes, self.hops, residual, matrix * self.scales
         )
 
     def _condition(
-        self, state: OrbitState, tangents: list[ParameterTangent], gap: float
+        self,
+        member: CircleMap,
+        theta: Array,
+        slopes: Array,
+        tangents: list[ParameterTangent],
+        gap: float,
     ) -> tuple[float, Array]:
         """What the condition of the bifurcation misses by, and its derivative."""
         if self.side:
-            border = state.theta[self.point] - gap
+            border = theta[self.point] - gap
             rates = [
                 tangent.break_rates[np.argmin(np.abs(shorter_way(border - tangent.member.breaks)))]
                 for tangent in tangents
             ]
-            return gap, np.append(np.arange(state.theta.size) == self.point, np.negative(rates))
-        bend = second_derivative(state.member, state.theta)
-        others = state.other_slopes
-        changes = [others @ tangent.of_slopes(state.theta, bend) for tangent in tangents]
-        return state.multiplier - MULTIPLIERS[self.kind], np.append(others * bend, changes)
+            return gap, np.append(np.arange(theta.size) == self.point, np.negative(rates))
+        bend = second_derivative(member, theta)
+        others = _products_of_others(slopes)
+        changes = [others @ tangent.of_slopes(theta, bend) for tangent in tangents]
+        return float(np.prod(slopes)) - MULTIPLIERS[self.kind], np.append(others * bend, changes)
 
     def solved(self, guess: Array, rows: Array) -> OrbitState | None:
         """The solution nearest to ``guess`` across ``rows`` (both scaled), to rounding; None when
