@@ -414,30 +414,16 @@ def _attracting_orbit(circle_map: CircleMap, start: float, period: int) -> Array
     """
     theta = start
     for _ in range(_NEWTON):
-        points, gap = _once_round(circle_map, theta, period)
-        multiplier = float(np.prod(circle_map.derivative(points)))
+        visited = orbit_angles(circle_map, theta, period + 1)
+        multiplier = float(np.prod(circle_map.derivative(visited[:-1])))
         if abs(multiplier) >= 1.0:
             return None
-        step = gap / (1.0 - multiplier)
+        step = float(shorter_way(visited[-1] - theta)) / (1.0 - multiplier)
         theta += step
         if abs(step) <= 4.0 * EPS * (1.0 + abs(theta)) / (1.0 - abs(multiplier)):
-            points, _ = _once_round(circle_map, theta, period)
-            return points if abs(theta - start) < _NEAR else None
+            near = abs(theta - start) < _NEAR
+            return orbit_angles(circle_map, theta, period) if near else None
     return None
-
-
-def _once_round(circle_map: CircleMap, theta: float, period: int) -> tuple[Array, float]:
-    """The orbit of ``theta`` over one period, and how far it comes back from a whole number of
-    turns.
-    """
-    lift = circle_map.scalar()
-    at = theta
-    points = []
-    for _ in range(period):
-        points.append(at)
-        at = lift(at)
-        at -= TWO_PI * np.floor(at / TWO_PI)
-    return np.array(points), float(shorter_way(at - theta))
 
 
 def _exponent_of(circle_map: CircleMap, points: Array) -> Estimate:
