@@ -305,6 +305,5 @@ def break_motion(breaks: Array, moved: Array) -> Array:
         )
     if breaks.size == 0:
         return np.zeros(0)
-    first = int(np.argmin(np.abs(shorter_way(moved - breaks[0]))))
-    motions = [shorter_way(np.roll(moved, k - first) - breaks) for k in (0, 1, -1)]
+    motions = [shorter_way(np.roll(moved, k) - breaks) for k in range(breaks.size)]
     return min(motions, key=lambda motion: float(np.sum(np.abs(motion))))
