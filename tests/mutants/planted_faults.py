@@ -330,7 +330,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "room = np.max(gap[:, 1:] if sign > 0.0 else gap[:, :-1], axis=1)",
             ),
             ("(LIFT * angle * disturbed + unseen) / moved", "(LIFT * angle * disturbed) / moved"),
-            ("if unseen == 0.0 or self._sign * missed <= 0.0:", "if True:"),
+            ("if unseen == 0.0 or missed <= 0.0:", "if True:"),
             (
                 "max(self.right - self.left, 0.0), self.left.error_bound + self.right.error_bound",
                 "max(self.right - self.left, 0.0), self.left.error_bound",
@@ -346,16 +346,16 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/maps/families/test_long_orbits.py tests/maps/lifts/test_slope_errors.py",
         [
             (
-                "_DEVIATIONS * np.std(means, axis=0, ddof=1) / np.sqrt(_PARTS)",
-                "np.std(means, axis=0, ddof=1) / _PARTS",
+                "0.0, _DEVIATIONS * spread / np.sqrt(_PARTS))",
+                "0.0, spread / _PARTS)",
             ),
             (
                 "return Estimate(float(np.mean(values)), _DEVIATIONS * spread + inexact)",
                 "return Estimate(float(np.mean(values)), inexact)",
             ),
             (
-                "Estimate(found, found.error_bound + blurred.upper)",
-                "Estimate(found, found.error_bound)",
+                "Estimate(mean, mean.error_bound + blurred.upper)",
+                "Estimate(mean, mean.error_bound)",
             ),
         ],
     ),
@@ -364,15 +364,14 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("TWO_PI * known.rotation_number.error_bound)", "0.0)"),
             (
-                "rate = float(np.sum(starts) - starts[ring] @ missed[0])",
-                "rate = float(np.sum(starts))",
+                "float(starts @ of_all - starts[ring] @ of_missed)",
+                "float(starts @ of_all)",
             ),
             (
                 "spread = float(np.sqrt(max(square - mean**2, 0.0)))",
                 "spread = float(np.sqrt(max(square, 0.0)))",
             ),
-            # Weights that do not add up halve without end: they are noticed by the time alone.
-            ("return first[0] + second[0], first[1]", "return 2.0 * first[0], first[1]"),
+            ("np.sum(np.abs(np.diff(slopes)))) / 8.0", "0.0) / 8.0"),
         ],
     ),
     "maps/staircases/staircase.py": (
@@ -388,8 +387,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "error = before.max_error",
             ),
             (
-                "path = sample_staircases(circle_map, noise, count, [theta], seed)[0]",
-                "path = sample_staircases(circle_map, noise, count, [theta], 0)[0]",
+                "path = sample_staircases(circle_map, noise, count, [begin], seed)[0]",
+                "path = sample_staircases(circle_map, noise, count, [begin], 0)[0]",
             ),
             ("if error <= tolerance:", "if error <= 100.0 * tolerance:"),
         ],
@@ -403,8 +402,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "alive = np.cumprod(1.0 - ended / values.size)",
             ),
             (
-                "chance = min(1.0, 2.0 * min(middle, 1.0 - middle))",
-                "chance = min(1.0, min(middle, 1.0 - middle))",
+                "return min(1.0, 2.0 * min(middle, 1.0 - middle))",
+                "return min(1.0, min(middle, 1.0 - middle))",
             ),
             ("exposure / exits**1.5", "exposure / exits"),
         ],
