@@ -156,7 +156,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("lambda x: 1.0 - strength * np.cos(x)", "lambda x: 1.0 + strength * np.cos(x)"),
             ("return self._lift(angles) - angles", "return self._lift(angles)"),
-            ("LIFT * (1.0 + np.abs(slope))", "LIFT * 0.0 * (1.0 + np.abs(slope))"),
             (
                 "jumping = np.abs(right - left) > JUMP",
                 "jumping = np.abs(right - left) > 1e6 * JUMP",
@@ -167,15 +166,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
+    "maps/lifts/lift_checks.py": (
+        LIFTS,
+        [("LIFT * (1.0 + np.abs(slope))", "LIFT * 0.0 * (1.0 + np.abs(slope))")],
+    ),
     "maps/lifts/map_algebra.py": (
         LIFTS,
         [
             ("error + np.max([np.abs(side - slope) for side in sides], axis=0)", "error"),
-            ("+ error * (np.abs(steepness) + off)\n", "\n"),
+            ("+ error * (np.abs(slope) + off)\n", "\n"),
             ("return min(outer.max_error + steepest * error", "return min(outer.max_error + error"),
             (
-                "turns = turns * float(one.degree)",
-                "turns = 1.0 * turns",
+                "turns = (turns + whole) * float(circle_map.degree)",
+                "turns = 1.0 * (turns + whole)",
             ),
             (
                 "lowest > 0.0, error / (np.abs(slope) * lowest), np.inf",

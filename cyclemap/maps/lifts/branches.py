@@ -62,7 +62,6 @@ class MonotoneTable:
         return np.asarray(np.clip(cell, 0, self.theta.size - 2))
 
 
-RESOLUTION = 512
 TOUCH = 1e-12  # radians: a fold this near a level touches it
 _SHORTEST_PLATEAU = 1e-5  # radians: a shorter constant piece belongs to its neighbour
 _FLAT = (
@@ -176,7 +175,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     >>> [(round(branch.start, 6), round(branch.end, 6), branch.direction) for branch in cut]
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
-    cells = monotone_cells(circle_map, 1, 0.0, RESOLUTION)
+    cells = monotone_cells(circle_map, 1, 0.0)
     # F at the start and at the end of each cell, its own limit where a break lies there.
     first = cells.g_start.copy()
     last = cells.g_end.copy()

@@ -22,17 +22,18 @@ from cyclemap.checks import (
 )
 from cyclemap.errors import InvalidInput
 from cyclemap.inline_svg import inline_svg, map_strokes
-from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.lift_checks import (
     JUMP,
     Lift,
     Scalar,
+    SlopesAndErrors,
     base_angles,
     check_lift,
     check_scalar,
     differences,
     guarded,
     one_sided_limit,
+    with_rounding,
 )
 from cyclemap.maps.lifts.piecewise_lifts import (
     PiecewiseCubic,
@@ -40,7 +41,6 @@ from cyclemap.maps.lifts.piecewise_lifts import (
     lift_from_branches,
 )
 
-SlopesAndErrors = Callable[[Array], tuple[Array, Array]]
 Recipe = tuple[
     Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
 ]  # a call that makes the map again
@@ -226,8 +226,7 @@ class CircleMap:
             return self._slopes(angles)
         if self._derivative is None:
             return differences(self._lift, self.breaks, angles)
-        slope = self._derivative(angles)
-        return slope, LIFT * (1.0 + np.abs(slope))
+        return with_rounding(self._derivative(angles))
 
     def left(self, theta: ArrayLike) -> Array:
         """The limit of F from below at ``theta``: differs from F(θ) only at breaks that jump."""
@@ -341,16 +340,13 @@ class CircleMap:
         >>> round(float(CircleMap.moebius(0.5, 0.0).derivative(0.0)), 12)
         3.0
         """
-        shift = TWO_PI * finite_number("omega", omega)
         r = finite_number("a", a)
         if not 0.0 <= r < 1.0:
             raise InvalidInput(
                 f"a is {r:g}: a Möbius map of the circle needs 0 <= a < 1; blaschke takes any "
                 "|a| < 1"
             )
-        return cls.with_scalar(*_blaschke_forms((complex(r),), shift)).remade_by(
-            cls.moebius, a, omega
-        )
+        return cls.blaschke([r], omega)
 
     @classmethod
     def blaschke(cls, zeros: ArrayLike, omega: float = 0.0) -> CircleMap:

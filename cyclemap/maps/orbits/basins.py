@@ -22,7 +22,6 @@ from cyclemap.maps.orbits.periodic_points import (
 MAX_PERIOD = 8
 LEFT_OVER = 1e-6  # share of the circle
 MAX_ARCS = 50_000
-_RESOLUTION = 512
 _LOCAL = 1024  # points between a stable point and the next periodic ones
 _PARTS = 64  # into which a bracket is cut at each step
 _LINEAR = 1e-8  # radians: this near a stable point the iterate contracts towards it
@@ -137,7 +136,7 @@ def basins(
     for period in range(1, longest + 1):
         stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
-            cells = monotone_cells(circle_map, period, 0.0, _RESOLUTION)
+            cells = monotone_cells(circle_map, period, 0.0)
             found = periodic_points(circle_map, period)
             orbits += stable
             immediate += [
@@ -241,7 +240,7 @@ def _all_preimages(
     circle_map: CircleMap, immediate: list[Array], left_over: float, most: int
 ) -> tuple[Array, Whole]:
     """All arcs of all basins and the basin of each; the longest arcs are pulled back first."""
-    cells = monotone_cells(circle_map, 1, 0.0, _RESOLUTION)
+    cells = monotone_cells(circle_map, 1, 0.0)
     start = np.concatenate(immediate)
     waiting = start
     mark = np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])

@@ -13,9 +13,16 @@ from cyclemap.errors import InvalidInput
 from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import nearest_on_circle
-from cyclemap.maps.lifts.scan import INSET, Cells, is_continuous, is_rising, iterate, monotone_cells
+from cyclemap.maps.lifts.scan import (
+    INSET,
+    Cells,
+    is_continuous,
+    is_rising,
+    iterate,
+    monotone_cells,
+    whole_turns,
+)
 
-RESOLUTION = 512  # cells a turn, at least
 TANGENCY = 1e-12  # radians: extrema and ends of jumps this near a whole turn touch it
 # radians: cells with |Fⁿ - id - 2πw| below this at both ends may be arcs of periodic points
 _IDENTITY = 1e-11
@@ -100,9 +107,9 @@ def displacement(
 
 def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     """The crossings of Fⁿ - id with 2πw: touches within ``TANGENCY`` are set apart."""
-    cells = monotone_cells(circle_map, period, 1.0, RESOLUTION)
+    cells = monotone_cells(circle_map, period, 1.0)
     _refuse_identity(circle_map, cells)
-    scan = DiagonalScan(cells, _whole_turns(cells.g_start), _whole_turns(cells.g_end))
+    scan = DiagonalScan(cells, whole_turns(cells.g_start), whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
     settled: set[int] = set()
@@ -119,10 +126,6 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
             if (theta, w) not in met:
                 scan.jumps.append(JumpCrossing(theta, w, before > after))
     return scan
-
-
-def _whole_turns(g: Array) -> Whole:
-    return np.floor(g / TWO_PI).astype(np.int64)
 
 
 def _refuse_identity(circle_map: CircleMap, cells: Cells) -> None:
@@ -166,7 +169,7 @@ def _tolerance(circle_map: CircleMap, cells: Cells, joined: Mask) -> tuple[Array
     after = cells.g_start[special]
     before = np.roll(cells.g_end, 1)[special] - cells.climb * (special == 0)
     inside = cells.start[special] + INSET * cells.cut[special]
-    _, _, rounding = displacement(circle_map, inside, cells.period, _whole_turns(after))
+    _, _, rounding = displacement(circle_map, inside, cells.period, whole_turns(after))
     allowed = (
         TANGENCY
         + rounding

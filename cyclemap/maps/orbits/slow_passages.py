@@ -12,7 +12,7 @@ from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import whole_number
 from cyclemap.maps.lifts.circle_map import CircleMap, require_map
 from cyclemap.maps.lifts.scan import Cells, is_continuous, is_rising, monotone_cells
-from cyclemap.maps.orbits.diagonal import RESOLUTION, TANGENCY, displacement
+from cyclemap.maps.orbits.diagonal import TANGENCY, displacement
 
 LEAST_CYCLES = 10.0
 REACH = 4.0  # widths on each side of the slowest point across which ``relative_error`` looks
@@ -131,7 +131,7 @@ def slow_passages(
     require_map(circle_map)
     n = whole_number("period", period, least=1)
     wanted = None if winding is None else whole_number("winding", winding)
-    cells = monotone_cells(circle_map, n, 1.0, RESOLUTION)
+    cells = monotone_cells(circle_map, n, 1.0)
     theta, whole, gap = _near_misses(circle_map, cells, wanted)
     near = np.abs(gap) > TANGENCY
     angle = theta
