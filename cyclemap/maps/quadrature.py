@@ -1,4 +1,4 @@
-"""Nodes and weights on the circle or an arc for integrands h(F(θ)) p(θ) of limited bandwidth.
+"""Nodes and weights on an arc, or the circle, for integrands h(F(θ)) p(θ) of limited bandwidth.
 
 ``bandwidth`` is the M beyond which the Fourier coefficients of h and p are negligible. Where F' = s
 the product then carries frequencies up to M·√(1 + s²) (Gaussian coefficients; heavier ones need
@@ -15,7 +15,7 @@ from numpy.polynomial import legendre
 from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.checks import read_only
 from cyclemap.errors import ConvergenceError
-from cyclemap.maps.estimate import EPS, LIFT
+from cyclemap.maps.estimate import LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.lifts.lift_checks import SNAP
 from cyclemap.maps.lifts.scan import ranks
@@ -33,80 +33,11 @@ _RESOLVED = 1e-12  # radians: F's own last coefficients, rounding apart
 # half a wave's last two: falling fast, as those of plain waves, their square is rounding
 _HALF_RESOLVED = 1.2e-5
 _LOG_RESOLVED = 1e-11  # of a panel's part of the integral of ln|F'|
-_PROBES = (
-    3**10
-)  # angles a turn at which F's waves are counted, and panels are tried: odd, so that few waves hide
+_PROBES = 3**10  # angles a turn at which panels are tried: odd, so that few waves hide
 _GOLDEN = 0.6180339887498949  # share of a step between the nodes of a rule and those of a finer one
-_UNEVEN = (
-    8.0  # times its own mean: where F' is steeper, panels need fewer nodes than a uniform grid
-)
 _FLOOR = 1e-300
 _DIRECTIONS = ((1.0, 0.0), (0.8, 0.6), (0.8, -0.6))  # shares of F's waves and of θ's
 _STEEPNESS = np.append(np.append(1e-9, np.arange(1.0, 16.0) / 16.0), 1.0 - 1e-9)
-
-
-def circle_rule(circle_map: CircleMap, bandwidth: float, finer: int = 1) -> tuple[Array, Array]:
-    """Nodes and weights over one turn; ``finer`` times as many nodes as needed, between those of
-    the plain rule.
-
-    The trapezoidal rule for maps given by formulas without breaks (geometric convergence for
-    analytic F: Trefethen & Weideman 2014), its nodes as many as F's own waves and the products ask
-    for; else ``arc_rule``.
-    """
-    count = None
-    if not circle_map.breaks.size and circle_map.pieces is None:
-        count = _trapezoidal_count(circle_map, bandwidth)
-    if count is None:
-        return arc_rule(circle_map, 0.0, TWO_PI, bandwidth, finer)
-    if finer * count > MAX_NODES:
-        raise too_many_nodes(finer * count)
-    nodes = finer * count + (finer > 1)
-    offset = _GOLDEN if finer > 1 else 0.0
-    return TWO_PI * (np.arange(nodes) + offset) / nodes, np.full(nodes, TWO_PI / nodes)
-
-
-def _trapezoidal_count(circle_map: CircleMap, bandwidth: float) -> int | None:
-    """Nodes with which no product of waves of θ and of F(θ) is taken for a constant; None where
-    panels do better.
-    """
-    theta = TWO_PI * np.arange(_PROBES) / _PROBES
-    turn = circle_map(theta) - circle_map.degree * theta
-    size = np.abs(np.fft.rfft(turn)) / _PROBES
-    noticed = np.flatnonzero(
-        size > _RESOLVED / (1.0 + bandwidth) + 4.0 * EPS * (1.0 + float(np.max(np.abs(turn))))
-    )
-    own = int(noticed[-1]) if noticed.size else 0
-    slope = np.abs(np.gradient(turn, theta) + circle_map.degree)
-    steepest = float(np.max(slope))
-    if own > _PROBES // 4 or steepest > _UNEVEN * max(1.0, float(np.sqrt(np.mean(slope**2)))):
-        return None
-    # From waves of θ alone over both to waves of F alone: along a circle, as the coefficients of
-    # both fall.
-    whole = int(np.ceil(bandwidth))
-    needed = 0
-    for share in (0.0, 0.4, 0.7, 0.9, 1.0):
-        order = int(np.ceil(share * whole))
-        other = int(np.ceil(np.sqrt(1.0 - share**2) * whole))
-        reach = _wave_reach(circle_map, order, own, steepest)
-        if reach is None:
-            return None
-        needed = max(needed, reach + other + own)
-    return needed + 48
-
-
-def _wave_reach(circle_map: CircleMap, order: int, own: int, steepest: float) -> int | None:
-    """The highest wave in e^{i·order·F} above rounding; None where 400,000 nodes cannot tell."""
-    count = int(4.0 * (1.1 * order * steepest + 2.0 * own + 64.0))
-    while count <= MAX_NODES:
-        count += 1 - count % 2
-        theta = TWO_PI * np.arange(count) / count
-        size = np.abs(np.fft.fft(np.exp(1j * order * circle_map(theta)))) / count
-        noticed = np.flatnonzero(size > 16.0 * EPS * (1.0 + order))
-        reach = int(np.max(np.minimum(noticed, count - noticed)))
-        if reach < 0.45 * count:
-            return reach
-        count *= 2
-    return None
 
 
 def arc_rule(

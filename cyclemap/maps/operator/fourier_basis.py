@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.lifts.circle_map import CircleMap
 from cyclemap.maps.noise.noise import Noise
 from cyclemap.maps.operator.wave_integrals import wave_integrals
-from cyclemap.maps.quadrature import circle_rule
+from cyclemap.maps.quadrature import arc_rule
 
 MAX_MODES = 2_000
 MAX_WORK = 2e12  # multiplications of plain sums: how fine a map may be for its noise
@@ -223,7 +223,7 @@ class FourierDiscretisation:
         """Nodes and weights over one turn, for products of waves of θ, waves of F(θ) and what is as
         smooth as F.
         """
-        return circle_rule(self.map, self.modes, self.finer)
+        return arc_rule(self.map, 0.0, TWO_PI, self.modes, self.finer)
 
     @cached_property
     def kappa(self) -> Array:
