@@ -259,8 +259,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("if self.work > MAX_WORK:", "if self.work > 1e9 * MAX_WORK:"),
             (
-                "np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])",
-                "np.concatenate([0.0 * rows[:1], m * sines, -m * cosines])",
+                "np.concatenate([constant, sines, -cosines])",
+                "np.concatenate([constant, -sines, cosines])",
             ),
         ],
     ),

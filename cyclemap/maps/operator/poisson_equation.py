@@ -18,7 +18,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.maps.estimate import INTEGRAL, MATRIX, Estimate
 from cyclemap.maps.lifts.circle_map import require_degree_one
 from cyclemap.maps.lifts.scan import bracketed_root
-from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation, waves
+from cyclemap.maps.operator.fourier_basis import Discretisation, FourierDiscretisation
 from cyclemap.maps.quadrature import arc_rule
 
 _GRID_FACTOR = 16  # points a mode on which the largest value of a density is sought
@@ -111,7 +111,7 @@ class FourierLaw(StationaryLaw):
 
     def slope(self, theta: Array) -> Array:
         """Its derivative."""
-        return self.basis.slope(theta) @ self.coefficients
+        return self.basis.slope(theta, self.coefficients)
 
     @cached_property
     def error(self) -> tuple[FourierDiscretisation, Array, float, float]:
@@ -286,9 +286,7 @@ class FourierLaw(StationaryLaw):
         mass = weight * basis.on_nodes(self.coefficients)
         turn = turn - np.dot(mass, turn)
         dual = self.dual(basis.integrals(theta, weight * turn))
-        later = (basis.kappa * dual) @ waves(
-            basis.map(theta), basis.modes
-        )  # Pz, but for a constant
+        later = basis.backward(theta, dual)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
         found = 0.5 * correlated + basis.noise.variance * (
             0.5 + float(np.dot(mass, basis.expected_slope(dual)))
