@@ -67,6 +67,7 @@ class DiagonalScan:
     each a list of (θ, w).
     """
 
+    map: CircleMap
     cells: Cells
     turn_start: Whole
     turn_end: Whole
@@ -109,7 +110,7 @@ def diagonal_scan(circle_map: CircleMap, period: int) -> DiagonalScan:
     """The crossings of Fⁿ - id with 2πw: touches within ``TANGENCY`` are set apart."""
     cells = monotone_cells(circle_map, period, 1.0)
     _refuse_identity(circle_map, cells)
-    scan = DiagonalScan(cells, whole_turns(cells.g_start), whole_turns(cells.g_end))
+    scan = DiagonalScan(circle_map, cells, whole_turns(cells.g_start), whole_turns(cells.g_end))
     joined = is_continuous(cells)
     tolerance, seeds = _tolerance(circle_map, cells, joined)
     settled: set[int] = set()
