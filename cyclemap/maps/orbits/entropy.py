@@ -251,53 +251,36 @@ def _log_growth(folds: Folds, routes: list[Itinerary], up: bool) -> float:
     """ln of the largest eigenvalue of the graph of cells, all folds moved outward if ``up``, else
     inward.
     """
-    count = len(folds.parts)
-    degree = folds.map.degree
-    images: dict[
-        float, tuple[int, float]
-    ] = {}  # of base angles in their branch's own turn: whole turns and base angle
-    values: list[tuple[int, float]] = []  # of the folds
-    for fold, route in enumerate(routes):
-        maximum = folds.parts[fold].direction < 0
+    images = sorted(_images(folds, routes, up).items())
+    points = np.array([base for base, _ in images])
+    size = points.size
+    place = {base: index for index, (base, _) in enumerate(images)}
+    # Of every point's image, counted on round the circle.
+    start = np.array([turn * size + place[base] for _, (turn, base) in images])
+    end = np.roll(start, -1)
+    end[np.roll(points, -1) == folds.theta[0]] += folds.map.degree * size
+    graph = np.zeros((size, size))
+    for row, ends in zip(graph, np.sort([start, end], axis=0).T.tolist(), strict=True):
+        np.add.at(row, np.arange(*ends) % size, 1.0)
+    largest = float(np.max(np.abs(np.linalg.eigvals(graph))))
+    return float(np.log(largest)) if largest > 0.0 else -np.inf
+
+
+def _images(folds: Folds, routes: list[Itinerary], up: bool) -> dict[float, tuple[int, float]]:
+    """Of the folds and their moved orbits: base angles, to the whole turns and base angles of their
+    images, in the turn of their branch.
+    """
+    images: dict[float, tuple[int, float]] = {}
+    for part, route in zip(folds.parts, routes, strict=True):
         orbits = [folds.orbit(route, at_end) for at_end in (False, True)]
         if route.closes is not None:
             orbits = [orbits[route.closes != route.letters[-1]]]
-        chosen = (max if maximum == up else min)(orbits, key=lambda orbit: orbit[0][1])
-        placed = []
-        for letter, own in chosen:
+        chosen = (max if (part.direction < 0) == up else min)(orbits, key=lambda orbit: orbit[0][1])
+        base = part.start
+        for (letter, own), turns in zip(chosen, route.turns, strict=False):
             is_fold = own == folds.parts[letter].end
-            base = (
-                float(folds.theta[(letter + 1) % count])
-                if is_fold
-                else own - TWO_PI * (own >= TWO_PI)
-            )
-            placed.append((round((own - base) / TWO_PI), base))
-        values.append((placed[0][0] + route.turns[0], placed[0][1]))
-        for (_, base), (turn, after), turns in zip(
-            placed[:-1], placed[1:], route.turns[1:], strict=False
-        ):
-            images[base] = (turn + turns, after)
-    points = np.unique(np.concatenate([folds.theta, np.array(list(images))]))
-    size = points.size
-    place = {base: index for index, base in enumerate(points.tolist())}
-    fold_of = {base: fold for fold, base in enumerate(folds.theta.tolist())}
-
-    def position(image: tuple[int, float]) -> int:
-        return image[0] * size + place[image[1]]
-
-    graph = np.zeros((size, size))
-    letters = folds.branch(points)[0]
-    for cell, (base, following) in enumerate(
-        zip(points.tolist(), np.roll(points, -1).tolist(), strict=True)
-    ):
-        letter = int(letters[cell])
-        start = position(values[letter] if base in fold_of else images[base])
-        if following in fold_of:
-            end = position(values[(letter + 1) % count]) + degree * size * (letter == count - 1)
-        else:
-            end = position(images[following])
-        if folds.parts[letter].direction < 0:
-            start, end = end, start
-        np.add.at(graph[cell], np.arange(start, end) % size, 1.0)
-    largest = float(np.max(np.abs(np.linalg.eigvals(graph))))
-    return float(np.log(largest)) if largest > 0.0 else -np.inf
+            following = folds.parts[(letter + 1) % len(folds.parts)].start
+            after = following if is_fold else own - TWO_PI * (own >= TWO_PI)
+            images[base] = (turns + round((own - after) / TWO_PI), after)
+            base = after
+    return images
