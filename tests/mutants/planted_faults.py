@@ -201,8 +201,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("if np.any(steps < 0.0):", "if np.any(steps < -1.0):"),
             ("if abs(gap) > SNAP:", "if abs(gap) > 1e6 * SNAP:"),
             (
-                "y = np.concatenate([lifted[-1 - reach : -1] - shift",
-                "y = np.concatenate([lifted[-1 - reach : -1]",
+                "np.concatenate([lifted[:-1] - climb, lifted, lifted[1:] + climb])",
+                "np.concatenate([lifted[:-1], lifted, lifted[1:] + climb])",
             ),
         ],
     ),

@@ -45,6 +45,9 @@ Recipe = tuple[
     Callable[..., "CircleMap"], tuple[Any, ...], dict[str, Any]
 ]  # a call that makes the map again
 
+Angles = Any  # a float, or an array of them
+Wave = Callable[..., Angles]
+
 _NO_BREAKS = read_only(())
 
 
@@ -540,13 +543,11 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
     # 1 - r cos φ = (1 - r) + 2r sin²(φ/2), and r sin φ = 2r sin(φ/2) cos(φ/2).
     rows = [(0.5 * angle, 2.0 * r, 1.0 - r, (1.0 - r) * (1.0 + r)) for r, angle in turning]
 
-    def lift(x: Array) -> Array:
+    def turned(x: Angles, sin: Wave, cos: Wave, arctan2: Wave) -> Angles:
         value = k * x + shift
         for half, double, gap, _ in rows:
-            s = np.sin(0.5 * x - half)
-            value = value + 2.0 * np.arctan2(
-                double * s * np.cos(0.5 * x - half), gap + double * s * s
-            )
+            s = sin(0.5 * x - half)
+            value = value + 2.0 * arctan2(double * s * cos(0.5 * x - half), gap + double * s * s)
         return value
 
     def derivative(x: Array) -> Array:
@@ -556,11 +557,8 @@ def _blaschke_forms(zeros: tuple[complex, ...], shift: float) -> tuple[Lift, Lif
             slope = slope + top / (gap * gap + 2.0 * double * s * s)
         return slope
 
-    def scalar(x: float) -> float:
-        value = k * x + shift
-        for half, double, gap, _ in rows:
-            s = sin(0.5 * x - half)
-            value += 2.0 * atan2(double * s * cos(0.5 * x - half), gap + double * s * s)
-        return value
-
-    return lift, derivative, scalar
+    return (
+        lambda x: turned(x, np.sin, np.cos, np.arctan2),
+        derivative,
+        lambda x: turned(x, sin, cos, atan2),
+    )

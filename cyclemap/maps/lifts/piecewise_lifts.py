@@ -209,26 +209,15 @@ def _shape_preserving(theta: Array, lifted: Array, closed: bool, degree: int) ->
     """Slopes that keep monotone data monotone (Fritsch & Butland 1984), on each branch between
     breaks.
     """
+    count = theta.size
+    if closed:  # as it goes on in the turns before and after
+        climb = TWO_PI * degree
+        theta = np.concatenate([theta[:-1] - TWO_PI, theta, theta[1:] + TWO_PI])
+        lifted = np.concatenate([lifted[:-1] - climb, lifted, lifted[1:] + climb])
     cuts = np.flatnonzero(np.diff(theta) == 0.0) + 1
-    if closed and cuts.size == 0:
-        reach = min(3, theta.size - 1)
-        x = np.concatenate([theta[-1 - reach : -1] - TWO_PI, theta, theta[1 : 1 + reach] + TWO_PI])
-        shift = TWO_PI * degree
-        y = np.concatenate([lifted[-1 - reach : -1] - shift, lifted, lifted[1 : 1 + reach] + shift])
-        return _pchip_slopes(x, y)[reach : reach + theta.size]
-    branches = list(np.split(np.arange(theta.size), cuts))
-    slopes = np.concatenate([_pchip_slopes(theta[part], lifted[part]) for part in branches])
-    if closed:
-        # The branch that runs through the end point is one branch: its slopes come from both parts
-        # together.
-        last = branches[-1]
-        first = branches[0]
-        x = np.concatenate([theta[last], theta[first[1:]] + TWO_PI])
-        y = np.concatenate([lifted[last], lifted[first[1:]] + TWO_PI * degree])
-        joined = _pchip_slopes(x, y)
-        slopes[last] = joined[: last.size]
-        slopes[first] = joined[last.size - 1 :]
-    return slopes
+    branches = zip(np.split(theta, cuts), np.split(lifted, cuts), strict=True)
+    slopes = np.concatenate([_pchip_slopes(*branch) for branch in branches])
+    return slopes[count - 1 : 2 * count - 1] if closed else slopes
 
 
 def _pchip_slopes(x: Array, y: Array) -> Array:
