@@ -226,8 +226,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("growth = 1.0 + self._growth", "growth = 1.0"),
             ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
             (
-                "found = 0.5 * correlated + basis.noise.variance",
-                "found = correlated + basis.noise.variance",
+                "spread = 0.5 * correlated + basis.noise.variance",
+                "spread = correlated + basis.noise.variance",
             ),
             (
                 "epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))",
@@ -246,7 +246,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI",
                 "self.map.turn(theta), direct=1.0 / TWO_PI",
             ),
-            ("abs(self._finer.diffusion() - found) + found.error_bound", "found.error_bound"),
+            ("abs(self._finer.diffusion() - plain) + plain.error_bound", "plain.error_bound"),
             ("max(0.0, 1.0 - second), second.error_bound", "max(0.0, second), second.error_bound"),
         ],
     ),

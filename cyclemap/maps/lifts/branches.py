@@ -205,7 +205,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         value = np.append(first[own_cells], last[own_cells[-1]]) + cells.climb * laps
         rising = np.maximum.accumulate(sign * value)
         table = MonotoneTable(read_only(theta), read_only(sign * rising), sign, circle_map)
-        ends = [float(part[i]) for part in (theta, value) for i in (0, -1)]
+        ends = [float(column[i]) for column in (theta, value) for i in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
 
@@ -260,13 +260,13 @@ def preimages(circle_map: CircleMap, angle: float) -> Array:
     [0.5, 3.641593]
     """
     wanted = finite_number("angle", angle)
-    found, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
+    roots, flat = preimages_on(branches(circle_map), np.array([wanted]), circle_map.degree)
     if flat.size:
         raise InvalidInput(
             f"F is {wanted:.9g} (mod 2π) all along [{flat[0]:.9g}, {flat[1]:.9g}]: the preimages "
             "cannot be listed; branches gives the plateau"
         )
-    return found
+    return roots
 
 
 def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple[Array, Array]:
@@ -275,17 +275,17 @@ def preimages_on(parts: tuple[Branch, ...], angles: Array, degree: int) -> tuple
     """
     roots = [np.zeros(0)]
     plateaus = [np.zeros(0)]
-    for i, part in enumerate(parts):
+    for i, branch in enumerate(parts):
         low, high, touches = _levels(parts, i, angles, degree)
-        if part.direction == 0:
+        if branch.direction == 0:
             if np.any(touches):
-                plateaus.append(np.array([part.start, part.end]))
+                plateaus.append(np.array([branch.start, branch.end]))
             continue
         count = np.maximum(high - low + 1, 0)
         owner = np.repeat(np.arange(angles.size), count)
         whole = low[owner] + ranks(count)
         # A touched fold may lie beyond its level by rounding: the table then gives the fold itself.
-        roots.append(part.table.inverse(angles[owner] + TWO_PI * whole))
+        roots.append(branch.table.inverse(angles[owner] + TWO_PI * whole))
     return np.sort(base_angles(np.concatenate(roots))), np.concatenate(plateaus)
 
 
@@ -298,22 +298,22 @@ def _levels(
     Where two branches meet without a jump, both count from the same rounding, so nothing is lost or
     doubled.
     """
-    part = parts[i]
+    branch = parts[i]
     lap = (i + 1) // len(parts)
     before = parts[i - 1]
     after = parts[(i + 1) % len(parts)]
     above_start, below_start, touches = _rounded(
-        part.start_value, angles, before.direction != part.direction
+        branch.start_value, angles, before.direction != branch.direction
     )
-    if abs(part.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
+    if abs(branch.end_value - after.start_value - TWO_PI * degree * lap) <= JUMP:
         above_end, below_end, _ = _rounded(
-            after.start_value, angles, part.direction != after.direction
+            after.start_value, angles, branch.direction != after.direction
         )
         above_end = above_end + degree * lap
         below_end = below_end + degree * lap
     else:
-        above_end, below_end, _ = _rounded(part.end_value, angles, False)
-    if part.direction < 0:
+        above_end, below_end, _ = _rounded(branch.end_value, angles, False)
+    if branch.direction < 0:
         return below_end + 1, below_start, touches
     return above_start, above_end - 1, touches
 

@@ -172,13 +172,13 @@ class CircleMap:
 
     def __reduce__(self) -> tuple[Callable[..., CircleMap], tuple[Recipe]]:
         _, arguments, options = self._recipe
-        for part in (*arguments, *options.values()):
-            if callable(part) and not isinstance(part, CircleMap):
+        for given in (*arguments, *options.values()):
+            if callable(given) and not isinstance(given, CircleMap):
                 try:
-                    pickle.dumps(part)
+                    pickle.dumps(given)
                 except Exception as cause:
                     raise InvalidInput(
-                        f"the map cannot be pickled, as {part!r} cannot: make it of functions that "
+                        f"the map cannot be pickled, as {given!r} cannot: make it of functions that "
                         "are defined by def at the top of a module (or sample it: "
                         "CircleMap.from_samples)"
                     ) from cause

@@ -155,7 +155,7 @@ def interval_lift(circle_map: CircleMap, slope_error: float) -> IntervalLift:
                 "no proof: errors of maps made of maps are not followed; prove of a sampled map "
                 "itself"
             )
-        chain = [interval_lift(part, 0.0) for part in lift.maps]
+        chain = [interval_lift(inner, 0.0) for inner in lift.maps]
         return lambda jet: reduce(lambda image, step: step(image), chain, jet)
     exact: IntervalLift = partial(_of_formula, lift)
     if isinstance(lift, PiecewiseCubic):

@@ -187,25 +187,14 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
             if derivative is None
             else checked_call("derivative", derivative, points[:12])
         )
+        allowed = _allowance(values[:24], slopes)
         climb = values[12:24] - values[:12]
-        gap = np.abs(climb - TWO_PI * degree)
-        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
-            worst = int(np.argmax(gap))
-            turns = np.round(climb / TWO_PI)
-            fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
-            hint = (
-                f"that is degree {turns[0]:.0f}, if it is not wrapped"
-                if fits
-                else "give a lift that is not wrapped"
-            )
-            raise InvalidInput(
-                f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
-                f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
-            )
+        if np.max(np.abs(climb - TWO_PI * degree)) > allowed:
+            _refuse_climb(points, climb, degree)
         # The same angles in another shape and company must give the same values.
         again = checked_call("lift", lift, points[:6].reshape(2, 3)).ravel()
         gap = np.abs(again - values[:6])
-        if gap.max() > _TOLERANCE and gap.max() > _allowance(values[:24], slopes):
+        if gap.max() > allowed:
             worst = int(np.argmax(gap))
             raise InvalidInput(
                 f"the lift gives {values[worst]:.9g} or {again[worst]:.9g} at θ = "
@@ -219,6 +208,21 @@ def check_lift(lift: Lift, derivative: Lift | None, breaks: Array, degree: int) 
             _refuse_hidden_jump(lift, derivative, breaks, points[24:], steps)
 
 
+def _refuse_climb(points: Array, climb: Array, degree: int) -> None:
+    worst = int(np.argmax(np.abs(climb - TWO_PI * degree)))
+    turns = np.round(climb / TWO_PI)
+    fits = np.ptp(turns) == 0.0 and np.max(np.abs(climb - TWO_PI * turns)) <= _TOLERANCE
+    hint = (
+        f"that is degree {turns[0]:.0f}, if it is not wrapped"
+        if fits
+        else "give a lift that is not wrapped"
+    )
+    raise InvalidInput(
+        f"not a lift of degree {degree}: F(θ + 2π) - F(θ) is {climb[worst]:.9g} "
+        f"at θ = {points[worst]:.6g}, not {TWO_PI * degree:.9g}; {hint}"
+    )
+
+
 def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
     """Raise InvalidInput unless the form for one python float gives what the lift gives at three
     points.
@@ -227,8 +231,6 @@ def check_scalar(scalar: Scalar, lift: Lift, derivative: Lift | None) -> None:
     worst = max(
         abs(scalar(x) - y) for x, y in zip(_POINTS[:3].tolist(), values.tolist(), strict=True)
     )
-    if worst <= _TOLERANCE:
-        return
     slopes = values[:0] if derivative is None else derivative(_POINTS[:12])
     if not worst <= _allowance(values, slopes):
         raise InvalidInput(

@@ -395,12 +395,12 @@ def inverse(circle_map: CircleMap) -> CircleMap:
         )
     parts = branches(circle_map)
     hint = "it has no inverse; branches inverts each monotone piece"
-    for i, part in enumerate(parts):
-        if part.direction == -degree:
-            raise InvalidInput(f"F turns back on [{part.start:.9g}, {part.end:.9g}]: {hint}")
+    for i, branch in enumerate(parts):
+        if branch.direction == -degree:
+            raise InvalidInput(f"F turns back on [{branch.start:.9g}, {branch.end:.9g}]: {hint}")
         after = parts[(i + 1) % len(parts)]
         lap = (i + 1) // len(parts)
-        jump = after.start_value + TWO_PI * degree * lap - part.end_value
+        jump = after.start_value + TWO_PI * degree * lap - branch.end_value
         if degree * jump < -JUMP:
             raise InvalidInput(f"F jumps back by {abs(jump):.6g} at θ = {after.start:.9g}: {hint}")
     lift = _inverse_lift(circle_map, parts)
@@ -412,14 +412,14 @@ def inverse(circle_map: CircleMap) -> CircleMap:
 
 def _inverse_lift(circle_map: CircleMap, parts: tuple[Branch, ...]) -> InverseLift:
     degree = circle_map.degree
-    theta = np.concatenate([part.table.theta for part in parts])
-    value = np.concatenate([part.table.value for part in parts])
+    theta = np.concatenate([branch.table.theta for branch in parts])
+    value = np.concatenate([branch.table.value for branch in parts])
     bent = distance_to_break(circle_map.breaks, theta) <= SNAP
-    for part, beyond in zip(
-        parts, np.cumsum([part.table.theta.size for part in parts]), strict=True
+    for branch, beyond in zip(
+        parts, np.cumsum([branch.table.theta.size for branch in parts]), strict=True
     ):
-        if part.direction == 0:  # both ends of a plateau
-            bent[[beyond - part.table.theta.size, beyond - 1]] = True
+        if branch.direction == 0:  # both ends of a plateau
+            bent[[beyond - branch.table.theta.size, beyond - 1]] = True
     base = base_angles(value)
     breaks = np.unique(base[bent])
     moved = theta - degree * TWO_PI * np.round((value - base) / TWO_PI)

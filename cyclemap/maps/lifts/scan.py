@@ -20,6 +20,7 @@ from cyclemap.arrays import TWO_PI, Array, Mask, Whole
 from cyclemap.errors import ConvergenceError
 from cyclemap.maps.estimate import EPS, LIFT
 from cyclemap.maps.lifts.circle_map import CircleMap
+from cyclemap.maps.lifts.lift_checks import distance_to_break
 
 _CLOSE = 2.0 * EPS  # share of |x| (plus a thousandth) at which a bracket is closed
 _STEPS = 120
@@ -130,15 +131,15 @@ def taken(cells: Cells, index: Mask | Whole) -> Cells:
     return replace(cells, **{name: getattr(cells, name)[index] for name in _ARRAYS})
 
 
-def joined(parts: list[Cells]) -> Cells:
+def joined(groups: list[Cells]) -> Cells:
     """All the cells, sorted by start; both sides of every smooth node get the very same value, so
     no root is lost.
     """
     arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS
+        name: np.concatenate([getattr(cells, name) for cells in groups]) for name in _ARRAYS
     }
     order = np.argsort(arrays["start"])
-    cells = replace(parts[0], **{name: array[order] for name, array in arrays.items()})
+    cells = replace(groups[0], **{name: array[order] for name, array in arrays.items()})
     g_end = np.where(np.roll(cells.cut, -1), cells.g_end, np.roll(cells.g_start, -1))
     if not cells.cut[0]:
         g_end[-1] = cells.g_start[0] + cells.climb
@@ -190,18 +191,7 @@ def monotone_cells(
     """Cells on each of which g = Fⁿ - shift·id is monotone, down to ``GRAIN``; ``marks`` are ends
     of cells, too.
     """
-    breaks = circle_map.breaks
-    features = np.mod(marks, TWO_PI)
-    if period > 1:
-        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
-        # cycles back.
-        once = monotone_cells(circle_map, 1, 0.0, resolution)
-        rising = is_rising(once)
-        narrow = once.end - once.start < _NARROW * TWO_PI / resolution
-        breaks = _pulled_back(circle_map, once, breaks, period)
-        special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
-        features = np.append(_pulled_back(circle_map, once, special, period), features)
-    nodes = _base_nodes(circle_map, breaks, features, resolution)
+    nodes, breaks = _first_nodes(circle_map, period, resolution, marks)
     start = nodes[:-1]
     end = nodes[1:]
     cut = np.isin(start, breaks)
@@ -316,17 +306,28 @@ def _pulled_back(circle_map: CircleMap, once: Cells, marks: Array, period: int) 
     return marks
 
 
-def _base_nodes(circle_map: CircleMap, breaks: Array, folds: Array, resolution: int) -> Array:
+def _first_nodes(
+    circle_map: CircleMap, period: int, resolution: int, marks: Sequence[float]
+) -> tuple[Array, Array]:
+    """The ends of the first cells, and those of them that are breaks of the iterate."""
+    breaks = circle_map.breaks
+    features = np.mod(marks, TWO_PI)
+    if period > 1:
+        # Breaks, smooth turning points and narrow cells of F, and their preimages up to n - 1
+        # cycles back.
+        once = monotone_cells(circle_map, 1, 0.0, resolution)
+        rising = is_rising(once)
+        narrow = once.end - once.start < _NARROW * TWO_PI / resolution
+        breaks = _pulled_back(circle_map, once, breaks, period)
+        special = once.start[((rising != np.roll(rising, 1)) | narrow) & ~once.cut]
+        features = np.append(_pulled_back(circle_map, once, special, period), features)
     grid = np.linspace(0.0, TWO_PI, resolution + 1)
     knots = circle_map.pieces.knots if circle_map.pieces is not None else np.zeros(0)
-    smooth = np.unique(np.concatenate([grid, knots, folds]))
-    if breaks.size:
-        around = np.concatenate([[-TWO_PI], breaks, [2.0 * TWO_PI]])
-        above = np.searchsorted(around, smooth)
-        nearest = np.minimum(around[above] - smooth, smooth - around[above - 1])
-        smooth = smooth[(nearest > 8.0 * INSET) | (smooth == 0.0) | (smooth == TWO_PI)]
+    smooth = np.unique(np.concatenate([grid, knots, features]))
+    near = distance_to_break(breaks, smooth) <= 8.0 * INSET
+    smooth = smooth[~near | (smooth == 0.0) | (smooth == TWO_PI)]
     nodes = np.union1d(smooth, breaks)
-    return np.asarray(nodes[np.append(np.diff(nodes) > 4.0 * INSET, True)])
+    return nodes[np.append(np.diff(nodes) > 4.0 * INSET, True)], breaks
 
 
 def _evaluated(
@@ -412,12 +413,11 @@ def preimages(circle_map: CircleMap, cells: Cells, levels: Array) -> Array:
     """
     roots = [np.zeros(0)]
     for first in range(0, levels.size, _LEVELS_AT_ONCE):
-        some = levels[first : first + _LEVELS_AT_ONCE]
-        start, end = (whole_turns(g - some[:, None]) for g in (cells.g_start, cells.g_end))
+        chosen = levels[first : first + _LEVELS_AT_ONCE]
+        start, end = (whole_turns(g - chosen[:, None]) for g in (cells.g_start, cells.g_end))
         level, cell = np.nonzero(start != end)
-        roots.append(
-            solved(circle_map, cells, cell, some[level], start[level, cell], end[level, cell])[0]
-        )
+        turns = (start[level, cell], end[level, cell])
+        roots.append(solved(circle_map, cells, cell, chosen[level], *turns)[0])
     return np.concatenate(roots)
 
 

@@ -124,7 +124,7 @@ class WavesInBlocks:
         if self.angles.size <= step:
             return iter([self._only_block])
         parts = (slice(at, at + step) for at in range(0, self.angles.size, step))
-        return ((part, waves(self.angles[part], self.modes)) for part in parts)
+        return ((stretch, waves(self.angles[stretch], self.modes)) for stretch in parts)
 
     @cached_property
     def _only_block(self) -> Waves:
@@ -136,7 +136,7 @@ class WavesInBlocks:
 
     def summed(self, mass: Array) -> Array:
         """(n,) or (n, k): every wave times ``mass`` (m,) or (m, k), added up over the angles."""
-        return np.asarray(np.sum([rows @ mass[part] for part, rows in self], axis=0))
+        return np.asarray(np.sum([rows @ mass[stretch] for stretch, rows in self], axis=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,9 +305,9 @@ class FourierDiscretisation:
 
     def padded(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """(n,): coefficients on a ``coarse`` basis, of fewer modes, as coefficients on this one."""
-        part = np.split(coefficients, [1, coarse.modes + 1])
+        stretch = np.split(coefficients, [1, coarse.modes + 1])
         rest = np.zeros((self.modes - coarse.modes, *np.shape(coefficients)[1:]))
-        return np.concatenate([part[0], part[1], rest, part[2], rest])
+        return np.concatenate([stretch[0], stretch[1], rest, stretch[2], rest])
 
     def cut(self, coefficients: Array, coarse: FourierDiscretisation) -> Array:
         """The coefficients of the modes that a ``coarse`` basis has too."""

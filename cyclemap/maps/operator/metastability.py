@@ -102,7 +102,7 @@ class SlowChain:
         turns = TWO_PI * np.floor(starts / TWO_PI)
         arcs = np.stack([starts - turns, ends - turns], axis=1)
         arcs, state = arcs[np.argsort(arcs[:, 0])], before[np.argsort(arcs[:, 0])]
-        return [read_only(arcs[state == one]) for one in range(self.values.size)]
+        return [read_only(arcs[state == index]) for index in range(self.values.size)]
 
 
 def slow_chain(basis: FourierDiscretisation, spectrum: Spectrum, grid: Array) -> SlowChain | None:

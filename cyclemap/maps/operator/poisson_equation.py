@@ -63,10 +63,10 @@ class StationaryLaw:
         return self._solve(self.basis.uniform)
 
     def _solve(self, right: Array) -> Array:
-        found = self._inverse @ right
-        if not np.all(np.isfinite(found)):
+        solution = self._inverse @ right
+        if not np.all(np.isfinite(solution)):
             raise ConvergenceError(_NOT_UNIQUE)
-        return found
+        return solution
 
     def dual(self, moments: Array) -> Array:
         """w_j = ∫ z φ_j of the z with z - Pz = h - E h (Poisson's equation), from ``moments`` ∫ h
@@ -167,9 +167,9 @@ class FourierLaw(StationaryLaw):
         """Bound on |∫ e^{i·order·θ} (p - p̃) dθ|, the map's ``max_error`` included."""
         basis, correction, _, _ = self.error
         row = self.basis.moments(order)
-        found = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
-        found += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
-        return found + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
+        error = abs(complex(basis.moments(order) @ correction)) + INTEGRAL
+        error += float(np.hypot(self.map_error(row.real), self.map_error(row.imag)))
+        return error + float(np.hypot(self._dual_bound(row.real), self._dual_bound(row.imag)))
 
     def map_error(self, moments: Array, direct: Array | float = 0.0) -> float:
         """First-order bound on the change of E h, ``moments`` = ∫ h φ_j, when F is off by up to
@@ -220,14 +220,14 @@ class FourierLaw(StationaryLaw):
         basis = self.basis
         law = self.coefficients
         (fine, correction, _, _) = self.error
-        found = []
+        sums = []
         rounding = 0.0
         for theta, weight in rules or (basis.rule, fine.rule):
             values = checked_values(function, theta)
             mass = weight * basis.density(theta, law)
-            found.append(float(np.dot(mass, values)))
+            sums.append(float(np.dot(mass, values)))
             rounding = INTEGRAL * float(np.dot(np.abs(mass), np.abs(values)))
-        rough, value = found
+        rough, value = sums
         bound = abs(value - rough) + rounding
         bound += abs(float(np.dot(weight * values, fine.density(theta, correction))))
         moments = basis.integrals(theta, weight * values)
@@ -245,10 +245,10 @@ class FourierLaw(StationaryLaw):
             return Estimate(0.0, min(1.0, known + np.pi * farthest))
         excess = values - 0.5 / np.pi
         crossing = grid[(excess < 0.0) != (np.roll(excess, -1) < 0.0)]
-        found = np.sort(
+        crossings = np.sort(
             bracketed_root(lambda x, _: self.density(x) - 0.5 / np.pi, crossing, crossing + grid[1])
         )
-        ends = np.append(found, found[0] + TWO_PI).tolist()
+        ends = np.append(crossings, crossings[0] + TWO_PI).tolist()
         basis = self.basis
         rules = [
             arc_rule(basis.map, a, b, basis.size // 2, every_sample=False)
@@ -288,11 +288,11 @@ class FourierLaw(StationaryLaw):
         dual = self.dual(basis.integrals(theta, weight * turn))
         later = basis.backward(theta, dual)  # Pz, but for a constant
         correlated = float(np.dot(mass, turn * (turn + 2.0 * (later - np.dot(mass, later)))))
-        found = 0.5 * correlated + basis.noise.variance * (
+        spread = 0.5 * correlated + basis.noise.variance * (
             0.5 + float(np.dot(mass, basis.expected_slope(dual)))
         )
         # Rounding is what the norm of (I - L)⁻¹ magnifies.
-        return Estimate(found, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(found)))
+        return Estimate(spread, INTEGRAL * (1.0 + self._growth) * (1.0 + abs(spread)))
 
 
 def checked_values(function: Callable[[Array], Array], theta: Array) -> Array:

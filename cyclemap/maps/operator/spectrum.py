@@ -169,8 +169,8 @@ def mixing_time(second: Estimate) -> Estimate:
     """-1/ln|λ₂|, cycles, with the bound that follows from that of |λ₂|; inf where |λ₂| may be 1."""
     with np.errstate(divide="ignore"):
         moduli = np.clip([second.lower, second, second.upper], 0.0, 1.0)
-        low, found, high = (1.0 / np.abs(np.log(moduli))).tolist()
-    return Estimate(found, max(high - found, found - low) if np.isfinite(high) else float("inf"))
+        low, time, high = (1.0 / np.abs(np.log(moduli))).tolist()
+    return Estimate(time, max(high - time, time - low) if np.isfinite(high) else float("inf"))
 
 
 def _deflated(basis: Discretisation) -> Array:

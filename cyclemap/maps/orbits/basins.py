@@ -137,12 +137,12 @@ def basins(
         stable = [o for o in periodic_orbits(circle_map, period) if o.stable]
         if stable:
             cells = monotone_cells(circle_map, period, 0.0)
-            found = periodic_points(circle_map, period)
+            points = periodic_points(circle_map, period)
             orbits += stable
             immediate += [
                 np.array(
                     [
-                        _immediate_arc(circle_map, cells, found, orbit, float(p))
+                        _immediate_arc(circle_map, cells, points, orbit, float(p))
                         for p in orbit.points
                     ]
                 )
@@ -154,31 +154,31 @@ def basins(
     covered = np.bincount(owner, arcs[:, 1] - arcs[:, 0], len(orbits)) / TWO_PI
     undecided = max(0.0, 1.0 - float(covered.sum()))
     made = []
-    for number, orbit in enumerate(orbits):
-        own = arcs[owner == number]
+    for index, orbit in enumerate(orbits):
+        own = arcs[owner == index]
         rounding = ANGLE * own.size / TWO_PI
-        measure = Estimate(min(float(covered[number]), 1.0), undecided + rounding)
+        measure = Estimate(min(float(covered[index]), 1.0), undecided + rounding)
         rows = read_only(own[np.argsort(own[:, 0])])
-        made.append(Basin(orbit, read_only(immediate[number]), rows, measure, undecided))
+        made.append(Basin(orbit, read_only(immediate[index]), rows, measure, undecided))
     return tuple(made)
 
 
 def _immediate_arc(
-    circle_map: CircleMap, cells: Cells, found: PeriodicPoints, orbit: Orbit, point: float
+    circle_map: CircleMap, cells: Cells, points: PeriodicPoints, orbit: Orbit, point: float
 ) -> tuple[float, float]:
     """The largest arc around ``point`` into which the iterate carries it, towards the point."""
     # The points of the line, up to a turn away, that the same lift Fⁿ - 2πw fixes.
-    winding = int(found.winding[np.argmin(np.abs(found.theta - point))])
+    winding = int(points.winding[np.argmin(np.abs(points.theta - point))])
     laps = np.array([-1, 0, 1])[:, None]
-    climb = circle_map.degree**found.period - 1
-    fixed = (found.theta + TWO_PI * laps)[found.winding + climb * laps == winding]
+    climb = circle_map.degree**points.period - 1
+    fixed = (points.theta + TWO_PI * laps)[points.winding + climb * laps == winding]
     below = max([point - TWO_PI, *fixed[fixed < point - _LINEAR]])
     above = min([point + TWO_PI, *fixed[fixed > point + _LINEAR]])
 
     def local(theta: Array) -> Array:
         """The lift Fⁿ - 2πw, or its square, which fixes the point."""
         for _ in range(2 if min(orbit.multiplier, orbit.left_multiplier) <= 0.0 else 1):
-            theta = iterate(circle_map, theta, found.period) - TWO_PI * winding
+            theta = iterate(circle_map, theta, points.period) - TWO_PI * winding
         return theta
 
     # A grid between the limits, and the ends of the iterate's monotone cells, both sides of its
@@ -244,15 +244,11 @@ def _all_preimages(
     start = np.concatenate(immediate)
     waiting = start
     mark = np.repeat(np.arange(len(immediate)), [arcs.shape[0] for arcs in immediate])
-    found = [start]
+    arcs = [start]
     marks = [mark]
     covered = float(np.sum(start[:, 1] - start[:, 0]))
     for _ in range(_BATCHES):
-        if (
-            waiting.size == 0
-            or covered >= TWO_PI * (1.0 - left_over)
-            or sum(map(len, found)) > most
-        ):
+        if waiting.size == 0 or covered >= TWO_PI * (1.0 - left_over) or sum(map(len, arcs)) > most:
             break
         order = np.argsort(waiting[:, 0] - waiting[:, 1])
         now, later = np.split(order, [max(_BATCH, order.size // 4)])
@@ -268,12 +264,12 @@ def _all_preimages(
         fresh = (new[:, 1] - new[:, 0] > 1e-3 * left_over * TWO_PI) & (
             _holder(start, np.mean(new, axis=1)) < 0
         )
-        found.append(new[fresh])
+        arcs.append(new[fresh])
         marks.append(new_mark[fresh])
         covered += float(np.sum(new[fresh, 1] - new[fresh, 0]))
         waiting = np.concatenate([waiting[later], new[fresh]])
         mark = np.append(mark[later], new_mark[fresh])
-    return np.concatenate(found), np.concatenate(marks)
+    return np.concatenate(arcs), np.concatenate(marks)
 
 
 def _holder(arcs: Array, theta: Array) -> Whole:

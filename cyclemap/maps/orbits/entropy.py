@@ -34,12 +34,12 @@ class Folds:
     @cached_property
     def theta(self) -> Array:
         """(m,): the folds, in [0, 2π), rising."""
-        return np.array([part.start for part in self.parts])
+        return np.array([branch.start for branch in self.parts])
 
     @cached_property
     def value(self) -> Array:
         """(m,): F at the folds."""
-        return np.array([part.start_value for part in self.parts])
+        return np.array([branch.start_value for branch in self.parts])
 
     def branch(self, theta: Array) -> tuple[Whole, Array]:
         """The branch of each angle of [0, 2π), and the angle in that branch's own turn."""
@@ -77,14 +77,17 @@ class Folds:
         last = self.parts[route.letters[-1]]
         points = [(route.letters[-1], last.end if at_end else last.start)]
         for letter, turns in list(zip(route.letters[:-1], route.turns[1:], strict=True))[::-1]:
-            part = self.parts[letter]
+            branch = self.parts[letter]
             wanted = points[0][1] + TWO_PI * turns
-            low, high = sorted((part.start_value, part.end_value))
+            low, high = sorted((branch.start_value, branch.end_value))
             if low < wanted < high:
-                points.insert(0, (letter, float(part.inverse(wanted))))
+                points.insert(0, (letter, float(branch.inverse(wanted))))
             else:
                 points = [
-                    (letter, part.start if (wanted <= low) == (part.direction > 0) else part.end)
+                    (
+                        letter,
+                        branch.start if (wanted <= low) == (branch.direction > 0) else branch.end,
+                    )
                 ]
         return points
 
@@ -237,11 +240,11 @@ def _folds(circle_map: CircleMap) -> Folds:
     """The branches, or InvalidInput where they do not join."""
     require_map(circle_map)
     parts = branches(circle_map)
-    for part, after in zip(parts, (*parts[1:], parts[0]), strict=True):
+    for branch, after in zip(parts, (*parts[1:], parts[0]), strict=True):
         climb = TWO_PI * circle_map.degree if after is parts[0] else 0.0
-        if part.direction == 0 or abs(part.end_value - after.start_value - climb) > JUMP:
+        if branch.direction == 0 or abs(branch.end_value - after.start_value - climb) > JUMP:
             raise InvalidInput(
-                f"F jumps or is constant near θ = {part.end % TWO_PI:.6g}: entropy is computed for "
+                f"F jumps or is constant near θ = {branch.end % TWO_PI:.6g}: entropy is computed for "
                 "continuous lifts without plateaus"
             )
     return Folds(circle_map, parts)
@@ -271,12 +274,14 @@ def _images(folds: Folds, routes: list[Itinerary], up: bool) -> dict[float, tupl
     images, in the turn of their branch.
     """
     images: dict[float, tuple[int, float]] = {}
-    for part, route in zip(folds.parts, routes, strict=True):
+    for branch, route in zip(folds.parts, routes, strict=True):
         orbits = [folds.orbit(route, at_end) for at_end in (False, True)]
         if route.closes is not None:
             orbits = [orbits[route.closes != route.letters[-1]]]
-        chosen = (max if (part.direction < 0) == up else min)(orbits, key=lambda orbit: orbit[0][1])
-        base = part.start
+        chosen = (max if (branch.direction < 0) == up else min)(
+            orbits, key=lambda orbit: orbit[0][1]
+        )
+        base = branch.start
         for (letter, own), turns in zip(chosen, route.turns, strict=False):
             is_fold = own == folds.parts[letter].end
             following = folds.parts[(letter + 1) % len(folds.parts)].start

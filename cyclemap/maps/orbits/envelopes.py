@@ -144,7 +144,7 @@ def envelope_plateaus(circle_map: CircleMap, mirror: float) -> tuple[Array, Arra
         start, end, level = _plateaus(circle_map, theta, value, 1.0)
     else:  # x → -F(-x) swaps infimum from the right with supremum from the left
         end, start, level = (
-            -part[::-1] for part in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
+            -column[::-1] for column in _plateaus(circle_map, -theta[::-1], -value[::-1], -1.0)
         )
     return start, end, level, circle_map.max_error + SIDE_STEP * steepest
 

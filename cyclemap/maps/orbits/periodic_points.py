@@ -159,15 +159,15 @@ def periodic_points(
         raise InvalidInput(
             f"slope_error is {slope_error!r}: it is a bound for proofs; give proved=True with it"
         )
-    found = _proved(circle_map, n, slope_error) if proved else _computed(circle_map, n)
+    points = _proved(circle_map, n, slope_error) if proved else _computed(circle_map, n)
     # Those with the wanted winding, read-only; links to points left out are cut.
-    keep = np.ones(found.count, dtype=bool) if wanted is None else found.winding == wanted
-    number = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
-    arrays: dict[str, Any] = {name: getattr(found, name)[keep] for name in _ARRAYS}
-    arrays["image"] = number[found.image[keep]]
+    keep = np.ones(points.count, dtype=bool) if wanted is None else points.winding == wanted
+    index = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
+    arrays: dict[str, Any] = {name: getattr(points, name)[keep] for name in _ARRAYS}
+    arrays["image"] = index[points.image[keep]]
     for array in arrays.values():
         array.setflags(write=False)
-    return replace(found, **arrays)
+    return replace(points, **arrays)
 
 
 def _computed(circle_map: CircleMap, n: int) -> PeriodicPoints:
@@ -492,33 +492,33 @@ def periodic_orbits(
     [1, 1]
     """
     wanted = None if winding is None else whole_number("winding", winding)
-    found = periodic_points(circle_map, period, proved=proved, slope_error=slope_error)
+    every = periodic_points(circle_map, period, proved=proved, slope_error=slope_error)
     # The index of the point where each point is after 0, 1, ..., n - 1 cycles; -1 where unknown.
-    visits = [np.arange(found.count)]
-    for _ in range(found.period - 1):
-        visits.append(np.where(visits[-1] >= 0, found.image[visits[-1]], -1))
+    visits = [np.arange(every.count)]
+    for _ in range(every.period - 1):
+        visits.append(np.where(visits[-1] >= 0, every.image[visits[-1]], -1))
     table = np.stack(visits)
     orbits = []
     broken = np.any(table < 0, axis=0)
     smallest = np.all(table >= table[0], axis=0)
-    for i in np.flatnonzero((found.prime_period == found.period) & (broken | smallest)).tolist():
-        points = found.theta[table[:, i]]
-        bound = float(np.max(found.error_bound[table[:, i]]))
+    for i in np.flatnonzero((every.prime_period == every.period) & (broken | smallest)).tolist():
+        points = every.theta[table[:, i]]
+        bound = float(np.max(every.error_bound[table[:, i]]))
         if broken[i]:  # an image is not in the list, at a jump: by iteration
-            points = found.theta[[i]]
-            bound = float(found.error_bound[i])
-            for _ in range(found.period - 1):
+            points = every.theta[[i]]
+            bound = float(every.error_bound[i])
+            for _ in range(every.period - 1):
                 points = np.append(points, np.mod(circle_map(points[-1]), TWO_PI))
             if np.min(points) < points[0] - _SAME:
                 continue
-        turns = int(found.winding[i])
-        kind = str(found.kind[i])
+        turns = int(every.winding[i])
+        kind = str(every.kind[i])
         if wanted is None or turns == wanted:
-            off = float(found.multiplier_error[i])
-            slopes = Estimate(found.multiplier[i], off), Estimate(found.left_multiplier[i], off)
+            off = float(every.multiplier_error[i])
+            slopes = Estimate(every.multiplier[i], off), Estimate(every.left_multiplier[i], off)
             orbits.append(
                 Orbit(
-                    read_only(points), found.period, turns, *slopes, kind == "stable", kind, bound
+                    read_only(points), every.period, turns, *slopes, kind == "stable", kind, bound
                 )
             )
     return orbits

@@ -142,7 +142,9 @@ def weighted_mean(values: Array) -> Estimate:
         raise InvalidInput(f"values has {sequence.size} entries: give at least 16")
     half = sequence.size // 2
     mean = _windowed(sequence)
-    apart = max(abs(_windowed(part) - mean) for part in (sequence[:half], sequence[-half:]))
+    apart = max(
+        abs(_windowed(half_orbit) - mean) for half_orbit in (sequence[:half], sequence[-half:])
+    )
     return Estimate(mean, apart + MEAN * float(np.max(np.abs(sequence))))
 
 
