@@ -199,11 +199,7 @@ def _proved(circle_map: CircleMap, n: int, slope_error: float) -> PeriodicPoints
     bound = np.array([point.theta.error_bound for point in points])
     winding = np.array([point.winding for point in points], dtype=np.int64)
     image = np.array([point.image for point in points], dtype=np.int64)
-    prime = np.full(theta.size, n)
-    reached = np.arange(theta.size)
-    for d in range(1, n):
-        reached = image[reached]
-        prime = np.where((reached == np.arange(theta.size)) & (prime == n), d, prime)
+    prime = 1 + np.argmax(_visits(image, n + 1)[1:] == np.arange(theta.size), axis=0)
     size = np.abs(multiplier)
     kind = np.where(
         np.abs(size - 1.0) <= error, "neutral", np.where(size < 1.0, "stable", "unstable")
@@ -493,11 +489,7 @@ def periodic_orbits(
     """
     wanted = None if winding is None else whole_number("winding", winding)
     every = periodic_points(circle_map, period, proved=proved, slope_error=slope_error)
-    # The index of the point where each point is after 0, 1, ..., n - 1 cycles; -1 where unknown.
-    visits = [np.arange(every.count)]
-    for _ in range(every.period - 1):
-        visits.append(np.where(visits[-1] >= 0, every.image[visits[-1]], -1))
-    table = np.stack(visits)
+    table = _visits(every.image, every.period)
     orbits = []
     broken = np.any(table < 0, axis=0)
     smallest = np.all(table >= table[0], axis=0)
@@ -522,6 +514,16 @@ def periodic_orbits(
                 )
             )
     return orbits
+
+
+def _visits(image: Whole, count: int) -> Whole:
+    """The index of the point where each point is after 0, 1, ..., count - 1 cycles; -1 where
+    unknown.
+    """
+    visits = [np.arange(image.size)]
+    for _ in range(count - 1):
+        visits.append(np.where(visits[-1] >= 0, image[visits[-1]], -1))
+    return np.stack(visits)
 
 
 def crossings_by_jump(circle_map: CircleMap) -> list[JumpCrossing]:
