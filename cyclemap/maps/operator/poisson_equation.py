@@ -148,14 +148,10 @@ class FourierLaw(StationaryLaw):
         """
         basis, correction, _, remainder = self.error
         count = _GRID_FACTOR * basis.modes
-        spectrum = np.zeros(count // 2 + 1, dtype=np.complex128)
-        spectrum[0] = correction[0]
-        spectrum[1 : basis.modes + 1] = (
-            correction[1 : basis.modes + 1] - 1j * correction[basis.modes + 1 :]
-        )
-        return (
-            1.02 * float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI + remainder
-        )
+        spectrum = correction[: basis.modes + 1].astype(np.complex128)
+        spectrum[1:] -= 1j * correction[basis.modes + 1 :]
+        largest = float(np.max(np.abs(np.fft.irfft(spectrum, count)))) * count / TWO_PI
+        return 1.02 * largest + remainder
 
     def _dual_bound(self, moments: Array) -> float:
         """|∫ z r| ≤ max|∫ z φ_j| ‖r‖₁, z the solution of Poisson's equation for h; doubled for z's
@@ -250,15 +246,12 @@ class FourierLaw(StationaryLaw):
         )
         ends = np.append(crossings, crossings[0] + TWO_PI).tolist()
         basis = self.basis
-        rules = [
-            arc_rule(basis.map, a, b, basis.size // 2, every_sample=False)
-            for a, b in pairwise(ends)
-            if b > a
-        ]
-        parts = [
-            abs(float(np.dot(weight, self.density(theta) - 0.5 / np.pi))) for theta, weight in rules
-        ]
-        return Estimate(0.5 * float(np.sum(parts)), min(1.0, known))
+        total = 0.0
+        for start, end in pairwise(ends):
+            if end > start:
+                theta, weight = arc_rule(basis.map, start, end, basis.modes, every_sample=False)
+                total += abs(float(weight @ (self.density(theta) - 0.5 / np.pi)))
+        return Estimate(0.5 * total, min(1.0, known))
 
     def diffusion(self) -> Estimate:
         """D = lim Var(θ_n)/2n, radians² a cycle, of the lifted path θ' = F(θ) + ξ; its bound is of
