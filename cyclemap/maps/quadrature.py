@@ -67,34 +67,22 @@ def _resolved_edges(circle_map: CircleMap, edges: Array, logarithm: bool = False
     logarithm : ln|F'| too, but for what is lost in a panel's length. First where nodes see it, then
         at angles between them no further apart than a ten-thousandth of a radian.
     """
-    open_left = edges[:-1]
-    open_right = edges[1:]
-    done = [edges]
-    probed = False
     for _ in range(_PASSES):
-        if open_left.size * _POINTS > MAX_NODES:
-            raise too_many_nodes(open_left.size * _POINTS)
-        rough = _is_rough(circle_map, open_left, open_right - open_left, logarithm)
-        left = open_left[rough]
-        right = open_right[rough]
-        if left.size == 0 and not probed and circle_map.pieces is None:
-            ends = np.unique(np.concatenate(done))
-            missed = _missed_by_nodes(circle_map, ends)
-            left = ends[:-1][missed]
-            right = ends[1:][missed]
-            probed = left.size == 0
-        if left.size == 0:
+        if (edges.size - 1) * _POINTS > MAX_NODES:
+            raise too_many_nodes((edges.size - 1) * _POINTS)
+        rough = _is_rough(circle_map, edges, logarithm)
+        if not np.any(rough) and circle_map.pieces is None:
+            rough = _missed_by_nodes(circle_map, edges)
+        if not np.any(rough):
             break
-        middle = 0.5 * (left + right)
-        done.append(middle)
-        open_left = np.append(left, middle)
-        open_right = np.append(middle, right)
-    return np.unique(np.concatenate(done))
+        edges = np.union1d(edges, 0.5 * (edges[:-1] + edges[1:])[rough])
+    return edges
 
 
-def _is_rough(circle_map: CircleMap, left: Array, width: Array, logarithm: bool) -> Mask:
+def _is_rough(circle_map: CircleMap, edges: Array, logarithm: bool) -> Mask:
     """Which panels' nodes show more of F than polynomials of their degree hold."""
-    x, _ = gauss_rule(left, width, _POINTS)
+    width = np.diff(edges)
+    x, _ = gauss_rule(edges[:-1], width, _POINTS)
     to_coefficients = _to_coefficients(_POINTS)
     image = circle_map(x)
     here = image.reshape(-1, _POINTS)
@@ -137,23 +125,14 @@ def _on_panels(
     """Gauss-Legendre nodes on the panels between ``edges``, each cut and its order set to fit its
     phase.
     """
-    open_left = edges[:-1]
-    open_width = np.diff(edges)
-    done = []
     for _ in range(_PASSES):
-        left, width, order = _fitted(circle_map, open_left, open_width, bandwidth, least)
-        rough = np.zeros(left.size, dtype=bool)
-        if circle_map.pieces is None:  # within cubics the phase tells all
-            rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (
-                width > _SHORTEST
-            )
-        done.append((left[~rough], width[~rough], order[~rough]))
+        left, width, order = _fitted(circle_map, edges, bandwidth, least)
+        if circle_map.pieces is not None:  # within cubics the phase tells all
+            break
+        rough = _has_rough_waves(circle_map, left, width, order, bandwidth) & (width > _SHORTEST)
         if not np.any(rough):
             break
-        half = 0.5 * width[rough]
-        open_left = np.append(left[rough], left[rough] + half)
-        open_width = np.append(half, half)
-    left, width, order = (np.concatenate(column) for column in zip(*done, strict=True))
+        edges = np.sort(np.concatenate([left, (left + 0.5 * width)[rough], edges[-1:]]))
     order = finer * order
     if int(order.sum()) > MAX_NODES:
         raise too_many_nodes(int(order.sum()))
@@ -170,11 +149,13 @@ def _on_panels(
 
 
 def _fitted(
-    circle_map: CircleMap, left: Array, width: Array, bandwidth: float, least: int
+    circle_map: CircleMap, edges: Array, bandwidth: float, least: int
 ) -> tuple[Array, Array, Whole]:
     """Panels cut until their phase, of waves of θ and of F together, is at most 60, and the order
     that it asks for.
     """
+    left = edges[:-1]
+    width = np.diff(edges)
     inner = left[:, None] + width[:, None] * _STEEPNESS
     steepest = np.max(np.abs(circle_map.derivative(inner)), axis=1)
     phase = 0.5 * bandwidth * np.hypot(1.0, steepest) * width
