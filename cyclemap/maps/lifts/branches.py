@@ -176,19 +176,7 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
     [(1.047198, 5.235988, 1), (5.235988, 7.330383, -1)]
     """
     cells = monotone_cells(circle_map, 1, 0.0)
-    # F at the start and at the end of each cell, its own limit where a break lies there.
-    first = cells.g_start.copy()
-    last = cells.g_end.copy()
-    after = cells.cut
-    before = np.roll(cells.cut, -1)
-    if np.any(after):
-        start = cells.start[after]
-        end = cells.end[before]
-        own = circle_map(start)
-        right = circle_map.right(start)
-        first[after] = np.where(np.abs(own - right) <= JUMP, own, right)
-        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
-        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
+    first, last = cell_limits(circle_map, cells)
     following = np.append(first[1:], first[0] + cells.climb)
     smooth_after = np.abs(following - last) <= JUMP
     last[smooth_after] = following[smooth_after]
@@ -208,6 +196,24 @@ def branches(circle_map: CircleMap) -> tuple[Branch, ...]:
         ends = [float(column[i]) for column in (theta, value) for i in (0, -1)]
         made.append(Branch(ends[0], ends[1], ends[2], ends[3], int(direction[a]), table))
     return tuple(made)
+
+
+def cell_limits(circle_map: CircleMap, cells: Cells) -> tuple[Array, Array]:
+    """F at the start and at the end of each of its cells, its own limit where a break lies
+    there.
+    """
+    first = cells.g_start.copy()
+    last = cells.g_end.copy()
+    before = np.roll(cells.cut, -1)
+    if np.any(cells.cut):
+        start = cells.start[cells.cut]
+        end = cells.end[before]
+        own = circle_map(start)
+        right = circle_map.right(start)
+        first[cells.cut] = np.where(np.abs(own - right) <= JUMP, own, right)
+        # The limit from below is read SIDE_STEP before the break: go on along the slope there.
+        last[before] = circle_map.left(end) + SIDE_STEP * circle_map.derivative(end, -1)
+    return first, last
 
 
 def _directions(cells: Cells, first: Array, last: Array, smooth: Mask) -> Whole:

@@ -12,6 +12,7 @@ import numpy as np
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.errors import ConvergenceError
+from cyclemap.maps.lifts.branches import cell_limits
 from cyclemap.maps.lifts.circle_map import CircleMap, require_degree_one
 from cyclemap.maps.lifts.lift_checks import SIDE_STEP, within_turn
 from cyclemap.maps.lifts.piecewise_lifts import BranchedLift, Piece
@@ -155,19 +156,12 @@ def _skeleton(circle_map: CircleMap) -> tuple[Array, Array, float]:
     largest |F'|.
     """
     cells = monotone_cells(circle_map, 1, 0.0)
-    g_start = cells.g_start.copy()
-    g_end = cells.g_end.copy()
-    cut_after = np.roll(cells.cut, -1)
-    # The limits at a break, nearer than the cells read them.
-    g_start[cells.cut] = circle_map.right(cells.start[cells.cut])
-    g_end[cut_after] = circle_map.left(cells.end[cut_after])
     theta = np.stack([cells.start, cells.end], axis=1).ravel()
-    value = np.stack([g_start, g_end], axis=1).ravel()
+    value = np.stack(cell_limits(circle_map, cells), axis=1).ravel()
     if cells.cut[0]:
         theta = np.append(theta, TWO_PI)
         value = np.append(value, value[0] + cells.climb)
-    steepest = max(float(np.max(np.abs(cells.slope_start))), float(np.max(np.abs(cells.slope_end))))
-    return theta, value, steepest
+    return theta, value, float(np.max(np.abs([cells.slope_start, cells.slope_end])))
 
 
 def _plateaus(
