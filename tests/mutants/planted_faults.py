@@ -648,8 +648,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("predicted += weights[:, index] * turns", "predicted += turns"),
             (
-                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
-                "jacobian[:, columns] += between @ by_names",
+                "by_surface = weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "by_surface = self.between @ by_unknowns",
             ),
         ],
     ),
