@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array
 
 BLUE, GREY = "#2f6fb3", "#999"
-DISC, CIRCLE = "disc", "circle"
-_MARGIN, _DECIMALS = 8, 1
+DISC = "disc"
+CIRCLE = "circle"
+_MARGIN = 8
+_DECIMALS = 1
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,8 @@ from cyclemap.plain_text import json_value, plain_number
 LARGEST_CONTENT = 2**24
 # Of TOML, where a key of many parts takes time that grows with their square; a protocol is a few
 # kilobytes.
-_LARGEST_TOML, _MOST_PARTS = 2**17, 100
+_LARGEST_TOML = 2**17
+_MOST_PARTS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +217,8 @@ def _open_at_once(path: str, flags: int) -> int:
 
 def _records(path: Path, text: str) -> list[CsvRow]:
     reader = csv.reader(io.StringIO(text), strict=True)
-    rows, room = [], LARGEST_CONTENT // 8
+    rows = []
+    room = LARGEST_CONTENT // 8
     try:
         for fields in reader:
             stripped = tuple(field.strip() for field in fields)

@@ -72,11 +72,10 @@ _ASKED = (
     "What is asked: stable directions and whether there are any, the whole map, or where "
     "pushes end."
 )
-_NOT_NEGATIVE, _ABOVE_ZERO = RealRange(min=0.0), RealRange(min=0.0, min_open=True)
-_SHARE, _PERCENT = (
-    RealRange(min=0.0, max=1.0, min_open=True, max_open=True),
-    RealRange(min=0.0, max=100.0, max_open=True),
-)
+_NOT_NEGATIVE = RealRange(min=0.0)
+_ABOVE_ZERO = RealRange(min=0.0, min_open=True)
+_SHARE = RealRange(min=0.0, max=1.0, min_open=True, max_open=True)
+_PERCENT = RealRange(min=0.0, max=100.0, max_open=True)
 _WAIT = RealRange(min=0.01, max=86400.0)
 
 
@@ -118,7 +117,8 @@ def command(name: str, says: str, *takes: Decorator, beside: str = "") -> None:
 
     def work(**given: object) -> None:
         module = import_module(f"cyclemap.cli.run_{beside or name}")
-        run, options = getattr(module, f"run_{name}"), f"{name.title()}Options"
+        run = getattr(module, f"run_{name}")
+        options = f"{name.title()}Options"
         if hasattr(module, options):
             run(getattr(module, options)(**given))
         else:

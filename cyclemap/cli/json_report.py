@@ -48,7 +48,8 @@ _STAIRCASE = ("mean_turn", "mean_residence_cycles", "step")
 
 def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None) -> Json:
     """The report of `cyclemap portrait`; with data it has one entry more, "data"."""
-    rotation, operator = portrait.rotation, portrait.operator
+    rotation = portrait.rotation
+    operator = portrait.operator
     locked = rotation.locked
     stationary: Json = {
         "noise_deg": degrees(portrait.noise.sigma),
@@ -200,7 +201,8 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    told, found = steps_report(measured.steps), measured.foretold
+    told = steps_report(measured.steps)
+    found = measured.foretold
     if found is None:
         return {**told, "fitted": None, "problem": measured.problem, "comparison": None}
     fitted = {

@@ -90,10 +90,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
 
         command(options=LoopOptions(material or material_file, protocol, settings), **others)
 
-    file, tables = (
-        "A material file, in place of MATERIAL.",
-        "The --set keys in TOML tables, and a [strategy].",
-    )
+    file = "A material file, in place of MATERIAL."
+    tables = "The --set keys in TOML tables, and a [strategy]."
     return decorated(
         chosen,
         click.argument("material", required=False),
@@ -174,7 +172,8 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
         is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if not is_said or name in left_out or name not in context.params:
             continue
-        given, option = context.params[name], parameter.opts[:1]
+        given = context.params[name]
+        option = parameter.opts[:1]
         if isinstance(parameter, click.Argument):
             option = []
         if given is True:

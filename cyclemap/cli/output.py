@@ -33,11 +33,14 @@ if TYPE_CHECKING:
 
 # What people are told: sentences and tables.
 Told = str | Text | Table
-PATIENCE_SECONDS, LINE_SECONDS, BAR_SECONDS = 2.0, 5.0, 0.1
+PATIENCE_SECONDS = 2.0
+LINE_SECONDS = 5.0
+BAR_SECONDS = 0.1
 # More letters than any table has in a row.
 _WIDEST = 10_000
 # Of a table wider than this, in letters, columns of words are broken at so many.
-_WIDE, _WORDS = 120, 32
+_WIDE = 120
+_WORDS = 32
 
 
 def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None = None) -> Path:
@@ -57,7 +60,8 @@ def result_stem(out: Path, kind: str, loop: CollectionLoop, surface: str | None 
     """
     from cyclemap.mechanics import Slider  # those that only publish need no mechanics
 
-    name, square = loop.slider.name, Slider.mit("rect1")
+    name = loop.slider.name
+    square = Slider.mit("rect1")
     where = file_stem(loop.material.name if surface is None else surface)
     is_square = (name, loop.slider.outline) == (square.name, square.outline)
     return out / (f"{kind}_{where}" if is_square else f"{kind}_{file_stem(name)}_on_{where}")
@@ -115,7 +119,8 @@ def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) 
 
 def write_page(page: str, stem: Path) -> Path:
     """Write a page as stem.html, tell people where, and return that."""
-    place, content = stem.with_name(f"{stem.name}.html"), page.encode()
+    place = stem.with_name(f"{stem.name}.html")
+    content = page.encode()
     write_whole(place, content)
     click.echo(f"page: {place} ({len(content) / 1e3:.0f} kB)")
     return place
@@ -152,7 +157,9 @@ def progress_bar(label: str) -> Iterator[Progress]:
     if is_quiet():
         yield lambda fraction: None
         return
-    share, ended, begun = 0.0, threading.Event(), time.monotonic()
+    share = 0.0
+    ended = threading.Event()
+    begun = time.monotonic()
 
     def report(fraction: float) -> None:
         nonlocal share
@@ -221,16 +228,15 @@ class PeopleConsole(Console):
 
         Squeezed it would lose its numbers, and broken lines are no table.
         """
-        before, room = self.width, self.options.update(width=_WIDEST)
+        before = self.width
+        room = self.options.update(width=_WIDEST)
         needed = Measurement.get(self, room, table).maximum
         if needed > _WIDE and table.show_header:
             # Words can be broken, numbers cannot.
             for column in table.columns:
                 if column.justify == "left" and not column.no_wrap:
-                    column.max_width, column.overflow = (
-                        min(column.max_width or _WORDS, _WORDS),
-                        "fold",
-                    )
+                    column.max_width = min(column.max_width or _WORDS, _WORDS)
+                    column.overflow = "fold"
             needed = Measurement.get(self, room, table).maximum
         if self.is_terminal and needed > before:
             if table.title:

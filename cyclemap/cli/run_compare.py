@@ -43,7 +43,8 @@ def run_compare(
     """
     read = readable_data(data, table, results.out)
     chosen = chosen_loop(options, data)
-    loop, name = chosen.loop, chosen.loop.material.name
+    loop = chosen.loop
+    name = chosen.loop.material.name
     with progress_bar(f"{name} beside {data.name}") as report:
         found = compare(
             loop,

@@ -29,8 +29,10 @@ def run_cycle(
     options: LoopOptions, theta0_deg: str, out: Path | None, json_target: str | None
 ) -> None:
     """Run the cycles that start at the angles listed in `theta0_deg`, and print or write them."""
-    starts, chosen = parse_angles(theta0_deg), chosen_collection(options)
-    cycles, tables = list[Json](), []
+    starts = parse_angles(theta0_deg)
+    chosen = chosen_collection(options)
+    cycles = list[Json]()
+    tables = []
     for title, loop, turn, more in _acted(chosen):
         table = people_table(title, COLUMNS)
         for start in starts:
@@ -51,7 +53,9 @@ def _acted(chosen: ChosenCollection) -> Iterator[tuple[str, CollectionLoop, floa
     """A title, the loop, the turn of the gripper and what is told of it in JSON: of each action,
     or of a loop without a strategy.
     """
-    loop, strategy, name = chosen.loop, chosen.strategy, chosen.loop.material.name
+    loop = chosen.loop
+    strategy = chosen.strategy
+    name = chosen.loop.material.name
     if strategy is None:
         yield f"One push and drag back on {name}", loop, 0.0, {}
         return

@@ -74,7 +74,8 @@ def health_report() -> Json:
 
 def _tell(report: Json) -> None:
     """The report for people."""
-    versions, off = written(report["versions"]), report["self_check_error_deg"]
+    versions = written(report["versions"])
+    off = report["self_check_error_deg"]
     table = Table(title="cyclemap on this machine", title_justify="left", show_header=False)
     table.add_row("versions", ", ".join(f"{name} {number}" for name, number in versions.items()))
     table.add_row("machine", str(report["machine"]))

@@ -129,7 +129,8 @@ def run_experiment(
 
 
 def _run(run: BatchRun) -> Json:
-    directions, settled = run.directions(), run.settled_after()
+    directions = run.directions()
+    settled = run.settled_after()
     return {
         "directions_deg": [*map(direction_deg, directions)],
         "all_agree": len(directions) == 1,

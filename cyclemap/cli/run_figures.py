@@ -48,7 +48,8 @@ def list_figures(results: ResultOptions) -> None:
     """Tell the names of all exhibits with their sources and titles; no exhibit is imported."""
     if publish_json({"figures": written(entries())}, results.json_target):
         return
-    console, widest = PeopleConsole(), max(len(entry.name) for entry in entries())
+    console = PeopleConsole()
+    widest = max(len(entry.name) for entry in entries())
     for entry in entries():
         console.print(f"{entry.name:<{widest}}  {entry.title} ({entry.source})")
     console.print("make them with: cyclemap figures NAME ... (or all)")
@@ -68,14 +69,13 @@ def run_figures(
     if not names:
         list_figures(results)
         return
-    chosen, folder, known = (
-        entries(names),
-        MeasuredFolder.found(data),
-        [entry.name for entry in entries()],
-    )
+    chosen = entries(names)
+    folder = MeasuredFolder.found(data)
+    known = [entry.name for entry in entries()]
     with only_writer(results.out):
         index = _read_index(results.out / INDEX_FILE)
-        made, failed = list[Json](), list[Json]()
+        made = list[Json]()
+        failed = list[Json]()
         for number, entry in enumerate(chosen, 1):
             try:
                 with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
@@ -110,7 +110,8 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     """Make and write one exhibit: its line of the index, whether it asked for measured data, and
     its rows where it is a table.
     """
-    exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
+    exhibit = load_exhibit(entry.name)
+    data = WatchedFolder(folder.path)
     result = exhibit.compute(data)
     table: Told = ""
     if hasattr(exhibit, "draw"):
@@ -121,11 +122,14 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     elif hasattr(exhibit, "frames"):
         from cyclemap.figures.locking_in import animated_gif
 
-        suffix, content = "gif", animated_gif(exhibit.frames(result))
+        suffix = "gif"
+        content = animated_gif(exhibit.frames(result))
     else:
-        rows, text = list(exhibit.rows(result)), io.StringIO()
+        rows = list(exhibit.rows(result))
+        text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([exhibit.HEADER, *rows])
-        suffix, content = "csv", text.getvalue().encode()
+        suffix = "csv"
+        content = text.getvalue().encode()
         table = people_table("", exhibit.HEADER, rows, words=range(len(exhibit.HEADER)))
     path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)

@@ -46,7 +46,8 @@ def run_fingerprint(
     JSON.
     """
     loop = chosen_loop(options).loop
-    surface, bow = Anisotropy.of(loop.material.friction), floor_bow(loop)
+    surface = Anisotropy.of(loop.material.friction)
+    bow = floor_bow(loop)
     is_named = options.material is not None or max(surface.offset, surface.ellipticity) > 0.0
     predicts = is_named and bow == 0.0
     if check and not predicts:

@@ -70,7 +70,8 @@ def run_fit(
     """Read the pushes, fit every set of them, write pictures and JSON, and print for people or as
     JSON.
     """
-    read, chosen = readable_data(data, table, results.out), selected_values(select)
+    read = readable_data(data, table, results.out)
+    chosen = selected_values(select)
     with progress_bar(f"reading {data.name}") as report:
         pushes = load_pushes(read, progress=report)
     if not len(pushes.table) and pushes.unreadable:
@@ -81,7 +82,9 @@ def run_fit(
         )
     for words in check_pushes(pushes, loop_beside(data)):
         click.echo(words, err=True)
-    sets, fits, pictures = push_sets(pushes, chosen), list[SetFit](), list[Path]()
+    sets = push_sets(pushes, chosen)
+    fits = list[SetFit]()
+    pictures = list[Path]()
     with progress_bar("fitting") as report:
         for pushed_alike in sets:
 
@@ -107,7 +110,8 @@ def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -
         unreadable.append(f"{len(pushes.unreadable)} files in all")
     tables = []
     if any(fit.pushes.has_motion for fit in fits):
-        statistics, laws = [fit.statistics for fit in fits], [fit.laws for fit in fits]
+        statistics = [fit.statistics for fit in fits]
+        laws = [fit.laws for fit in fits]
         tables = [
             _table(STATISTICS, statistics, _statistic_fields, "mean", "σ", "%"),
             _table(LAWS, laws, _law_fields, "RMSE", "%", "cv", "K"),
@@ -166,7 +170,8 @@ def fit_report(pushes: PushTable, fits: list[SetFit]) -> Json:
 
 def set_report(fit: SetFit) -> Json:
     """The report of one set, as fit_NAME.json holds it."""
-    pushes, statistics = fit.pushes, fit.statistics
+    pushes = fit.pushes
+    statistics = fit.statistics
     return {
         **json_of(pushes, "name", "source"),
         **facts_report(pushes.facts),
@@ -206,7 +211,8 @@ def _histogram(histogram: TurnHistogram) -> Json:
 
 
 def _law(found: MotionLaw) -> Json:
-    law, unit = found.law, UNITS[found.quantity]
+    law = found.law
+    unit = UNITS[found.quantity]
     if law is None:
         return json_of(found, "problem")
     noise = law.noise(np.linspace(0.0, 2 * np.pi, 361))
@@ -297,7 +303,8 @@ def _table(
     fields: Callable[[Any, Unit], list[str]],
     *columns: str,
 ) -> Table:
-    notes, lines = any(part.problem for part in parts), []
+    notes = any(part.problem for part in parts)
+    lines = []
     for part in parts:
         told = chain.from_iterable(
             fields(getattr(part, name), unit) for name, unit in UNITS.items()

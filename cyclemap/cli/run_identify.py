@@ -101,12 +101,14 @@ def run_identify(asked: IdentifyOptions) -> None:
             "--floor tells what is known, and where the search begins: leave --start out"
         )
     begin = asked.start if asked.floor is None else asked.floor
-    surface, fixed = None if begin is None else load_material(begin), fixed_values(asked.fix)
+    surface = None if begin is None else load_material(begin)
+    fixed = fixed_values(asked.fix)
     known = None if asked.floor is None else surface
     target = None if asked.target_mm is None else pair_in_metres("--target-mm", asked.target_mm)
     shapes = tuple(shape for plate in asked.plate for shape in load_plates(plate))
     options = LoopOptions("isotropic", asked.protocol, asked.settings)
-    selected, chosen = selected_values(asked.select), chosen_loop(options, asked.data[0])
+    selected = selected_values(asked.select)
+    chosen = chosen_loop(options, asked.data[0])
     loop = chosen.loop
     read = readable_tables(asked.data, asked.table, asked.results.out)
     space = starting_space(loop, surface)
@@ -130,7 +132,8 @@ def run_identify(asked: IdentifyOptions) -> None:
     sources = [f"{path.name}{since}" for path in read]
     default = collected.surface or selected.get("surface", "surface")
     name = asked.name or f"{default}-identified"
-    plate_name, last = collected.loop.slider.name, collected.last_cycle
+    plate_name = collected.loop.slider.name
+    last = collected.last_cycle
     material = identified_material(found, name, sources, last, plate_name, floor=known)
     _conclude(collected, found, material, doubtful, asked)
 
@@ -157,7 +160,8 @@ def _identified(
     space: ParameterSpace,
 ) -> Identification:
     """Identify what was asked for, or else what the data tell, and is not fixed."""
-    blocks, plate = collected.blocks, collected.loop.slider.name
+    blocks = collected.blocks
+    plate = collected.loop.slider.name
     named = tuple(name.strip() for name in (asked.free or "").split(",") if name.strip())
     believed = None if known is None else known_beliefs(known, FLOOR_TOLD)
     named = named or tuple(
@@ -195,8 +199,10 @@ def _conclude(
     doubtful: bool,
     asked: IdentifyOptions,
 ) -> None:
-    results, seed = asked.results, asked.seed
-    derived, stem = derived_quantities(found, seed=seed), file_stem(material.name)
+    results = asked.results
+    seed = asked.seed
+    derived = derived_quantities(found, seed=seed)
+    stem = file_stem(material.name)
     told = identify_report(material, data.notes, found, derived)
     answer = headline(material.name, derived, found.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
@@ -251,7 +257,8 @@ def identify_report(
     material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]
 ) -> Json:
     """The report of an identification."""
-    wear, starts = material.wear, found.starts
+    wear = material.wear
+    starts = found.starts
     spread = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
     return {
         **json_of(material, "name", "provenance", "misfit", "inferred", "friction"),

@@ -88,7 +88,8 @@ def run_plan(asked: PlanOptions) -> None:
         )
     loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop
     stem = asked.results.out / f"plan_{file_stem(loop.slider.name)}"
-    within, measured = math.radians(asked.until_deg), None
+    within = math.radians(asked.until_deg)
+    measured = None
     if asked.after:
         measured = _measured(asked, loop)
         loop = measured.loop
@@ -173,7 +174,8 @@ def _unused(stem: Path, suffix: str, content: bytes) -> Path:
     """Where a table goes that is not there yet, so that one that was filled in is never written
     over.
     """
-    path, number = stem.with_name(f"{stem.name}{suffix}"), 1
+    path = stem.with_name(f"{stem.name}{suffix}")
+    number = 1
     while path.exists() and path.read_bytes() != content:
         number += 1
         path = stem.with_name(f"{stem.name}_{number}{suffix}")
@@ -240,7 +242,8 @@ def push_table(plan: PushPlan) -> Table:
     columns = ("push", "side", "at", "slant (°)", "push (mm)", "set to x (mm)", "y (mm)", "θ (°)")
     rows = []
     for number, planned in enumerate(plan.pushes, 1):
-        push, start = planned.push, planned.start
+        push = planned.push
+        start = planned.start
         cells = [
             f"{push.fraction:.2f}",
             f"{math.degrees(push.angle):.0f}",

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 def run_portrait(asked: RunOptions, margin: bool) -> None:
     """Compute the portrait, draw it, and print it for people or as JSON."""
-    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    pairs = asked.pairs()
+    chosen = chosen_collection(asked.options, asked.data).simplified()
     loop = chosen.loop
     if chosen.strategy is not None:
         from cyclemap.cli.run_strategy import run_strategy_portrait
@@ -50,7 +51,8 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     measured = None if pairs is None else _overlay(pairs, found)
     page = portrait_page(found, portrait_curves(found), measured)
     stem = result_stem(asked.results.out, "portrait", loop)
-    report, margins = portrait_report(found, measured), list[Told]()
+    report = portrait_report(found, measured)
+    margins = list[Told]()
     if margin:
         changes = margins_of(loop)
         report["margins"] = [*map(margin_report, changes)]
@@ -107,7 +109,8 @@ def run_staircase(asked: RunOptions) -> None:
     from cyclemap.evidence import measured_staircase
     from cyclemap.views import staircase_page
 
-    pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
+    pairs = asked.pairs()
+    chosen = chosen_collection(asked.options, asked.data).simplified()
     loop = chosen.loop
     measured = None if pairs is None else measured_staircase(pairs, asked.seed)
     if chosen.strategy is not None:

@@ -48,7 +48,8 @@ class ProbeOptions:
 
 def run_probe(asked: ProbeOptions) -> None:
     """Probe what is asked for, draw it, and print it for people or as JSON."""
-    found, results = _probed(asked), asked.results
+    found = _probed(asked)
+    results = asked.results
     report = {
         "pushes": len(found.theta),
         **json_of(found, "found", "p_value"),

@@ -61,7 +61,8 @@ def run_replay(
     friction may be named.
     """
     chosen = chosen_loop(options, data)
-    loop, material = chosen.loop, chosen.loop.material
+    loop = chosen.loop
+    material = chosen.loop.material
     found = material.found_with.pusher_friction
     if pusher_friction is not None or ("pusher_mu" not in chosen.settings and found is None):
         friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
@@ -78,7 +79,8 @@ def run_replay(
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
-    stem, page = result_stem(results.out, "replay", loop), replay_page(replayed, material.name)
+    stem = result_stem(results.out, "replay", loop)
+    page = replay_page(replayed, material.name)
     as_json = replay_report(replayed, material.name, loop.pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):

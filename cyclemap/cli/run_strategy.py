@@ -27,11 +27,14 @@ def run_strategy_portrait(
     asked: RunOptions,
 ) -> None:
     """Compute the distribution of the orientations, draw it, and print it for people or as JSON."""
-    loop, sigma = chosen.loop, chosen.noise
+    loop = chosen.loop
+    sigma = chosen.noise
     with progress_bar(f"cycle maps of {loop.material.name}") as report:
         maps = strategy_maps(loop, strategy, tolerance=1e-4, progress=report)
-    turns, measured = map_turns(maps), None if pairs is None else pairs.path
-    law, factor = orientation_law(turns, strategy, sigma), slowest_factor(turns, strategy, sigma)
+    turns = map_turns(maps)
+    measured = None if pairs is None else pairs.path
+    law = orientation_law(turns, strategy, sigma)
+    factor = slowest_factor(turns, strategy, sigma)
     theta, ran = _run(loop, strategy, sigma, measured, asked)
     mean_turn = float((theta[-1] - theta[0]) / (len(theta) - 1))
     as_json: Json = {
@@ -90,7 +93,8 @@ def run_strategy_staircase(
     """Run the strategy, set the measured staircase beside it, draw both, and print them for people
     or as JSON.
     """
-    loop, sigma = chosen.loop, chosen.noise
+    loop = chosen.loop
+    sigma = chosen.noise
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)

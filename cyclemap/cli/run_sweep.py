@@ -99,7 +99,9 @@ def run_sweep(asked: SweepOptions) -> None:
 
 
 def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
-    files, keys, results = [store], len(sweep.keys), asked.results
+    files = [store]
+    keys = len(sweep.keys)
+    results = asked.results
     for name in _words(asked.export):
         ending, write = _EXPORTS[name]
         files.append(store.with_suffix(ending))

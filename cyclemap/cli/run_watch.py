@@ -50,7 +50,8 @@ from cyclemap.written import Json, degrees, direction_deg, json_of, written
 
 # Shares of the circle whose covering is told; rad, of the maps that tell the next action, far below
 # what is recorded.
-_TOLD_SHARES, _TOLERANCE = 10, 1e-3
+_TOLD_SHARES = 10
+_TOLERANCE = 1e-3
 # Pushes of a forecast from where the log stands: some hours of the robot's work.
 _PUSHES_AHEAD = 300
 
@@ -82,13 +83,16 @@ def run_watch(
     """Watch the file to its end, or as it grows, and tell what is seen."""
     columns, units = told_columns(table.columns, table.units)
     feed = theta0_feed(file, columns, units, convention_of(file, **table.convention))
-    monitor, reports = BiasMonitor(alarm_rate), list[BiasReport]()
+    monitor = BiasMonitor(alarm_rate)
+    reports = list[BiasReport]()
     if not follow:
-        found, look_ahead = feed.look(finished=True), _ahead_of(file, protocol, material)
+        found = feed.look(finished=True)
+        look_ahead = _ahead_of(file, protocol, material)
         tell_what_was_read(found.words, found.guessed)
         _conclude(file, monitor, watch(found.theta, monitor), look_ahead, results)
         return
-    look_ahead, as_json = _ahead_of(file, protocol, material), results.json_target == "-"
+    look_ahead = _ahead_of(file, protocol, material)
+    as_json = results.json_target == "-"
     if not as_json:
         click.echo(f"watching {file} until interrupted (Ctrl-C)", err=True)
     try:
@@ -98,7 +102,8 @@ def run_watch(
                 tell_what_was_read(found.words, found.guessed)
             if found.began_anew:
                 click.echo(f"{file} began anew, and so does the watch", err=True)
-                monitor, reports = BiasMonitor(alarm_rate), []
+                monitor = BiasMonitor(alarm_rate)
+                reports = []
             for left, theta in zip(reversed(range(len(found.theta))), found.theta, strict=True):
                 before = monitor.report
                 reports.append(monitor.update(theta))
@@ -117,7 +122,8 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
     if protocol is None and material is None:
         return lambda monitor: NOTHING_AHEAD
     chosen = chosen_collection(LoopOptions(material, protocol, ()), file).simplified()
-    loop, strategy = chosen.loop, chosen.strategy
+    loop = chosen.loop
+    strategy = chosen.strategy
     if strategy is None:
         return _forecasts(loop, chosen.sigma)
     if len(strategy.actions) == 1:
@@ -197,7 +203,9 @@ def _conclude(
     quiet: bool = False,
 ) -> None:
     """Write the picture and the JSON, and print the report, unless ``quiet``."""
-    last, ahead, rest = reports[-1], look_ahead(monitor), rest_multiplier(monitor.path)
+    last = reports[-1]
+    ahead = look_ahead(monitor)
+    rest = rest_multiplier(monitor.path)
     told = {
         "file": file.name,
         "pushes": len(reports),
@@ -233,7 +241,8 @@ def run_audit(data: Path, table: TableOptions, results: ResultOptions) -> None:
     read = readable_data(data, table, results.out)
     with progress_bar(f"auditing {data.name}") as progress:
         found = audit(read, loop=loop_beside(data), progress=progress)
-    alarm, reset = found.report.alarm, found.reset
+    alarm = found.report.alarm
+    reset = found.reset
     told = {
         "data": str(data),
         "headline": audit_headline(found),

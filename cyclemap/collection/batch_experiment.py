@@ -18,7 +18,8 @@ from cyclemap.errors import InvalidInput
 from cyclemap.progress import Progress
 
 # Ma & Rodriguez (2018): 600 cycles in 6 batches.
-BATCHES, CYCLES = 6, 100
+BATCHES = 6
+CYCLES = 100
 # A batch has settled once it stays this near its last orientation, rad.
 WITHIN = math.radians(1.0)
 # A batch that turns by less than this a cycle, rad, is at rest: the errors of a dynamic cycle are
@@ -69,7 +70,8 @@ class BatchRun:
         the steps do not shrink or only one was made.
         """
         steps = np.abs(np.diff(self.theta[:, -3:]))
-        now, shrunk_by = steps[:, -1], steps[:, 0] - steps[:, -1]
+        now = steps[:, -1]
+        shrunk_by = steps[:, 0] - steps[:, -1]
         shrinking = shrunk_by > 0.0
         left = np.where(shrinking, now**2 / np.where(shrinking, shrunk_by, 1.0), np.inf)
         return np.where(now <= REST, 0.0, left)
@@ -125,8 +127,10 @@ class BatchRun:
         """`path` in the object's frame before each push, (batches, cycles, samples + 1, 2), m."""
         offset = self.path - self.path[:, :, :1]
         theta = self.theta[:, :-1, None]
-        c, s = np.cos(theta), np.sin(theta)
-        x, y = offset[..., 0], offset[..., 1]
+        c = np.cos(theta)
+        s = np.sin(theta)
+        x = offset[..., 0]
+        y = offset[..., 1]
         return np.stack([c * x + s * y, c * y - s * x], axis=-1)
 
     @property
@@ -218,7 +222,8 @@ def batch_experiment(
     >>> np.degrees(np.diff(experiment.isotropic.theta)).round(2).tolist()
     [[8.0, 8.0], [8.0, 8.0], [8.0, 8.0]]
     """
-    count, report = whole_number("batches", batches, least=1), progress or (lambda fraction: None)
+    count = whole_number("batches", batches, least=1)
+    report = progress or (lambda fraction: None)
     starts = 2.0 * np.pi * np.arange(count) / count
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
     even = isotropic_twin(protocol)
@@ -235,24 +240,28 @@ def run_batches(
     progress: Progress | None = None,
 ) -> BatchRun:
     """Run a batch of consecutive cycles from each of the orientations `starts` (rad)."""
-    now, length = finite_array("starts", starts, ndim=1), whole_number("cycles", cycles, least=1)
+    now = finite_array("starts", starts, ndim=1)
+    length = whole_number("cycles", cycles, least=1)
     if not isinstance(loop, DynamicLoop):
         require_loop(loop)
     if not now.size:
         raise InvalidInput("starts must hold at least one orientation")
-    theta, paths = np.empty((now.size, length + 1)), np.empty((now.size, length, SAMPLES + 1, 2))
+    theta = np.empty((now.size, length + 1))
+    paths = np.empty((now.size, length, SAMPLES + 1, 2))
     for batch, start in enumerate(now.tolist()):
         theta[batch, 0] = start
         for cycle in range(length):
             if isinstance(loop, DynamicLoop):
                 ran = loop.cycle(theta[batch, cycle], SAMPLES)
-                theta[batch, cycle + 1], slider = ran.theta_next, loop.loop.slider
+                theta[batch, cycle + 1] = ran.theta_next
+                slider = loop.loop.slider
                 # The last sample, at rest, takes the place of that where the rod stops.
                 pose = ran.push.trajectory.pose[np.r_[0:SAMPLES, SAMPLES + 1]]
                 paths[batch, cycle] = placed(pose.T, np.array(slider.centre_of_mass))
             else:
                 push, drag = loop.strokes(theta[batch, cycle], loop.push.distance / _STEPS)
-                theta[batch, cycle + 1], course = drag.end.theta, push.trajectory
+                theta[batch, cycle + 1] = drag.end.theta
+                course = push.trajectory
                 centre = placed(course.pose.T, np.array(loop.slider.centre_of_mass))
                 travel = np.linspace(0.0, loop.push.distance, SAMPLES + 1)
                 paths[batch, cycle] = np.stack(

@@ -56,8 +56,10 @@ class StrokeScene:
         """Return the scene of a stroke that ran its course."""
         outline = slider.outline_points(OUTLINE_POINTS)
         hitch = np.array(slider.hitch, dtype=float)
-        first, last = course.pose[0], course.pose[-1]
-        before, after = placed(first, outline), placed(last, outline)
+        first = course.pose[0]
+        last = course.pose[-1]
+        before = placed(first, outline)
+        after = placed(last, outline)
         travelled = course.path / max(course.path[-1], np.finfo(float).tiny)
         shown = np.unique(np.searchsorted(travelled, FORCE_PLACES).clip(0, len(travelled) - 1))
         tips = course.contact_point[shown]
@@ -102,6 +104,8 @@ class CycleScene:
 
 def placed(pose: Array, points: Array) -> Array:
     """`points` (..., 2) of the object's frame, in the world, for the pose (x, y, θ)."""
-    cosine, sine = np.cos(pose[2]), np.sin(pose[2])
-    x, y = points[..., 0], points[..., 1]
+    cosine = np.cos(pose[2])
+    sine = np.sin(pose[2])
+    x = points[..., 0]
+    y = points[..., 1]
     return np.stack([pose[0] + cosine * x - sine * y, pose[1] + sine * x + cosine * y], axis=-1)

@@ -26,14 +26,18 @@ MOST_ELLIPTICITY = 5.0
 
 
 _FRICTION = ("mu_a", "mu_b", "m0", "n0", "phi")
-_BOW, _LEAST_BOW = ("floor_bow_x", "floor_bow_y"), 1e-12
+_BOW = ("floor_bow_x", "floor_bow_y")
+_LEAST_BOW = 1e-12
 # Step of the differences that give second derivatives, in offset and ellipticity, and the accuracy
 # (rad) of the cycles: their gradients are then good to about 1e-8.
-STEP, _ACCURACY = 0.002, 1e-10
+STEP = 0.002
+_ACCURACY = 1e-10
 # The mean radius of the ellipses that are run: no turn depends on it.
 _MEAN = 0.25
 # Usual surfaces: their offset and ellipticity, and how many of them are run.
-_OFFSET, _ELLIPTICITY, _SURFACES = 0.12, 0.06, 16
+_OFFSET = 0.12
+_ELLIPTICITY = 0.06
+_SURFACES = 16
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,8 @@ class Anisotropy:
                 f"ellipticity {self.ellipticity:g} is more than any surface has: it is "
                 f"log(mu_a/mu_b)/2, about 0.04 for plywood; choose at most {MOST_ELLIPTICITY:g}"
             )
-        angle, stretch = self.offset_direction - self.ellipse_direction, math.exp(self.ellipticity)
+        angle = self.offset_direction - self.ellipse_direction
+        stretch = math.exp(self.ellipticity)
         most = 1.0 / math.hypot(math.cos(angle) / stretch, math.sin(angle) * stretch)
         if self.offset >= most:
             raise InvalidInput(
@@ -149,8 +154,10 @@ class Anisotropy:
         finite.
         """
         angle = finite_array("theta", theta)
-        first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - angle)
-        u, v = self.offset, self.ellipticity
+        first = self.offset_direction - angle
+        second = 2.0 * (self.ellipse_direction - angle)
+        u = self.offset
+        v = self.ellipticity
         return np.stack(
             [u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1
         )
@@ -293,7 +300,8 @@ class Fingerprint:
     @cached_property
     def cycle(self) -> TurnResponse:
         """The response of the whole cycle: push plus drag."""
-        push, drag = self.push, self.drag
+        push = self.push
+        drag = self.drag
         bow = push.bow + drag.bow
         return TurnResponse(
             push.turn + drag.turn, push.gradient + drag.gradient, push.hessian + drag.hessian, bow
@@ -306,7 +314,8 @@ class Fingerprint:
         It grows with the square of the amplitude offset·A₁ + ellipticity·A₂, and with the cube on
         surfaces that are more anisotropic than usual.
         """
-        first, second = self.cycle.offset_amplitude, self.cycle.ellipse_amplitude
+        first = self.cycle.offset_amplitude
+        second = self.cycle.ellipse_amplitude
         size = anisotropy.offset * first + anisotropy.ellipticity * second
         usual = _OFFSET * first + _ELLIPTICITY * second
         return 2.0 * self.remainder * size**2 * max(1.0, size / usual) if size else 0.0
@@ -481,6 +490,7 @@ def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Arra
     found = with_anisotropy(loop, surface).sensitivity(0.0, _FRICTION)
     rows = found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
     by_a, by_b, by_m, by_n, by_phi = rows.T
-    c, s = math.cos(law.phi), math.sin(law.phi)
+    c = math.cos(law.phi)
+    s = math.sin(law.phi)
     by_offset = _MEAN * np.stack([c * by_m - s * by_n, s * by_m + c * by_n], axis=-1)
     return by_offset, law.mu_a * by_a - law.mu_b * by_b, by_phi

@@ -32,7 +32,9 @@ TRUSTED_RATIO = 0.5
 _KNOWN = 0.02
 _ANGLES = np.arange(7200) * (TWO_PI / 7200)
 
-LOCKS, DRIFTS, UNDECIDED = "locks", "drifts", "undecided"
+LOCKS = "locks"
+DRIFTS = "drifts"
+UNDECIDED = "undecided"
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,8 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
     if not theta.size:
         return LockIn(math.inf, math.nan)
     part = response.first_order(anisotropy.seen_from(theta))
-    low, high = int(np.argmin(part)), int(np.argmax(part))
+    low = int(np.argmin(part))
+    high = int(np.argmax(part))
     ahead = response.turn % TWO_PI
     found = (
         LockIn(float(-ahead / part[low]), float(theta[low])),
@@ -82,7 +85,8 @@ def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
     largest = max(abs(p), abs(q))
     if largest == 0.0:
         return np.zeros(0)
-    p, q = p / largest, q / largest
+    p = p / largest
+    q = q / largest
     roots = np.roots([2.0 * q, p, 0.0, -p.conjugate(), -2.0 * q.conjugate()])
     # Roots off the unit circle are no extrema; an angle too many does no harm where the least turn
     # is sought.
@@ -200,10 +204,8 @@ class Prediction:
     @cached_property
     def map(self) -> CircleMap:
         """The first-order map, with two harmonics: θ + Ω + Re(p exp(iθ) + q exp(2iθ))."""
-        turn, (p, q) = (
-            self.fingerprint.cycle.turn,
-            harmonics(self.fingerprint.cycle, self.anisotropy),
-        )
+        turn = self.fingerprint.cycle.turn
+        (p, q) = harmonics(self.fingerprint.cycle, self.anisotropy)
         return CircleMap.with_scalar(
             lambda theta: theta + turn + (p * np.exp(1j * theta) + q * np.exp(2j * theta)).real,
             lambda theta: 1.0 - (p * np.exp(1j * theta) + 2.0 * q * np.exp(2j * theta)).imag,
@@ -268,7 +270,8 @@ class Prediction:
     @cached_property
     def verdict(self) -> str:
         """`locks` or `drifts` where every map within the error does, else `undecided`."""
-        turn, error = self.turn(_ANGLES), self.turn_error(_ANGLES)
+        turn = self.turn(_ANGLES)
+        error = self.turn_error(_ANGLES)
         wholes = TWO_PI * np.arange(
             np.floor(turn.min() / TWO_PI), np.ceil(turn.max() / TWO_PI) + 1.0
         )
@@ -346,7 +349,8 @@ class Prediction:
         out = int(np.argmax(inside < 0.0))
         if out == 0:
             return 0.0 if inside[0] < 0.0 else math.pi
-        before, after = inside[out - 1], inside[out]
+        before = inside[out - 1]
+        after = inside[out]
         return float(reach[out - 1] + (reach[1] - reach[0]) * before / (before - after))
 
 
@@ -519,7 +523,8 @@ def check_prediction(
             "this loop's own friction"
         )
     full = loop.circle_map(tolerance=tolerance, progress=progress)
-    points, checked = tuple(fixed_points(full)), []
+    points = tuple(fixed_points(full))
+    checked = []
     for direction in prediction.directions:
         away = {
             abs(math.remainder(float(orbit.points[0]) - direction.theta, TWO_PI)): orbit

@@ -20,12 +20,15 @@ from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION, UNWRITTEN
 
 # A run has locked in where so many successive pushes stay within this (rad) of each other.
-REST_CYCLES, REST_WIDTH = 50, math.radians(30.0)
+REST_CYCLES = 50
+REST_WIDTH = math.radians(30.0)
 # Orientations that are told apart.
 ORIENTATIONS = 36
 # Samples of what is believed, runs on them in all, and angles between which a map is taken as
 # straight: off by .1 degrees.
-_SAMPLES, _RUNS, _NODES = 40, 320, 96
+_SAMPLES = 40
+_RUNS = 320
+_NODES = 96
 _ACCURACY = 1e-5
 LEVEL = 0.9
 

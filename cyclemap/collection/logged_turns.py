@@ -20,14 +20,16 @@ from cyclemap.errors import InvalidInput
 
 # Standard deviation (rad) of a model's turn from that of its loop, and the angle (rad) over which
 # it changes: what maps predicted from pushes miss of the plywood staircase.
-DEVIATION, WIDTH = math.radians(6.0), 0.7
+DEVIATION = math.radians(6.0)
+WIDTH = 0.7
 # Of a log no more pushes are read than these, the last ones.
 MOST_PUSHES = 2000
 # What is tried of a cycle's noise, in shares of what is believed, and of the change in a push, rad.
 _NOISES = (1.0, 2.0, 4.0)
 _CHANGES = tuple(math.radians(change) for change in (0.03, 0.1, 0.3))
 # How likely a push is that no map explains, and how many standard deviations off it must be.
-_JUMP, _JUMPED = 1e-3, 5.0
+_JUMP = 1e-3
+_JUMPED = 5.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +126,8 @@ def turns_after_log(
     likeliest = max(tried, key=lambda state: state.evidence)
     weight = np.exp(likeliest.likelihood - likeliest.likelihood.max())
     sample = rng.choice(len(believed), count, p=weight / weight.sum())
-    root, root_alike = _root(likeliest.covariance), _root(alike)
+    root = _root(likeliest.covariance)
+    root_alike = _root(alike)
     off = rng.standard_normal((count, nodes)) @ root.T
     walk = likeliest.change * math.sqrt(steps)
     change = walk * rng.standard_normal((count, nodes)) @ root_alike.T

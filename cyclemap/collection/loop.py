@@ -284,7 +284,8 @@ class Cycle(StrokePair[PushResult, DragResult]):
 
     def scene(self) -> CycleScene:
         """Return the cycle as outlines, paths and forces in the world, ready to draw."""
-        loop, course = self.loop, self.trajectory
+        loop = self.loop
+        course = self.trajectory
         return CycleScene.of_courses(loop.slider, loop.pusher.radius, course.push, course.drag)
 
     def _repr_html_(self) -> str:

@@ -311,7 +311,9 @@ def _maps_of(
     That is nearly all of the work: 0.8 of the progress. The last is None for what stands in for a
     loop, its map alone being known.
     """
-    share, drifting, uncertainty = 0.6 if loop.material.wear is None else 0.2, None, None
+    share = 0.6 if loop.material.wear is None else 0.2
+    drifting = None
+    uncertainty = None
     cycle_map = loop.circle_map(tolerance=tolerance, progress=lambda done: report(share * done))
     if loop.material.wear is not None:
         # How many maps it takes is not known before.

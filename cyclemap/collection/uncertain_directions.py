@@ -27,7 +27,8 @@ from cyclemap.written import ANGLE, DIRECTION
 
 Array = NDArray[np.float64]
 
-FIRST_ORDER, SAMPLES = "first order", "samples"
+FIRST_ORDER = "first order"
+SAMPLES = "samples"
 LEVEL = 0.95
 # Samples between whose ends a further one lies in 95 % of cases.
 _FEWEST = 39
@@ -35,13 +36,17 @@ _FEWEST = 39
 # on it.
 VARIED = 0.10
 # Nodes of every map, and places of each cell at which its cubic is looked at.
-_NODES, _INSIDE = 48, 16
+_NODES = 48
+_INSIDE = 16
 # Samples run in full to judge the first order; what it may be off by: a share of the interval's
 # width, at least rad.
-_JUDGES, _SHARE, _LEAST = 6, 0.04, math.radians(0.05)
+_JUDGES = 6
+_SHARE = 0.04
+_LEAST = math.radians(0.05)
 # Samples of the mechanics: accuracy of a cycle, and error of the map where it nears a fixed point,
 # rad.
-_ACCURACY, _MAP_ERROR = 1e-6, 3e-5
+_ACCURACY = 1e-6
+_MAP_ERROR = 3e-5
 # No cell is halved more often: it may hold a jump.
 _HALVINGS = 8
 # Stable points farther from each other than this, rad, are not the same direction, where the stated
@@ -147,9 +152,11 @@ def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
 
     Raises InvalidInput where there is no such sample.
     """
-    stated, sample = loop.material, loop.material.sample(number)
+    stated = loop.material
+    sample = loop.material.sample(number)
     bare = replace(loop, footprint=None)
-    before, after = bare.with_material(stated), bare.with_material(sample)
+    before = bare.with_material(stated)
+    after = bare.with_material(sample)
     parts = {
         name: getattr(after, name)
         for name in ("pusher", "reset", "footprint")
@@ -204,14 +211,16 @@ def direction_uncertainty(
     report = progress or (lambda fraction: None)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
-        law, varied = loop.material.friction, []
+        law = loop.material.friction
+        varied = []
         for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
             friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
             varied.append(
                 replace(stated, material=replace(loop.material, friction=friction, wear=None))
             )
         nominal, *found = stable_points([stated, *varied], report)
-        locks, intervals = sum(one.size > 0 for one in found), _intervals(nominal, found, span=True)
+        locks = sum(one.size > 0 for one in found)
+        intervals = _intervals(nominal, found, span=True)
         return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
     loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
     nominal = stable_points([stated])[0]
@@ -234,7 +243,8 @@ def direction_uncertainty(
         rest = [index for index in range(len(loops)) if index not in full]
         ran = stable_points([loops[index] for index in rest], lambda done: report(0.3 + 0.7 * done))
         full.update(zip(rest, ran, strict=True))
-        linear, method = [full[index] for index in range(len(loops))], SAMPLES
+        linear = [full[index] for index in range(len(loops))]
+        method = SAMPLES
         intervals = _intervals(nominal, linear)
     report(1.0)
     locks = sum(one.size > 0 for one in linear)
@@ -283,7 +293,8 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
     )
     axes[1, 1] = axes[0, 0]
     shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
-    pressure, (x, y) = loop.model.pressure, loop.slider.hitch
+    pressure = loop.model.pressure
+    (x, y) = loop.slider.hitch
     shares = [getattr(pressure, name, 0.0) for name in SHARES]
     shapes = (
         (pressure.floor, pressure.plate) if isinstance(pressure, PressedFootprint) else (FLAT, FLAT)
@@ -327,23 +338,25 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     """
     theta = np.tile(TWO_PI * np.arange(_NODES // 2) / (_NODES // 2), (len(loops), 1))
     batch = run_batch(loops, theta, 1)
-    turn, slope = batch.theta_next - theta, batch.jacobian[:, :, -1, 0] - 1.0
+    turn = batch.theta_next - theta
+    slope = batch.jacobian[:, :, -1, 0] - 1.0
     width = np.full(theta.shape, TWO_PI / theta.shape[1])
     ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
-    cells, number = (
-        np.stack(ends, -1).reshape(-1, 6),
-        np.repeat(np.arange(len(loops)), theta.shape[1]),
-    )
-    done, owner = [], []
+    cells = np.stack(ends, -1).reshape(-1, 6)
+    number = np.repeat(np.arange(len(loops)), theta.shape[1])
+    done = []
+    owner = []
     for halving in range(_HALVINGS):
         middle = cells[:, 0] + 0.5 * cells[:, 1]
         batch = run_batch([loops[index] for index in number.tolist()], middle[:, None], 1)
-        turn, slope = batch.theta_next[:, 0] - middle, batch.jacobian[:, 0, -1, 0] - 1.0
+        turn = batch.theta_next[:, 0] - middle
+        slope = batch.jacobian[:, 0, -1, 0] - 1.0
         error = np.abs(turn - _cubic(cells, np.array([0.5]))[:, 0])
         half = 0.5 * cells[:, 1]
         left = np.stack([cells[:, 0], half, cells[:, 2], turn, cells[:, 4], slope], -1)
         right = np.stack([middle, half, turn, cells[:, 3], slope, cells[:, 5]], -1)
-        parts, parents = np.concatenate([left, right]), np.concatenate([number, number])
+        parts = np.concatenate([left, right])
+        parents = np.concatenate([number, number])
         # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck
         # less.
         error = np.concatenate([error, error])
@@ -351,7 +364,8 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
         open_ = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
         done.append(parts[~open_])
         owner.append(parents[~open_])
-        cells, number = parts[open_], parents[open_]
+        cells = parts[open_]
+        number = parents[open_]
         if report is not None:
             report((halving + 1) / _HALVINGS)
         if not number.size:
@@ -363,8 +377,10 @@ def _cubic(cells: Array, share: Array) -> Array:
     """Turns (n, k) of cells (n, 6: start, width, turns and slopes of turn at both ends) at shares
     (k,) of the width.
     """
-    h00, h01 = (1.0 + 2.0 * share) * (1.0 - share) ** 2, share**2 * (3.0 - 2.0 * share)
-    h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)
+    h00 = (1.0 + 2.0 * share) * (1.0 - share) ** 2
+    h01 = share**2 * (3.0 - 2.0 * share)
+    h10 = share * (1.0 - share) ** 2
+    h11 = share**2 * (share - 1.0)
     shapes = np.array([h00, h01, h10, h11])
     return np.asarray(
         (cells[:, 2:] * np.stack([np.ones(len(cells))] * 2 + [cells[:, 1]] * 2, -1)) @ shapes
@@ -383,7 +399,8 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     """The stable fixed points of each of `count` maps, whose cells have its number."""
     turn = _offset(cells)
     cell, place = np.nonzero((turn[:, :-1] > 0.0) & (turn[:, 1:] <= 0.0))
-    high, low = turn[cell, place], turn[cell, place + 1]
+    high = turn[cell, place]
+    low = turn[cell, place + 1]
     # Of a stable point the map's slope 1 + d turn / dθ is above -1.
     step = cells[cell, 1] / _INSIDE
     theta = cells[cell, 0] + step * (place + high / (high - low))

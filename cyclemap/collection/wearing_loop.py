@@ -107,10 +107,13 @@ def drifting_map(
             f"{loop.material.name} does not wear: its file has no table [worn]; use its "
             "circle_map()"
         )
-    wear, count, done = loop.material.wear, whole_number("cycles", cycles, least=1), [0]
+    wear = loop.material.wear
+    count = whole_number("cycles", cycles, least=1)
+    done = [0]
     # The way is blended, then gone through at the pace of the course: kinks of the course cost no
     # maps.
-    first, last = wear.share(0.0), wear.share(count - 1.0)
+    first = wear.share(0.0)
+    last = wear.share(count - 1.0)
     even = replace(loop, material=replace(loop.material, wear=replace(wear, cycles=1.0, course=())))
 
     def at(share: float) -> CircleMap:

@@ -189,11 +189,15 @@ def _same_footprint(one: object, other: object) -> bool:
 
 
 def _same(one: object, other: object) -> bool:
-    a, b = np.asarray(one, dtype=float), np.asarray(other, dtype=float)
+    a = np.asarray(one, dtype=float)
+    b = np.asarray(other, dtype=float)
     return a.shape == b.shape and bool(np.all(np.abs(a - b) <= _ROUNDING))
 
 
-STRATEGY, PREDICTED, SIMULATION, DATA = "strategy", "predicted", "simulation", "data"
+STRATEGY = "strategy"
+PREDICTED = "predicted"
+SIMULATION = "simulation"
+DATA = "data"
 # Data folders keep the collection that they are of under this name.
 FILE_NAME = "collection.toml"
 _PASSED_OVER = {*FILE_KEYS, STRATEGY, PREDICTED, SIMULATION, DATA} - {"friction"}

@@ -133,11 +133,13 @@ def read_outline(
     2400
     """
     path = Path(path)
-    kind, known = path.suffix.lower(), "in the file's own unit"
+    kind = path.suffix.lower()
+    known = "in the file's own unit"
     own: float | None
     if kind == ".csv":
         line, named = _csv_vertices(path)
-        lines, own = [line], None if named is None else UNITS[named]
+        lines = [line]
+        own = None if named is None else UNITS[named]
     else:
         read_bytes(path, 2**26)
         if kind == ".svg":
@@ -146,9 +148,11 @@ def read_outline(
         elif kind == ".dxf":
             lines, own = _dxf_lines(path)
         elif kind in MESHES:
-            lines, own = _mesh_outlines(_loaded_mesh(path), underside, path), None
+            lines = _mesh_outlines(_loaded_mesh(path), underside, path)
+            own = None
         elif kind == ".urdf":
-            lines, own = _mesh_outlines(_urdf_mesh(path), underside, path), 1.0
+            lines = _mesh_outlines(_urdf_mesh(path), underside, path)
+            own = 1.0
         else:
             listed = ", ".join((".svg", ".dxf", ".urdf", ".csv", *MESHES))
             raise InvalidInput(
@@ -157,15 +161,14 @@ def read_outline(
             )
     line = _largest(path, lines)
     if unit is not None:
-        metres, known = UNITS[unit], f"as told, in {unit}"
+        metres = UNITS[unit]
+        known = f"as told, in {unit}"
     elif own is not None:
         metres = own
     else:
         guess = "m" if float(np.ptp(line, axis=0).max()) < _METRES_BELOW else "mm"
-        metres, known = (
-            UNITS[guess],
-            f"in {guess}, guessed by its size: give --unit where that is wrong",
-        )
+        metres = UNITS[guess]
+        known = f"in {guess}, guessed by its size: give --unit where that is wrong"
     if len(lines) > 1:
         known += f"; the largest of {len(lines)} closed lines, the others left out, as holes are"
     return _finished(path, metres * line, known, tolerance)
@@ -219,16 +222,20 @@ def _csv_vertices(path: Path) -> tuple[Array, str | None]:
     """
     text = enumerate(read_text(path, "CSV").splitlines(), 1)
     kept = [(number, line) for number, line in text if line.strip(" ,;\t") and line[0] != "#"]
-    numbers, lines = [number for number, _ in kept], [line for _, line in kept]
+    numbers = [number for number, _ in kept]
+    lines = [line for _, line in kept]
     separator = next((sign for sign in ";\t" if lines and sign in lines[0]), ",")
     # Where another sign divides the columns a comma is a decimal one.
     rows = [[field.strip().strip('"\ufeff') for field in line.split(separator)] for line in lines]
     if separator != ",":
         rows = [[field.replace(",", ".") for field in row] for row in rows]
-    columns, unit = (0, 1), None
+    columns = (0, 1)
+    unit = None
     if rows and not all(_is_number(field) for field in rows[0] if field):
         columns, unit = _named_columns(path, rows[0])
-        rows, lines, numbers = rows[1:], lines[1:], numbers[1:]
+        rows = rows[1:]
+        lines = lines[1:]
+        numbers = numbers[1:]
     elif rows and len([field for field in rows[0] if field]) != 2:
         told = f"{len(rows[0])} columns without names: which are x and y?"
         raise DataFileError(f"{path}: {told} Give a header line, such as x_mm,y_mm")
@@ -307,16 +314,16 @@ def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
             ):
                 lines.append(np.array([[end.real, -end.imag] for end in ends]))
     # One unit of the drawing, m: its width in the world over its width in the drawing's own units.
-    width, box = (
-        (root.get("width") or "").strip(),
-        (root.get("viewBox") or "").replace(",", " ").split(),
-    )
+    width = (root.get("width") or "").strip()
+    box = (root.get("viewBox") or "").replace(",", " ").split()
     digits = width.rstrip("abcdefghijklmnopqrstuvwxyz%")
     try:
-        name, across = width[len(digits) :], plain_number(digits)
+        name = width[len(digits) :]
+        across = plain_number(digits)
         unit = _SVG_UNITS[name] * (across / plain_number(box[2]) if len(box) == 4 else 1.0)
     except (ValueError, KeyError):
-        name, unit = "", _SVG_UNITS["px"]
+        name = ""
+        unit = _SVG_UNITS["px"]
     return lines, unit, name not in ("", "px")
 
 
@@ -372,7 +379,8 @@ def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]
     if not len(triangles):
         raise DataFileError(f"{path}: the mesh has no triangles")
     if underside:
-        low, high = triangles[..., 2].min(), triangles[..., 2].max()
+        low = triangles[..., 2].min()
+        high = triangles[..., 2].max()
         triangles = triangles[(triangles[..., 2] <= low + _UNDERSIDE * (high - low)).all(axis=1)]
     flat = [shapely.Polygon(corners) for corners in triangles[..., :2]]
     size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
@@ -410,7 +418,8 @@ def _urdf_mesh(path: Path) -> Array:
     try:
         placed = []
         for part in parts:
-            triangles, origin = _geometry(part.find("geometry"), path), part.find("origin")
+            triangles = _geometry(part.find("geometry"), path)
+            origin = part.find("origin")
             if origin is not None:
                 angles = _numbers(origin.get("rpy") or "0 0 0")
                 turn = _library("trimesh").transformations.euler_matrix(*angles, "sxyz")[:3, :3]
@@ -426,11 +435,13 @@ def _urdf_mesh(path: Path) -> Array:
 
 
 def _geometry(geometry: Any, path: Path) -> Array:
-    trimesh, shape = _library("trimesh"), geometry[0]
+    trimesh = _library("trimesh")
+    shape = geometry[0]
     if shape.tag == "box":
         return np.asarray(trimesh.creation.box(_numbers(shape.get("size"))).triangles)
     if shape.tag == "cylinder":
-        radius, length = float(shape.get("radius")), float(shape.get("length"))
+        radius = float(shape.get("radius"))
+        length = float(shape.get("length"))
         return np.asarray(trimesh.creation.cylinder(radius, length, sections=_PIECES).triangles)
     if shape.tag == "mesh":
         name = str(shape.get("filename")).rpartition("://")[2]

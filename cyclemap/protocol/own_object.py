@@ -23,13 +23,18 @@ from cyclemap.protocol.settings import inherited_defaults, layered, loop_from_se
 MM = 1000.0
 # MIT's experiment by the size of its object, the square root of the plate's area: where the ring
 # is, how far it pushes.
-_RING, _PUSH, _FRACTION = 15.0 / 90.0, 150.0 / 90.0, 0.7
+_RING = 15.0 / 90.0
+_PUSH = 150.0 / 90.0
+_FRACTION = 0.7
 # Degrees of a push on a disc, and how far the axes of what counts as one may differ.
-_SLANT, _ROUND = 15.0, 1.02
+_SLANT = 15.0
+_ROUND = 1.02
 _RULED_MM = 5.0
 # Objects that a rod on a robot's arm pushes about are within these sizes (m); a hand moves none
 # that is heavier (kg).
-_SMALLEST, _LARGEST, _HEAVIEST = 0.01, 1.0, 50.0
+_SMALLEST = 0.01
+_LARGEST = 1.0
+_HEAVIEST = 50.0
 _MOST_RATIO = 2.0
 # Where a ring would lie beside a bent object, it comes to the nearest of so many cells a side
 # inside.
@@ -37,7 +42,8 @@ _CELLS = 40
 _AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
 # A ring nearer to the centre than this share of the object's reach hardly turns it; a push shorter
 # than this neither.
-_SHORT_LEVER, _SHORT_PUSH = 0.03, 0.1
+_SHORT_LEVER = 0.03
+_SHORT_PUSH = 0.1
 
 
 def first_settings(outline: Outline, name: str) -> Settings:
@@ -47,16 +53,19 @@ def first_settings(outline: Outline, name: str) -> Settings:
     centroid to the corner that ends it; a disc, which no straight push turns, is pushed at a slant.
     Rod and friction are MIT's rod and no surface at all: they want to be measured.
     """
-    size, centre = math.sqrt(outline.area), np.array(outline.centroid)
+    size = math.sqrt(outline.area)
+    centre = np.array(outline.centroid)
     if isinstance(outline, Ellipse):
         shape: Settings = {"semi_x_mm": MM * outline.semi_x, "semi_y_mm": MM * outline.semi_y}
-        side, corner = 0, np.array([-outline.semi_x, outline.semi_y])
+        side = 0
+        corner = np.array([-outline.semi_x, outline.semi_y])
         slant = _SLANT if 1.0 / _ROUND < outline.semi_x / outline.semi_y < _ROUND else 0.0
     else:
         shape = {
             "vertices_mm": [[round(MM * part, 6) for part in vertex] for vertex in outline.vertices]
         }
-        side, slant = _longest_outer_side(outline), 0.0
+        side = _longest_outer_side(outline)
+        slant = 0.0
         corner = outline.array[(side + 1) % outline.sides]
     ring = centre + _RING * size * (corner - centre) / math.hypot(*(corner - centre))
     if not outline.contains(ring):
@@ -183,7 +192,8 @@ def check_collection(path: str | Path) -> CheckedCollection:
     >>> checked.findings[0].words.split(":")[0]
     'the rod slides past the edge after 154 of 1500 mm (from θ0 = 270°)'
     """
-    (settings, _), has_surface = without_noise(read_settings(path)), names_surface(path)
+    (settings, _) = without_noise(read_settings(path))
+    has_surface = names_surface(path)
     told = [
         f"{words} is not said, so it is that of MIT's experiment: give {', '.join(keys)}"
         for words, keys in inherited_defaults(settings).items()
@@ -215,8 +225,10 @@ def check_collection(path: str | Path) -> CheckedCollection:
 
 def _unusual(loop: CollectionLoop) -> list[str]:
     """What is odd about the sizes and frictions of a loop."""
-    slider, law = loop.slider, loop.material.friction
-    reach, told = slider.outline.extent, []
+    slider = loop.slider
+    law = loop.material.friction
+    reach = slider.outline.extent
+    told = []
     size = f"the object reaches {MM * reach:.4g} mm from its centre"
     if reach < _SMALLEST:
         told.append(
@@ -260,8 +272,10 @@ def _unusual(loop: CollectionLoop) -> list[str]:
 
 def _strokes(loop: CollectionLoop) -> list[Finding]:
     """What running the cycle from orientations all around shows."""
-    coarse, asked = replace(loop, accuracy=1e-6), loop.push.distance
-    shortest, turns = (math.inf, 0.0), []
+    coarse = replace(loop, accuracy=1e-6)
+    asked = loop.push.distance
+    shortest = (math.inf, 0.0)
+    turns = []
     for theta in _AROUND:
         try:
             cycle = coarse.cycle(theta)

@@ -214,7 +214,8 @@ def _strategy(table: object) -> ResetStrategy:
             raise InvalidInput("actions must be one or more tables [[strategy.actions]]")
         block = None if "block" not in given else whole_number("block", given["block"], least=1)
         hitch = None if "hitch_mm" not in given else _point("hitch_mm", given["hitch_mm"])
-    actions, weights = [], []
+    actions = []
+    weights = []
     for number, row in enumerate(rows, 1):
         with located(f"[[strategy.actions]] {number}"):
             action, weight = _action(row)

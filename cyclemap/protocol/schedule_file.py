@@ -117,7 +117,8 @@ def write_schedule(
     >>> found == tuple(action.filled(loop) for action in coin.run(3, seed=1))
     True
     """
-    count, number = whole_number("cycles", cycles, least=1), whole_number("seed", seed, least=0)
+    count = whole_number("cycles", cycles, least=1)
+    number = whole_number("seed", seed, least=0)
     prepared = strategy.prepared(loop)
     actions = tuple(action.filled(prepared) for action in strategy.run(count, number))
     ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
@@ -139,7 +140,8 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(_columns(legs))
     for cycle, action in enumerate(actions):
-        push, way_points = action.push, action.way_points
+        push = action.push
+        way_points = action.way_points
         assert push is not None and way_points is not None
         if push not in starts:
             place, way = first_contact(loop.slider, push, loop.pusher.radius)
@@ -152,7 +154,8 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
             ]
         drag = []
         for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
-            dx, dy = onward_x - x, onward_y - y
+            dx = onward_x - x
+            dy = onward_y - y
             drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
             drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
         drag += [""] * (4 * (legs - len(way_points)))
@@ -282,7 +285,8 @@ def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
         told.append((math.radians(table.number(row, direction)), table.number(row, length)))
     runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
     for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
-        dx, dy = 1e3 * (onward[0] - place[0]), 1e3 * (onward[1] - place[1])
+        dx = 1e3 * (onward[0] - place[0])
+        dy = 1e3 * (onward[1] - place[1])
         if (
             math.hypot(dx - distance * math.cos(bearing), dy - distance * math.sin(bearing))
             > _AGREE_MM

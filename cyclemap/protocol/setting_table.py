@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 Settings = dict[str, object]
 
 NOISE_KEY = "noise_deg"
-WORD, POINTS = "word", "points"
-ALWAYS, OWN, CHANGED = "always", "own", "changed"
+WORD = "word"
+POINTS = "points"
+ALWAYS = "always"
+OWN = "own"
+CHANGED = "changed"
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,14 @@ from cyclemap.mechanics import SidePush
 
 Points = tuple[tuple[float, float], ...]
 
-RANDOM, IN_TURN, SHUFFLED = "random", "in turn", "shuffled"
+RANDOM = "random"
+IN_TURN = "in turn"
+SHUFFLED = "shuffled"
 ORDERS = (RANDOM, IN_TURN, SHUFFLED)
-GRIPPER, RING = "gripper", "ring"
-MOST_ACTIONS, MOST_CYCLES = 10_000, 10_000_000
+GRIPPER = "gripper"
+RING = "ring"
+MOST_ACTIONS = 10_000
+MOST_CYCLES = 10_000_000
 # A share counts as a whole number of places in a block to within this.
 _WHOLE = 1e-9
 
@@ -378,10 +382,8 @@ def legs(length: float, count: int) -> tuple[CycleAction, ...]:
     >>> [action.way_points for action in legs(0.05, 2)][0]
     ((0.05, 0.0),)
     """
-    away, steps = (
-        positive_number("leg's length", length),
-        whole_number("directions", count, least=1),
-    )
+    away = positive_number("leg's length", length)
+    steps = whole_number("directions", count, least=1)
     angles = [TWO_PI * step / steps for step in range(steps)]
     return tuple(
         CycleAction(((away * math.cos(angle), away * math.sin(angle)),)) for angle in angles

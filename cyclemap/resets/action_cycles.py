@@ -24,10 +24,14 @@ from cyclemap.resets.material_range import on_material
 _ACCURACY = 1e-5
 # Equally spaced orientations from which contact and room are looked at, and samples of a push over
 # which the reach of the object is taken: some 8 mm of rod travel apart.
-_CONTACT_STARTS, _ROOM_STARTS, _COURSE = 12, 8, 20
+_CONTACT_STARTS = 12
+_ROOM_STARTS = 8
+_COURSE = 20
 # How fast the robot works. Speed of the rod in contact, m/s; s a cycle for all else: into the ring,
 # out of it, to the next push; s more in a cycle in which a gripper turns the object.
-ROD_SPEED, HANDLING, GRIPPING = 0.020, 10.0, 10.0
+ROD_SPEED = 0.020
+HANDLING = 10.0
+GRIPPING = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +173,8 @@ def strategy_maps(
     True
     """
     found: dict[CollectionLoop, CircleMap] = {}
-    loops, report = strategy.loops(loop), progress or (lambda fraction: None)
+    loops = strategy.loops(loop)
+    report = progress or (lambda fraction: None)
     for number, acted in enumerate(loops, 1):
         if acted not in found:
             found[acted] = acted.circle_map(tolerance)
@@ -227,7 +232,8 @@ def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Arr
     >>> contact_lengths(CollectionLoop.mit(), [CycleAction()]).round(3).tolist()
     [0.132]
     """
-    rough, found = replace(loop, accuracy=max(loop.accuracy, _ACCURACY)), {}
+    rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
+    found = {}
     for push in {action.push or loop.push for action in actions}:
         poses = [
             rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)
@@ -247,7 +253,9 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
     0.186
     """
     acted = action.on(replace(loop, accuracy=max(loop.accuracy, _ACCURACY)))
-    step, outline, reach = acted.push.distance / _COURSE, loop.slider.outline_points(), 0.0
+    step = acted.push.distance / _COURSE
+    outline = loop.slider.outline_points()
+    reach = 0.0
     for number in range(_ROOM_STARTS):
         theta = TWO_PI * number / _ROOM_STARTS
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)

@@ -123,7 +123,8 @@ class Audit:
         """Share of the pushes from the lock-in on that lie within 10 degrees of its directions; 0
         without one.
         """
-        alarm, start = self.report.alarm, self.locked_from
+        alarm = self.report.alarm
+        start = self.locked_from
         if alarm is None or start is None:
             return 0.0
         away = [
@@ -206,7 +207,8 @@ def audit(
     theta = largest.theta
     if theta.size < FEWEST:
         raise InvalidInput(f"{name}: {theta.size} pushes of one set; an audit needs {FEWEST}")
-    monitor, reports = BiasMonitor(alarm_rate), []
+    monitor = BiasMonitor(alarm_rate)
+    reports = []
     for done, angle in enumerate(theta.tolist(), 1):
         reports.append(monitor.update(angle))
         if progress is not None:
@@ -246,7 +248,8 @@ def _largest_set(data: str | Path | PushTable, loop: CollectionLoop | None) -> _
     rows = largest.sort_values("repetition", kind="stable") if ordered else largest
     # A table of one file is in the order in which it was written.
     ordered = ordered or rows["path"].nunique() == 1
-    posed, others = bool(rows["theta1"].notna().any()), len(table) - len(rows)
+    posed = bool(rows["theta1"].notna().any())
+    others = len(table) - len(rows)
     return _LargestSet(rows["theta0"].to_numpy(), ordered, _effect(rows), others, posed)
 
 
@@ -262,7 +265,8 @@ def _effect(rows: pandas.DataFrame) -> ResetEffect | None:
     if len(followed) < FEWEST:
         return None
     before, after, then = (followed[name].to_numpy() for name in ("theta0", "theta1", "theta_next"))
-    push_turn, reset_turn = after - before, then - after
+    push_turn = after - before
+    reset_turn = then - after
     spread = float(np.var(push_turn, ddof=1))
     slope = float(np.cov(push_turn, reset_turn)[0, 1] / spread) if spread > 0.0 else math.nan
     undone = float(-reset_turn.mean() / push_turn.mean())

@@ -126,7 +126,9 @@ class RestEvidence:
         new = -math.log(self._bets[index] * (self._bets[index] + 1))
         factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)
         self._log_stakes[index] = np.logaddexp(self._log_stakes[index], new) + factor
-        run, period, fresh = self._runs[index], index + 1, [point]
+        run = self._runs[index]
+        period = index + 1
+        fresh = [point]
         if not hit:
             self._runs[index] = None
             return
@@ -203,7 +205,8 @@ class DirectionTrack:
         if self.start is None:
             self.start = self.last = self.present = theta
             return
-        step, x = float(shorter_way(theta - self.last)), self.last - self.start
+        step = float(shorter_way(theta - self.last))
+        x = self.last - self.start
         news = (1.0, x, step, x * x, x * step)
         self.sums = tuple(_MEMORY * old + new for old, new in zip(self.sums, news, strict=True))
         self.last += step
@@ -215,8 +218,10 @@ class DirectionTrack:
         count, sum_x, sum_y, sum_xx, sum_xy = self.sums
         if self.start is None or count == 0.0:
             return self.present
-        x, y = sum_x / count, sum_y / count
-        covariance, variance = sum_xy - count * x * y, sum_xx - count * x * x
+        x = sum_x / count
+        y = sum_y / count
+        covariance = sum_xy - count * x * y
+        variance = sum_xx - count * x * x
         pull = min(max(-covariance / (variance + self.scatter**2), _LEAST_PULL), 1.0)
         return self.start + x + y / pull
 
@@ -284,7 +289,9 @@ class VisitEvidence:
     def __init__(
         self, kernel: float = KERNEL, block: int = BLOCK, orders: int = ORDERS, seed: int = 0
     ) -> None:
-        self._block, self._orders, self._random = block, orders, np.random.default_rng(seed)
+        self._block = block
+        self._orders = orders
+        self._random = np.random.default_rng(seed)
         self.law = VisitLaw(kernel)
         self._waiting: list[float] = []
         self._blocks = 0
@@ -394,7 +401,8 @@ def arc_likelihoods(paths: Array) -> Array:
     before = np.cumsum(
         np.concatenate([np.zeros((len(paths), 1)), visited, visited], axis=1), axis=1
     )
-    every, visits = before[:, CELLS], paths.shape[1] + 1
+    every = before[:, CELLS]
+    visits = paths.shape[1] + 1
     total = np.zeros(len(paths))
     for width in _WIDTHS:
         on_it = before[:, width : width + CELLS] - before[:, :CELLS] == every[:, None]

@@ -165,7 +165,9 @@ class Coverage:
         much.
         """
         # The widest arc between neighbouring visited cells; the whole circle before any.
-        gap, centre, cells = TWO_PI, 0.0, np.flatnonzero(self._visited)
+        gap = TWO_PI
+        centre = 0.0
+        cells = np.flatnonzero(self._visited)
         if cells.size:
             gaps = np.diff(np.append(cells, cells[0] + CELLS))
             widest = int(np.argmax(gaps))

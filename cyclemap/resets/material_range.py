@@ -19,10 +19,12 @@ from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
 from cyclemap.mechanics.plate_footprint import plate_footprint
 
-AXES, OFFSETS = 0.10, 0.50
+AXES = 0.10
+OFFSETS = 0.50
 # Samples of a posterior that a reset is searched on, and others that it is judged on: the fewest of
 # which the worst is worse than 95 % of the posterior, as surely (.95^59 < .05).
-SEARCHED_SAMPLES, JUDGED_SAMPLES = 12, 59
+SEARCHED_SAMPLES = 12
+JUDGED_SAMPLES = 59
 # What is promised of a posterior: this share of it, as surely.
 PROMISED = 0.95
 # Materials inside the range that what is found is tried on besides the corners.
@@ -184,7 +186,8 @@ def material_range(
     )
     if by_axes >= 1.0:
         raise InvalidInput(f"the axes may vary by less than 100 %, not by {100.0 * by_axes:g} %")
-    nominal, law = replace(material, wear=None, posterior=None), material.friction
+    nominal = replace(material, wear=None, posterior=None)
+    law = material.friction
     ratios = (1.0 / (1.0 + by_axes), 1.0 + by_axes) if by_axes else (1.0,)
     shares = [
         (-by_offsets, by_offsets) if by_offsets and value else (0.0,) for value in (law.m0, law.n0)
@@ -268,7 +271,9 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     own, other = (CollectionLoop.mit(surface) for surface in (loop.material, material))
     x, y = loop.slider.hitch
     lever = complex(x, y) * complex(*other.slider.hitch) / complex(*own.slider.hitch)
-    pusher, reset, footprint = loop.pusher, loop.reset, loop.footprint
+    pusher = loop.pusher
+    reset = loop.reset
+    footprint = loop.footprint
     if pusher.friction == own.pusher.friction:
         pusher = replace(pusher, friction=other.pusher.friction)
     if reset.pin_friction_radius == own.reset.pin_friction_radius:

@@ -61,11 +61,13 @@ from cyclemap.resets.strategy_run import (
 STEERED = "steered"
 # The chosen one, and six to compare it with.
 MOST_ROWS = 7
-_SAMPLES, _REFINED = 48, 720
+_SAMPLES = 48
+_REFINED = 720
 # Fourier modes at most of the laws on materials that are not nominal.
 _ENOUGH_MODES = 96
 # Collections simulated for a histogram, and cycles of them all at most.
-_RUNS, _MOST_SIMULATED = 200, 4_000_000
+_RUNS = 200
+_MOST_SIMULATED = 4_000_000
 # Those by which the material is found where a histogram is worst.
 _ROUGH_RUNS = 20
 _RATIO_STEPS = (-0.2, -0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15, 0.2)
@@ -274,7 +276,8 @@ def design_reset(
         ...
     cyclemap.errors.InvalidInput: sigma must be positive, not -1.0
     """
-    wanted, report = demands or ResetDemands(), progress or (lambda done: None)
+    wanted = demands or ResetDemands()
+    report = progress or (lambda done: None)
     report(0.0)
     about = _range_of(loop, materials)
     nominal = replace(loop, material=about.nominal)
@@ -373,7 +376,8 @@ def _assessed(
         report(0.8 + 0.1 * len(rows) / len(roles))
         rows.append(judge.row(strategy, told, cycles[strategy]))
     rows = _best_first(rows)
-    own, chosen = next(row for row in rows if AS_IT_IS in row.roles), rows[0]
+    own = next(row for row in rows if AS_IT_IS in row.roles)
+    chosen = rows[0]
     turns = {row: cycles[row.strategy].refined(_REFINED)[0] for row in (own, chosen)}
     simplest = [row.strategy for row in rows[1:] if SIMPLEST in row.roles]
     return tuple(rows), {
@@ -417,7 +421,8 @@ class _Judge:
 
     def is_kept_by(self, strategy: ResetStrategy) -> bool:
         """Whether it is as uniform as is demanded."""
-        within, turns = self.demands.within, self.sampled(strategy).refined(_REFINED)
+        within = self.demands.within
+        turns = self.sampled(strategy).refined(_REFINED)
         laws = [
             orientation_law(turn, strategy, self.sigma, within, _ENOUGH_MODES // 2)
             for turn in turns
@@ -427,7 +432,8 @@ class _Judge:
 
     def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
         """What it leaves and costs."""
-        turns, demands = cycles.refined(_REFINED), self.demands
+        turns = cycles.refined(_REFINED)
+        demands = self.demands
         nominal = orientation_law(turns[0], strategy, self.sigma, demands.within)
         modes = min(nominal.modes, _ENOUGH_MODES)
         others = (
@@ -457,7 +463,8 @@ class _Judge:
 
     def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
         """Drag, m, the time of a cycle, s, room and shortest contact, m."""
-        lengths, actions = cycles.drag_length[0], strategy.actions
+        lengths = cycles.drag_length[0]
+        actions = strategy.actions
         pushes = np.array([(action.push or self.loop.push).distance for action in actions])
         turned = np.array([action.turn != 0.0 for action in actions])
         prepared = strategy.prepared(self.loop)
@@ -503,7 +510,8 @@ class _Judge:
         """The mean histogram distance of the same actions in other orders, and chosen from the
         orientation seen.
         """
-        told, strategy = {RANDOM: row.histogram[0]}, row.strategy
+        told = {RANDOM: row.histogram[0]}
+        strategy = row.strategy
         if len(strategy.actions) == 1:
             return told
         found = {}
@@ -522,7 +530,8 @@ class _Judge:
         """The total variation where the ratio of the friction's axes is off by shares of it, their
         geometric mean kept.
         """
-        nominal, law = self.about.nominal, self.about.nominal.friction
+        nominal = self.about.nominal
+        law = self.about.nominal.friction
         roots = np.sqrt(1.0 + np.array(_RATIO_STEPS)).tolist()
         bent = [replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root) for root in roots]
         stretched = [replace(nominal, friction=friction) for friction in bent]

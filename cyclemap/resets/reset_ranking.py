@@ -22,8 +22,14 @@ from cyclemap.resets.strategy_run import independent_distance
 
 ABILITIES = (GRIPPER, RING)
 # The roles of the rows, in the order in which they are told.
-CHOSEN, SIMPLEST, EVENEST, CHEAPEST = "chosen", "simplest", "most uniform", "cheapest"
-WAY_BACK, WITH_GRIPPER, GIVEN, AS_IT_IS = "way back only", "with a gripper", "yours", "as it is"
+CHOSEN = "chosen"
+SIMPLEST = "simplest"
+EVENEST = "most uniform"
+CHEAPEST = "cheapest"
+WAY_BACK = "way back only"
+WITH_GRIPPER = "with a gripper"
+GIVEN = "yours"
+AS_IT_IS = "as it is"
 # The best of the resets where the loop is left as it is.
 RESET = "best reset"
 # Pushes of a collection that is simulated for its histogram.
@@ -189,17 +195,17 @@ class Pool:
 
 def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
     """Return the candidates with their values; the second part starts with the loop's own drag."""
-    own_drag, own = (
-        float(parts[1].source.turns.drag_length[0, 0]),
-        (loop.push.fraction, loop.push.angle),
-    )
+    own_drag = float(parts[1].source.turns.drag_length[0, 0])
+    own = (loop.push.fraction, loop.push.angle)
     limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
     rows: list[dict[str, Any]] = []
     for candidates in parts:
-        actions, used = candidates.source.actions, candidates.shares > 0.0
-        sizes, drag = used.sum(axis=1), candidates.shares @ candidates.source.turns.drag_length[0]
+        actions = candidates.source.actions
+        used = candidates.shares > 0.0
+        sizes = used.sum(axis=1)
+        drag = candidates.shares @ candidates.source.turns.drag_length[0]
         turned = candidates.shares @ np.array(
             [bool(action.turn) for action in actions], dtype=float
         )
@@ -259,7 +265,9 @@ def picked(
 
     Of these demands the best that any candidate without a gripper reaches.
     """
-    able, excess, after = pool.able, pool.missed, pool.values[AFTER]
+    able = pool.able
+    excess = pool.missed
+    after = pool.values[AFTER]
     meets = able & (excess == 0.0)
     simple = pool.actions + 1e-3 * pool.untidy
     if meets.any():
@@ -307,7 +315,8 @@ def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int
     """The best of those that meet the demands: evenness as far as the pushes can tell, then cost,
     then simplicity.
     """
-    after, time = pool.values[AFTER], pool.values[SECONDS]
+    after = pool.values[AFTER]
+    time = pool.values[SECONDS]
     tell = _TELL_APART * independent_distance(demands.pushes)
     chosen = chosen[after[chosen] <= after[chosen].min() + tell]
     chosen = chosen[time[chosen] <= _SAME_COST * time[chosen].min()]

@@ -102,13 +102,12 @@ def run_strategy(
     >>> bool(abs(run.theta[0, 1] - loop.cycle(0.0).theta_next) < 1e-9)
     True
     """
-    count, many = whole_number("cycles", cycles, least=1), whole_number("runs", runs, least=1)
+    count = whole_number("cycles", cycles, least=1)
+    many = whole_number("runs", runs, least=1)
     chosen = drawn_actions(strategy, count, many, seed)
     kicks = noise_of_runs(non_negative_number("sigma", sigma), count, many, seed)
-    turns, report = (
-        np.array([action.turn for action in strategy.actions]),
-        progress or (lambda fraction: None),
-    )
+    turns = np.array([action.turn for action in strategy.actions])
+    report = progress or (lambda fraction: None)
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
@@ -241,7 +240,8 @@ def _followed(
     choose: Callable[[int, Array, Array], NDArray[np.int64]],
 ) -> Array:
     runs, cycles = shape
-    kicks, rows = noise_of_runs(sigma, cycles, runs, seed), np.arange(runs)
+    kicks = noise_of_runs(sigma, cycles, runs, seed)
+    rows = np.arange(runs)
     random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM, 1)))
     theta = np.empty((runs, cycles))
     now = (
@@ -333,7 +333,8 @@ def independent_distance(pushes: int) -> float:
     """
     from scipy.stats import binom
 
-    count, chance = whole_number("pushes", pushes, least=1), 1.0 / BINS
+    count = whole_number("pushes", pushes, least=1)
+    chance = 1.0 / BINS
     # E|K - np| = 2 (1 - p) m P(K = m), m = floor(np) + 1.
     most = math.floor(count * chance) + 1
     deviation = 2.0 * (1.0 - chance) * most * float(binom.pmf(most, count, chance))

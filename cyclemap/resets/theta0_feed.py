@@ -62,7 +62,8 @@ def theta0_feed(
 
     Of a tree with pushes in one folder it is that one's; InvalidInput where several hold some.
     """
-    place, convention = Path(path), convention or convention_of(path)
+    place = Path(path)
+    convention = convention or convention_of(path)
     if columns or units or is_own(place):
         return OwnTableFeed(place, columns or {}, units, convention)
     if _has_poses_in_radians(place):
@@ -101,7 +102,8 @@ class Theta0CsvFeed:
     """
 
     def __init__(self, path: Path, convention: Convention = OURS) -> None:
-        self.path, self.convention = path, convention
+        self.path = path
+        self.convention = convention
         self._seen = self._dropped = False
         self._start_over()
 
@@ -154,13 +156,16 @@ class Theta0CsvFeed:
         return NewOrientations(theta, began_anew)
 
     def _start_over(self) -> None:
-        self._read, self._line, self._rows = 0, 0, 0
+        self._read = 0
+        self._line = 0
+        self._rows = 0
         self._checksum = hashlib.sha256()
         self._table: CsvTable | None = None
 
     def _is_as_read(self, file: BinaryIO) -> bool:
         """Read the file up to where it was read to before, and tell whether that is what it was."""
-        found, left = hashlib.sha256(), self._read
+        found = hashlib.sha256()
+        left = self._read
         while left:
             part = file.read(min(left, _PART_BYTES))
             if not part:
@@ -249,8 +254,10 @@ class OwnTableFeed:
         found = read_orientations(
             self.path, self.columns, self.units, not finished, self.convention
         )
-        theta, fed = tuple(found.columns["theta0"].tolist()), self._fed
-        self._seen, self._fed = now, theta
+        theta = tuple(found.columns["theta0"].tolist())
+        fed = self._fed
+        self._seen = now
+        self._fed = theta
         anew = theta[: len(fed)] != fed
         return NewOrientations(
             theta if anew else theta[len(fed) :], anew, found.words, found.guessed
@@ -357,7 +364,8 @@ class PushFolderFeed:
             status = file.stat()
         except FileNotFoundError:
             return False
-        now, before = (file, status.st_size, status.st_mtime_ns), self._doubtful
+        now = (file, status.st_size, status.st_mtime_ns)
+        before = self._doubtful
         self._doubtful = now
         return now == before
 

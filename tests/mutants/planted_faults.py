@@ -422,8 +422,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("+ _LOCATED * tolerance + sample_error", "+ _LOCATED * tolerance"),
             (
-                "waiting, checked = [*by_error[:_CHECKED], *spread]",
-                "waiting, checked = list[_Interval]()",
+                "waiting = [*by_error[:_CHECKED], *spread]",
+                "waiting = list[_Interval]()",
             ),
             (
                 "_resolve(sampler, [_Interval(low, high, math.inf) for low, high in "
@@ -458,8 +458,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("stable = (low - high) / step > -2.0", "stable = (low - high) / step < -2.0"),
             (
-                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)",
-                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (1.0 - share)",
+                "h11 = share**2 * (share - 1.0)",
+                "h11 = share**2 * (1.0 - share)",
             ),
         ],
     ),
@@ -479,9 +479,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "axis = friction.phi",
             ),
             (
-                "first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - "
-                "angle)",
-                "first, second = self.offset_direction - angle, self.ellipse_direction - angle",
+                "second = 2.0 * (self.ellipse_direction - angle)",
+                "second = self.ellipse_direction - angle",
             ),
         ],
     ),
@@ -917,8 +916,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         MONITOR,
         [
             (
-                "math.log(2.0 / self.alarm_rate), len(self._path) - 1",
-                "math.log(0.02 / self.alarm_rate), len(self._path) - 1",
+                "threshold = math.log(2.0 / self.alarm_rate)",
+                "threshold = math.log(0.02 / self.alarm_rate)",
             ),
             (
                 "self._arcs.log_evidence)) - math.log(\n            2.0\n        )",
