@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask
 from cyclemap.mechanics import Slider, Trajectory
 
 OUTLINE_POINTS = 400
@@ -46,7 +45,7 @@ class StrokeScene:
     centre: Array
     rod: Array
     rod_radius: float
-    sliding: NDArray[np.bool_]
+    sliding: Mask
     force_point: Array
     force: Array
     reach: Array

@@ -8,9 +8,8 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array, evenly_spread
+from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread
 from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import clusters, sampled_loop
@@ -234,7 +233,7 @@ def sampled_paths(
     return paths
 
 
-def _rests(paths: Array) -> tuple[NDArray[np.bool_], Array]:
+def _rests(paths: Array) -> tuple[Mask, Array]:
     """Whether each run rests, (c,), and about where those that do are in all of their first rest,
     rad: they come there from one side.
     """

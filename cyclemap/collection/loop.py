@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from cyclemap.arrays import Array, Mask
 from cyclemap.checks import finite_array, finite_number, positive_number
 from cyclemap.collection.adaptive_map import sample_circle_map
 from cyclemap.collection.cycle_scene import CycleScene
@@ -107,7 +108,7 @@ class StrokePair(Generic[P, D]):
         return self.push.turn
 
     @property
-    def push_displacement(self) -> NDArray[np.float64]:
+    def push_displacement(self) -> Array:
         """Of the object's origin in its initial frame, (2,), m."""
         return self.push.displacement
 
@@ -161,13 +162,13 @@ class Cycles:
     ((1, 3, 2), [[True, False, False]])
     """
 
-    theta: NDArray[np.float64]
-    push_turn: NDArray[np.float64]
-    push_displacement: NDArray[np.float64]
-    drag_turn: NDArray[np.float64]
-    drag_length: NDArray[np.float64]
-    theta_next: NDArray[np.float64]
-    left: NDArray[np.bool_]
+    theta: Array
+    push_turn: Array
+    push_displacement: Array
+    drag_turn: Array
+    drag_length: Array
+    theta_next: Array
+    left: Mask
 
     def to_frame(self) -> pandas.DataFrame:
         """Return one row a cycle, in the order of theta.ravel(): theta, push_turn, ..., push_dx,
@@ -222,7 +223,7 @@ class Cycles:
         return xarray.Dataset({name: (axes, values) for name, values in columns.items()})
 
     @classmethod
-    def of_batch(cls, theta: NDArray[np.float64], batch: CycleBatch) -> Cycles:
+    def of_batch(cls, theta: Array, batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
         columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
         return cls(
@@ -331,7 +332,7 @@ class CycleSensitivity:
 
     theta: float
     theta_next: float
-    jacobian: NDArray[np.float64]
+    jacobian: Array
     parameters: tuple[str, ...] = PARAMETERS
     outputs: tuple[str, ...] = CYCLE_OUTPUTS
 
@@ -499,7 +500,7 @@ class CollectionLoop:
         values = finite_array("theta", theta)
         return Cycles.of_batch(values, run_batch((self,), values.reshape(1, -1)))
 
-    def next_theta(self, theta: ArrayLike) -> NDArray[np.float64]:
+    def next_theta(self, theta: ArrayLike) -> Array:
         """Return theta_next (...), rad on the lift, at orientations (...)."""
         return self.cycles(theta).theta_next
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
@@ -43,8 +42,6 @@ from cyclemap.maps import (
 from cyclemap.maps.quadrature import circle_rule, gauss_rule
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE
-
-Array = NDArray[np.float64]
 
 # The scatter of 1996 measured plywood cycles about a smooth function of θ0 (six harmonics) is 1.10
 # degrees.

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, evenly_spread, shorter_way
+from cyclemap.arrays import TWO_PI, Array, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
@@ -24,8 +24,6 @@ from cyclemap.mechanics.engine.schema import OF_PRESSURE, PARAMETERS
 from cyclemap.mechanics.foundation import FLAT
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE, DIRECTION
-
-Array = NDArray[np.float64]
 
 FIRST_ORDER = "first order"
 SAMPLES = "samples"

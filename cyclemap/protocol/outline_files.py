@@ -14,15 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from cyclemap.arrays import Array
 from cyclemap.checks import require_room
 from cyclemap.errors import CycleMapError, DataFileError, InvalidInput
 from cyclemap.mechanics import Polygon
 from cyclemap.plain_text import install_words, plain_number
 from cyclemap.text_files import read_bytes, read_text
-
-Array = NDArray[np.float64]
 
 UNITS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "inch": 0.0254}
 # What headers call them.

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_number, point, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -183,7 +182,7 @@ class ResetStrategy:
         return cls(tuple(CycleAction(push=replace(push, side=side)) for side in sides))
 
     @property
-    def shares(self) -> NDArray[np.float64]:
+    def shares(self) -> Array:
         """How often each action comes, (k,), summing to one."""
         weights = np.ones(len(self.actions)) if self.weights is None else np.array(self.weights)
         # By the largest first: a sum of huge weights would overflow.
@@ -221,7 +220,7 @@ class ResetStrategy:
         prepared = self.prepared(loop)
         return tuple(action.on(prepared) for action in self.actions)
 
-    def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> NDArray[np.int64]:
+    def drawn(self, cycles: int, seed: int | np.random.SeedSequence = 0) -> Whole:
         """Return the number of the action of each cycle; the same for the same seed.
 
         Parameters

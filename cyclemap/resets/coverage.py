@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, Whole, shorter_way
 from cyclemap.checks import finite_number
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.laws.linear_fit import fourier_columns
@@ -93,7 +93,7 @@ class Crowding:
         return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
 
 
-def _cell(theta: ArrayLike) -> NDArray[np.int64]:
+def _cell(theta: ArrayLike) -> Whole:
     cells = ((np.asarray(theta, dtype=float) % TWO_PI) * (CELLS / TWO_PI)).astype(np.int64)
     return np.minimum(cells, CELLS - 1)
 

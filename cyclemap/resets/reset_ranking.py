@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import Array
+from cyclemap.arrays import Array, Mask, Whole
 from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
@@ -177,15 +177,15 @@ class Pool:
     """
 
     parts: tuple[Candidates, ...]
-    part: NDArray[np.int64]
-    number: NDArray[np.int64]
+    part: Whole
+    number: Whole
     family: NDArray[np.str_]
-    able: NDArray[np.bool_]
+    able: Mask
     values: dict[str, Array]
     limits: dict[str, float]
     excess: dict[str, Array]
     missed: Array
-    actions: NDArray[np.int64]
+    actions: Whole
     untidy: Array
 
     def strategy(self, index: int) -> ResetStrategy:
@@ -311,7 +311,7 @@ def picked(
     return [(role, pool.strategy(index)) for role, index in roles], tuple(limits)
 
 
-def _ranked(chosen: NDArray[np.int64], pool: Pool, demands: ResetDemands) -> int:
+def _ranked(chosen: Whole, pool: Pool, demands: ResetDemands) -> int:
     """The best of those that meet the demands: evenness as far as the pushes can tell, then cost,
     then simplicity.
     """

@@ -9,9 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cyclemap.arrays import TWO_PI, Array
+from cyclemap.arrays import TWO_PI, Array, Whole
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.wearing_loop import worn_loop
@@ -47,7 +46,7 @@ class StrategyRun:
     """
 
     theta: Array
-    action: NDArray[np.int64]
+    action: Whole
 
 
 def run_strategy(
@@ -121,7 +120,7 @@ def run_strategy(
     return StrategyRun(read_only(theta), chosen)
 
 
-def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) -> NDArray[np.int64]:
+def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) -> Whole:
     """Return the number of the action of each cycle, (runs, cycles), each run drawn by itself."""
     seeds: list[int | np.random.SeedSequence] = [seed]
     seeds += [np.random.SeedSequence(seed, spawn_key=(run,)) for run in range(1, runs)]
@@ -224,7 +223,7 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
     """
     crowding = Crowding(runs)
 
-    def least(number: int, theta: Array, ends: Array) -> NDArray[np.int64]:
+    def least(number: int, theta: Array, ends: Array) -> Whole:
         crowding.add(theta)
         return np.asarray(np.argmin(crowding.at(ends), axis=0))
 
@@ -237,7 +236,7 @@ def _followed(
     sigma: float,
     seed: int,
     start: float | None,
-    choose: Callable[[int, Array, Array], NDArray[np.int64]],
+    choose: Callable[[int, Array, Array], Whole],
 ) -> Array:
     runs, cycles = shape
     kicks = noise_of_runs(sigma, cycles, runs, seed)
