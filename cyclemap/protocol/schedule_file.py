@@ -31,7 +31,7 @@ from cyclemap.protocol.strategy import CycleAction, Points, ResetStrategy
 from cyclemap.text_files import (
     CsvRow,
     CsvTable,
-    check_shape,
+    csv_table,
     read_text,
     require_columns,
     write_whole,
@@ -318,23 +318,8 @@ def _read_commented(path: str | Path) -> tuple[CsvTable, dict[str, str]]:
             f"{path}, line {len(lines) + 1}: the line is cut off (it has no end); write the file "
             "anew"
         )
+    rows = "\n".join("" if line.startswith("#") else line for line in lines)
     comments = [line.lstrip("#").strip() for line in lines if line.startswith("#")]
-    rows = []
-    for number, line in enumerate(lines, 1):
-        if not line.strip() or line[0] == "#":
-            continue
-        try:
-            (fields,) = csv.reader([line], strict=True)
-        except csv.Error as error:
-            raise DataFileError(
-                f"{path}, line {number}: {error}; mend the quotes of this line"
-            ) from error
-        rows.append(CsvRow(number, tuple(field.strip() for field in fields)))
-    if len(rows) < 2:
-        raise DataFileError(
-            f"{path}: a schedule has a header and at least one row; the file is empty or cut off"
-        )
-    table = CsvTable(Path(path), rows[0].fields, tuple(rows[1:]))
-    check_shape(table)
     named = (comment.partition(":") for comment in comments)
-    return table, {name.strip(): fact.strip() for name, colon, fact in named if colon}
+    facts = {name.strip(): fact.strip() for name, colon, fact in named if colon}
+    return csv_table(Path(path), rows), facts
