@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.pushes.theta0_pairs import MeasuredOverlay, measured_overlay
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import grid_footprint

@@ -12,7 +12,8 @@ import numpy as np
 from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread
 from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.uncertain_directions import clusters, sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
+from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.progress import Progress
@@ -122,7 +123,8 @@ def sampled_turns(loop: CollectionLoop, progress: Progress | None = None) -> Arr
     theta = TWO_PI * np.arange(_NODES) / _NODES
     turns = np.empty((len(chosen), _NODES))
     for row, index in enumerate(chosen):
-        turns[row] = run_batch([sampled_loop(stated, index)], theta[None]).theta_next[0] - theta
+        sample = on_material(stated, loop.material.sample(index))
+        turns[row] = run_batch([sample], theta[None]).theta_next[0] - theta
         if progress is not None:
             progress((row + 1) / len(chosen))
     return turns

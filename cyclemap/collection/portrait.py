@@ -11,8 +11,8 @@ from cyclemap.arrays import shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.lock_forecast import REST_CYCLES, LockForecast, lock_forecast
 from cyclemap.collection.loop import CollectionLoop, Cycle
+from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.uncertain_directions import DirectionUncertainty, direction_uncertainty
-from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.inline_svg import BLUE, CIRCLE, DISC, Stroke, inline_svg, map_strokes
 from cyclemap.maps import (

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import TWO_PI, Array, evenly_spread, shorter_way
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.mechanics import PressedFootprint
 from cyclemap.mechanics.cycle_batch import run_batch
 from cyclemap.mechanics.engine.parts import SHARES
@@ -144,32 +145,6 @@ class DirectionUncertainty:
         return near[0] if near else None
 
 
-def sampled_loop(loop: CollectionLoop, number: int) -> CollectionLoop:
-    """Return the loop on one sample of its material's posterior; what was set otherwise than by the
-    material stays.
-
-    Raises InvalidInput where there is no such sample.
-    """
-    stated = loop.material
-    sample = loop.material.sample(number)
-    bare = replace(loop, footprint=None)
-    before = bare.with_material(stated)
-    after = bare.with_material(sample)
-    parts = {
-        name: getattr(after, name)
-        for name in ("pusher", "reset", "footprint")
-        if _alike(getattr(before, name), getattr(loop, name))
-    }
-    return replace(loop, material=sample, **parts)
-
-
-def _alike(first: object, second: object) -> bool:
-    """Whether parts of a loop are the same, shapes but for the rounding of an object's weight."""
-    if isinstance(first, PressedFootprint) and isinstance(second, PressedFootprint):
-        return first.outline == second.outline and first.is_near(second)
-    return first == second
-
-
 def direction_uncertainty(
     loop: CollectionLoop, progress: Progress | None = None
 ) -> DirectionUncertainty:
@@ -220,7 +195,8 @@ def direction_uncertainty(
         locks = sum(one.size > 0 for one in found)
         intervals = _intervals(nominal, found, span=True)
         return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
-    loops = [sampled_loop(stated, number) for number in range(len(loop.material.posterior))]
+    samples = map(loop.material.sample, range(len(loop.material.posterior)))
+    loops = [on_material(stated, sample) for sample in samples]
     nominal = stable_points([stated])[0]
     linear = _first_order(stated, loops)
     telling, extreme = _judges(linear)

@@ -14,11 +14,11 @@ from cyclemap.arrays import TWO_PI, Array
 from cyclemap.checks import whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop, run_cycles
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.maps import CircleMap
 from cyclemap.mechanics import Material
 from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import CycleAction, ResetStrategy
-from cyclemap.resets.material_range import on_material
 
 # Radians: of a single cycle. What lies between the samples is known to no better.
 _ACCURACY = 1e-5

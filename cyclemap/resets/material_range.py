@@ -14,10 +14,8 @@ import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import non_negative_number
-from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import EllipseFriction, Material
-from cyclemap.mechanics.plate_footprint import plate_footprint
 
 AXES = 0.10
 OFFSETS = 0.50
@@ -235,60 +233,6 @@ def _posterior_range(material: Material) -> MaterialRange:
     )
     nominal = replace(material, wear=None, posterior=None)
     return MaterialRange(nominal, others, told, tried, sampled=True)
-
-
-def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on another material, with what it brings along: `FoundWith` and pressure.
-
-    Parameters
-    ----------
-    loop : CollectionLoop
-        The loop; what it has from its own material gives way.
-    material : Material
-        The other material.
-
-    Returns
-    -------
-    CollectionLoop
-        The same protocol on the other surface.
-
-    Notes
-    -----
-    What was set otherwise, as the friction of another rod, stays. The ring's lever is scaled
-    and turned as it is from the one material to the other, wherever the ring is.
-
-    Examples
-    --------
-    >>> from dataclasses import replace
-    >>> from cyclemap import CollectionLoop, load_material
-    >>> from cyclemap.mechanics import FoundWith
-    >>> from cyclemap.resets import on_material
-    >>> found = FoundWith(pusher_friction=0.2)
-    >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
-    >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction
-    0.2
-    """
-    own, other = (CollectionLoop.mit(surface) for surface in (loop.material, material))
-    x, y = loop.slider.hitch
-    lever = complex(x, y) * complex(*other.slider.hitch) / complex(*own.slider.hitch)
-    pusher = loop.pusher
-    reset = loop.reset
-    footprint = loop.footprint
-    if pusher.friction == own.pusher.friction:
-        pusher = replace(pusher, friction=other.pusher.friction)
-    if reset.pin_friction_radius == own.reset.pin_friction_radius:
-        reset = replace(reset, pin_friction_radius=other.reset.pin_friction_radius)
-    if footprint == plate_footprint(loop.material, loop.slider):
-        footprint = plate_footprint(material, loop.slider)
-    # Their numbers kept to the last bit where the lever is the same.
-    slider = (
-        loop.slider
-        if own.slider == other.slider
-        else replace(loop.slider, hitch=(lever.real, lever.imag))
-    )
-    return replace(
-        loop, material=material, slider=slider, pusher=pusher, reset=reset, footprint=footprint
-    )
 
 
 def _between(materials: Sequence[Material]) -> Iterator[Material]:

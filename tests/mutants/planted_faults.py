@@ -484,7 +484,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
-    "collection/wearing_loop.py": (
+    "collection/loop_surfaces.py": (
         "tests/collection",
         [
             (

@@ -9,9 +9,8 @@ import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
 from cyclemap.collection import CollectionLoop, drifting_map
+from cyclemap.collection.loop_surfaces import BLEND_TOLERANCE, on_material
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.uncertain_directions import sampled_loop
-from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.comparison.collection_null import CollectionModel
 from cyclemap.maps import CircleMap, DriftingMap, Noise, WrappedNormal
@@ -138,4 +137,7 @@ def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
     if posterior is None:
         return []
-    return [sampled_loop(loop, index) for index in evenly_spread(len(posterior), SAMPLES)]
+    return [
+        on_material(loop, loop.material.sample(index))
+        for index in evenly_spread(len(posterior), SAMPLES)
+    ]

@@ -1,4 +1,4 @@
-"""A loop on a surface that wears: the loop of one cycle, and its map as it drifts."""
+"""A loop on other surfaces: on another material, on one that wears, and its map as that drifts."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,13 +10,65 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
-from cyclemap.mechanics import Material
-from cyclemap.mechanics.plate_footprint import plate_footprint
+from cyclemap.mechanics import DragBack, Material, PressedFootprint, Pusher
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
 BLEND_TOLERANCE = 1e-3
 # Radians: accuracy of the maps that are blended.
 MAP_TOLERANCE = 1e-4
+
+
+def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
+    """Return the loop on another material, with what it brings along: `FoundWith` and pressure.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop; what it has from its own material gives way.
+    material : Material
+        The other material, such as a sample of its own one's posterior.
+
+    Returns
+    -------
+    CollectionLoop
+        The same protocol on the other surface.
+
+    Notes
+    -----
+    What was set otherwise, as the friction of another rod, stays.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from cyclemap import CollectionLoop, load_material
+    >>> from cyclemap.mechanics import FoundWith
+    >>> from cyclemap.resets import on_material
+    >>> found = FoundWith(pusher_friction=0.2)
+    >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
+    >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction
+    0.2
+    """
+    bare = replace(
+        loop,
+        pusher=replace(loop.pusher, friction=Pusher().friction),
+        reset=replace(loop.reset, pin_friction_radius=DragBack().pin_friction_radius),
+        footprint=None,
+    )
+    before = bare.with_material(loop.material)
+    after = bare.with_material(material)
+    parts = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if _alike(getattr(before, name), getattr(loop, name))
+    }
+    return replace(loop, material=material, **parts)
+
+
+def _alike(first: object, second: object) -> bool:
+    """Whether parts of a loop are the same, shapes but for the rounding of an object's weight."""
+    if isinstance(first, PressedFootprint) and isinstance(second, PressedFootprint):
+        return first.outline == second.outline and first.is_near(second)
+    return first == second
 
 
 def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
@@ -51,17 +103,7 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
         wear=None,
         posterior=None,
     )
-    return _on_surface(loop, worn)
-
-
-def _on_surface(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on a surface that has changed, its pressure along with it unless it was set
-    otherwise.
-    """
-    footprint = loop.footprint
-    if footprint == plate_footprint(loop.material, loop.slider):
-        footprint = plate_footprint(material, loop.slider)
-    return replace(loop, material=material, footprint=footprint)
+    return on_material(loop, worn)
 
 
 def drifting_map(
