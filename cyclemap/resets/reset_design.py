@@ -353,7 +353,7 @@ def _pool(
     for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
         if hitch == places[0]:
             pool = gathered(loop, demands, tuple(parts))
-            if (pool.able & (pool.missed == 0.0)).any():
+            if pool.has_enough:
                 break
         source = push_set(loop, about, sigma, contact, slants, hitch)
         if source is not None:
