@@ -98,7 +98,7 @@ def staircase_report(
                 {**json_of(zone), "log10_residence_cycles": written(log10)} for zone, log10 in zones
             ],
         },
-        "run": {"seed": forecast.run.seed, **steps_report(forecast.steps)},
+        "run": {"seed": forecast.staircase.seed, **steps_report(forecast.steps)},
         **_prospects(forecast),
     }
     return told if measured is None else {**told, "data": measured_report(measured)}

@@ -214,6 +214,15 @@ def material_range(
     return MaterialRange(nominal, tuple(corners), words)
 
 
+def range_of(material: Material, given: Sequence[Material] | MaterialRange | None) -> MaterialRange:
+    """Return the range that is given, or made of materials; without either that of the material."""
+    if given is None:
+        return material_range(material)
+    if isinstance(given, MaterialRange):
+        return given
+    return MaterialRange(replace(material, wear=None, posterior=None), tuple(given))
+
+
 def _posterior_range(material: Material) -> MaterialRange:
     assert material.posterior is not None
     count = len(material.posterior)

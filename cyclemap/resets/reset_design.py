@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from cyclemap.checks import positive_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.mechanics import Material
 from cyclemap.progress import Progress
-from cyclemap.protocol.strategy import IN_TURN, RANDOM, RING, SHUFFLED, ResetStrategy
+from cyclemap.protocol.strategy import IN_TURN, RANDOM, SHUFFLED, ResetStrategy
 from cyclemap.resets.action_cycles import (
     SampledTurns,
     contact_lengths,
@@ -25,14 +24,13 @@ from cyclemap.resets.action_cycles import (
     sample_turns,
     seconds,
 )
-from cyclemap.resets.material_range import MaterialRange, material_range
+from cyclemap.resets.material_range import MaterialRange, range_of
 from cyclemap.resets.orientation_law import OrientationLaw, orientation_law
 from cyclemap.resets.reset_ranking import (
     AFTER,
     AS_IT_IS,
     CHOSEN,
     CONTACT,
-    CONTACTS,
     DRAG,
     FIRM,
     GIVEN,
@@ -46,10 +44,9 @@ from cyclemap.resets.reset_ranking import (
     Limit,
     Pool,
     ResetDemands,
-    gathered,
+    candidate_pool,
     picked,
 )
-from cyclemap.resets.reset_search import MORE_SLANTS, SLANTS, own_pushes, push_set, searched
 from cyclemap.resets.strategy_run import (
     histogram_distances,
     histogram_shares,
@@ -279,10 +276,10 @@ def design_reset(
     wanted = demands or ResetDemands()
     report = progress or (lambda done: None)
     report(0.0)
-    about = _range_of(loop, materials)
+    about = range_of(loop.material, materials)
     nominal = replace(loop, material=about.nominal)
     positive_number("sigma", sigma)
-    pool = _pool(nominal, wanted, about, sigma, report)
+    pool = candidate_pool(nominal, wanted, about, sigma, lambda done: report(0.4 * done))
     judge = _Judge(nominal, pool.limits, wanted, about, sigma, seed)
     picks, binding = _closely_picked(pool, judge)
     rows, course = _assessed(judge, _roles(picks, given), report)
@@ -298,16 +295,6 @@ def design_reset(
         independent_distance(wanted.pushes),
         **course,
     )
-
-
-def _range_of(
-    loop: CollectionLoop, materials: Sequence[Material] | MaterialRange | None
-) -> MaterialRange:
-    if materials is None:
-        return material_range(loop.material)
-    if isinstance(materials, MaterialRange):
-        return materials
-    return MaterialRange(replace(loop.material, wear=None, posterior=None), tuple(materials))
 
 
 def _closely_picked(pool: Pool, judge: _Judge) -> tuple[Picks, tuple[Limit, ...]]:
@@ -329,36 +316,6 @@ def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, lis
         # One's own strategy is told in place of what a gripper could do.
         roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
     return roles
-
-
-def _pool(
-    loop: CollectionLoop,
-    demands: ResetDemands,
-    about: MaterialRange,
-    sigma: float,
-    report: Progress,
-) -> Pool:
-    """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts = own_pushes(loop, about, sigma, demands.within)
-    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
-    if RING in demands.abilities and not demands.keep_push:
-        x, y = loop.slider.hitch
-        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
-    # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
-    least = (
-        [demands.contact] * 2
-        if demands.contact
-        else [share * loop.push.distance for share in CONTACTS]
-    )
-    for (contact, slants), hitch in product(zip(least, (SLANTS, MORE_SLANTS), strict=True), places):
-        if hitch == places[0]:
-            pool = gathered(loop, demands, tuple(parts))
-            if pool.has_enough:
-                break
-        source = push_set(loop, about, sigma, contact, slants, hitch)
-        if source is not None:
-            parts.append(searched(source, demands.within, lambda done: report(0.4 * done)))
-    return gathered(loop, demands, tuple(parts))
 
 
 def _assessed(
@@ -419,46 +376,53 @@ class _Judge:
         prepared = strategy.prepared(self.loop)
         return sample_turns(prepared, strategy.actions, self.about.materials, _SAMPLES)
 
+    def laws(
+        self, strategy: ResetStrategy, turns: Array, modes: int | None
+    ) -> list[OrientationLaw]:
+        """The law of the orientations by each of the turns."""
+        within = self.demands.within
+        return [orientation_law(turn, strategy, self.sigma, within, modes) for turn in turns]
+
+    def worst(self, values: Sequence[float]) -> tuple[float, int]:
+        """The worst of the values on all materials, and of which it is."""
+        where = self.about.worst(np.array(values))
+        return float(values[where]), where
+
     def is_kept_by(self, strategy: ResetStrategy) -> bool:
         """Whether it is as uniform as is demanded."""
-        within = self.demands.within
         turns = self.sampled(strategy).refined(_REFINED)
-        laws = [
-            orientation_law(turn, strategy, self.sigma, within, _ENOUGH_MODES // 2)
-            for turn in turns
-        ]
-        (tv, _), (after, _) = (_worst(self.about, laws, of) for of in (TV, AFTER))
+        laws = self.laws(strategy, turns, _ENOUGH_MODES // 2)
+        tv, _ = self.worst([law.total_variation for law in laws])
+        after, _ = self.worst([law.after for law in laws])
         return tv <= self.demands.allow_tv and after <= self.demands.allow_after
 
     def row(self, strategy: ResetStrategy, roles: Sequence[str], cycles: SampledTurns) -> ResetRow:
         """What it leaves and costs."""
         turns = cycles.refined(_REFINED)
-        demands = self.demands
-        nominal = orientation_law(turns[0], strategy, self.sigma, demands.within)
-        modes = min(nominal.modes, _ENOUGH_MODES)
-        others = (
-            orientation_law(turn, strategy, self.sigma, demands.within, modes) for turn in turns[1:]
-        )
-        laws = [nominal, *others]
-        (worst, _), (worst_after, where) = (_worst(self.about, laws, of) for of in (TV, AFTER))
-        values = {TV: worst, AFTER: worst_after, **self.costs(strategy, cycles)}
+        (nominal,) = self.laws(strategy, turns[:1], None)
+        others = self.laws(strategy, turns[1:], min(nominal.modes, _ENOUGH_MODES))
+        tv, _ = self.worst([law.total_variation for law in (nominal, *others)])
+        after, where = self.worst([law.after for law in (nominal, *others)])
+        costs = self.costs(strategy, cycles)
         histogram, worst_histogram = self.distances(strategy, turns)
-        is_seen = worst_histogram[0] > independent_distance(demands.pushes)
+        values = {**costs, TV: tv, AFTER: after}
+        if worst_histogram[0] <= independent_distance(self.demands.pushes):
+            values = costs
         return ResetRow(
             tuple(roles),
             strategy,
             nominal,
-            worst,
-            worst_after,
+            tv,
+            after,
             self.about.materials[where],
-            values[DRAG],
-            values[SECONDS],
-            values[REACH],
-            values[CONTACT],
+            costs[DRAG],
+            costs[SECONDS],
+            costs[REACH],
+            costs[CONTACT],
             histogram,
             worst_histogram,
-            self.misses(values, () if is_seen else (TV, AFTER)),
-            tuple(need for need in strategy.needs if need not in demands.abilities),
+            self.misses(values),
+            tuple(need for need in strategy.needs if need not in self.demands.abilities),
         )
 
     def costs(self, strategy: ResetStrategy, cycles: SampledTurns) -> dict[str, float]:
@@ -476,16 +440,14 @@ class _Judge:
             CONTACT: float(contact_lengths(prepared, still).min()),
         }
 
-    def misses(self, values: dict[str, float], unseen: tuple[str, ...]) -> tuple[str, ...]:
-        """The demands that are missed, of those that can be seen: contact is demanded at least,
-        all else at most.
-        """
-        sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}
-        return tuple(
-            name
-            for name, limit in self.limits.items()
-            if sign[name] * (values[name] - limit) > 0.0 and name not in unseen
-        )
+    def misses(self, values: dict[str, float]) -> tuple[str, ...]:
+        """The demands that values miss: contact is demanded at least, all else at most."""
+        missed = []
+        for name, limit in self.limits.items():
+            value = values.get(name, limit)
+            if value < limit if name == CONTACT else value > limit:
+                missed.append(name)
+        return tuple(missed)
 
     def distances(
         self, strategy: ResetStrategy, turns: Array
@@ -538,13 +500,6 @@ class _Judge:
         prepared = strategy.prepared(self.loop)
         turns = sample_turns(prepared, strategy.actions, stretched, _SAMPLES).refined(_REFINED)
         return [orientation_law(turn, strategy, self.sigma, 1).total_variation for turn in turns]
-
-
-def _worst(about: MaterialRange, laws: Sequence[OrientationLaw], of: str) -> tuple[float, int]:
-    """The worst total variation of laws on all materials, and of which it is."""
-    values = np.array([law.total_variation if of == TV else law.after for law in laws])
-    where = about.worst(values)
-    return float(values[where]), where
 
 
 def _spread(distances: Array) -> tuple[float, float]:

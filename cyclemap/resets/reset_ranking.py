@@ -16,9 +16,18 @@ from cyclemap.checks import finite_number, positive_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.mechanics import SidePush
+from cyclemap.progress import Progress
 from cyclemap.protocol.strategy import GRIPPER, RING, CycleAction, ResetStrategy
 from cyclemap.resets.action_cycles import room_needed, seconds
-from cyclemap.resets.reset_search import Candidates
+from cyclemap.resets.material_range import MaterialRange
+from cyclemap.resets.reset_search import (
+    MORE_SLANTS,
+    SLANTS,
+    Candidates,
+    own_pushes,
+    push_set,
+    searched,
+)
 from cyclemap.resets.strategy_run import independent_distance
 
 if TYPE_CHECKING:
@@ -191,6 +200,33 @@ class Pool:
         """Return a candidate as a strategy."""
         part, number = index
         return self.parts[part].strategy(number)
+
+
+def candidate_pool(
+    loop: CollectionLoop,
+    demands: ResetDemands,
+    about: MaterialRange,
+    sigma: float,
+    progress: Progress,
+) -> Pool:
+    """Every candidate, those that need what the robot cannot do included, for they are told too."""
+    parts = own_pushes(loop, about, sigma, demands.within)
+    places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
+    if RING in demands.abilities and not demands.keep_push:
+        x, y = loop.slider.hitch
+        places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
+    pool = gathered(loop, demands, tuple(parts))
+    for share, slants in zip(CONTACTS, (SLANTS, MORE_SLANTS), strict=True):
+        # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
+        if pool.has_enough or not places:
+            break
+        contact = demands.contact or share * loop.push.distance
+        for hitch in places:
+            source = push_set(loop, about, sigma, contact, slants, hitch)
+            if source is not None:
+                parts.append(searched(source, demands.within, progress))
+        pool = gathered(loop, demands, tuple(parts))
+    return pool
 
 
 def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:

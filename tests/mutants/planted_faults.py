@@ -831,26 +831,21 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
-                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}",
-                "sign = {name: 1.0 for name in self.limits}",
+                "value < limit if name == CONTACT else value > limit",
+                "value > limit",
             ),
             (
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
                 "own.worst_histogram[0] > rows[0].worst_histogram[0]\n",
             ),
-            ("where = about.worst(values)", "where = int(np.argmin(values))"),
+            ("where = self.about.worst(np.array(values))", "where = int(np.argmin(values))"),
         ],
     ),
     "resets/reset_ranking.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("excess[CONTACT] = -excess[CONTACT]", "excess[CONTACT] = excess[CONTACT]"),
-            (
-                "return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], "
-                "after[i])))",
-                "return int(max(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], "
-                "after[i])))",
-            ),
+            ('kind="stable").index[0]', 'kind="stable").index[-1]'),
         ],
     ),
     "resets/material_range.py": (
