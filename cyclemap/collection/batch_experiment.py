@@ -9,11 +9,12 @@ from functools import cached_property
 
 import numpy as np
 
-from cyclemap.arrays import Array, shorter_way
-from cyclemap.checks import finite_array, positive_number, whole_number
+from cyclemap.arrays import TWO_PI, Array
+from cyclemap.checks import finite_array, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.dynamic_loop import DynamicLoop, isotropic_twin
 from cyclemap.collection.loop import CollectionLoop, require_loop
+from cyclemap.collection.uncertain_directions import clusters
 from cyclemap.errors import InvalidInput
 from cyclemap.progress import Progress
 
@@ -76,19 +77,15 @@ class BatchRun:
         left = np.where(shrinking, now**2 / np.where(shrinking, shrunk_by, 1.0), np.inf)
         return np.where(now <= REST, 0.0, left)
 
-    def directions(self, within: float = WITHIN) -> tuple[float, ...]:
+    def directions(self) -> tuple[float, ...]:
         """Return where the batches end.
-
-        Parameters
-        ----------
-        within : float, optional
-            Ends within so much of each other are one direction, rad.
 
         Returns
         -------
         tuple of float
-            Rad in [0, 2 pi). Empty where a batch still moves, by more than a tenth of `within`
-            a cycle or with more than a quarter of it `left`: then it ends nowhere.
+            Rad in [0, 2 pi), ascending; ends that gaps of a degree part are different. Empty where a
+            batch still moves, by more than a tenth of a degree a cycle or with more than a quarter
+            of one `left`: then it ends nowhere.
 
         Notes
         -----
@@ -96,22 +93,10 @@ class BatchRun:
         narrowest its steps cease to shrink, and before, more is left unless its least step is near
         `REST`.
         """
-        near = positive_number("within", within)
-        if self.last_step.max() > 0.1 * near or self.left.max() > 0.25 * near:
+        if self.last_step.max() > 0.1 * WITHIN or self.left.max() > 0.25 * WITHIN:
             return ()
-        groups: list[list[float]] = []
-        for end in np.sort(np.mod(self.theta[:, -1], 2.0 * np.pi)).tolist():
-            own = next(
-                (group for group in groups if abs(shorter_way(end - group[0])) <= near), None
-            )
-            if own is None:
-                groups.append(own := [])
-            own.append(end)
-        return tuple(
-            sorted(
-                float(np.angle(np.exp(1j * np.array(one)).mean()) % (2.0 * np.pi)) for one in groups
-            )
-        )
+        ends = np.mod(self.theta[:, -1], TWO_PI)
+        return tuple(sorted(clusters(ends, WITHIN).tolist()))
 
     def settled_after(self) -> Array:
         """Return the number of cycles (batches,) after which each batch stays within WITHIN (rad)
@@ -224,7 +209,7 @@ def batch_experiment(
     """
     count = whole_number("batches", batches, least=1)
     report = progress or (lambda fraction: None)
-    starts = 2.0 * np.pi * np.arange(count) / count
+    starts = TWO_PI * np.arange(count) / count
     protocol, speed = (loop.loop, loop.speed) if isinstance(loop, DynamicLoop) else (loop, None)
     even = isotropic_twin(protocol)
     anisotropic = run_batches(loop, starts, cycles, lambda done: report(0.5 * done))

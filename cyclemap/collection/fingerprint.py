@@ -4,10 +4,8 @@ answers it.
 
 import cmath
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -161,6 +159,9 @@ class Anisotropy:
         return np.stack(
             [u * np.cos(first), u * np.sin(first), v * np.cos(second), v * np.sin(second)], axis=-1
         )
+
+
+_ISOTROPIC = Anisotropy(0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -363,9 +364,9 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
             "then depends on the orientation on any surface and has no fingerprint; leave "
             "way_points_mm out"
         )
-    report: Callable[[float], Any] = progress or (lambda fraction: None)
+    report = progress or (lambda fraction: None)
     loop = with_bow(replace(loop, accuracy=min(loop.accuracy, _ACCURACY)), 0.0)
-    isotropic = with_anisotropy(loop, Anisotropy.of_components(np.zeros(4))).cycle(0.0)
+    isotropic = with_anisotropy(loop, _ISOTROPIC).cycle(0.0)
     gradients = _gradients(loop, np.zeros(4))
     report(0.1)
     differences = np.zeros((2, 4, 4))
@@ -434,8 +435,13 @@ def _bow_gradients(loop: CollectionLoop) -> Array:
         return np.zeros((2, 2))
     # A bow of nothing, so that the footprint is one that has shapes.
     flat = with_bow(loop, _LEAST_BOW)
-    found = with_anisotropy(flat, Anisotropy.of_components(np.zeros(4))).sensitivity(0.0, _BOW)
-    return found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+    return _turns_by(with_anisotropy(flat, _ISOTROPIC), _BOW)
+
+
+def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:
+    """Derivatives (2, k) of the turns of push and drag at θ = 0 by parameters."""
+    found = loop.sensitivity(0.0, parameters)
+    return found.jacobian[[found.outputs.index(stroke) for stroke in ("push_turn", "drag_turn")]]
 
 
 def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
@@ -443,7 +449,7 @@ def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:
     at most over half a turn."""
     if not _can_bow(loop):
         return 0.0
-    bowed = with_anisotropy(with_bow(loop, 1.0), Anisotropy.of_components(np.zeros(4)))
+    bowed = with_anisotropy(with_bow(loop, 1.0), _ISOTROPIC)
     theta = math.pi * np.arange(_SURFACES) / _SURFACES
     first = response.bow_amplitude * np.cos(2.0 * theta - response.bow_phase)
     return float(np.abs(bowed.next_theta(theta) - theta - response.turn - first).max())
@@ -487,8 +493,7 @@ def _derivatives(loop: CollectionLoop, surface: Anisotropy) -> tuple[Array, Arra
     by φ (2,).
     """
     law = surface.friction(_MEAN)
-    found = with_anisotropy(loop, surface).sensitivity(0.0, _FRICTION)
-    rows = found.jacobian[[found.outputs.index("push_turn"), found.outputs.index("drag_turn")]]
+    rows = _turns_by(with_anisotropy(loop, surface), _FRICTION)
     by_a, by_b, by_m, by_n, by_phi = rows.T
     c = math.cos(law.phi)
     s = math.sin(law.phi)

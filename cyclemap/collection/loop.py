@@ -5,6 +5,7 @@ orientation.
 from __future__ import annotations
 
 import math
+import reprlib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     import xarray
 
     from cyclemap.mechanics import DragResult, DynamicDrag, DynamicPush, DynamicTrajectory
+
 
 P = TypeVar("P", bound="PushResult | DynamicPush")
 D = TypeVar("D", bound="DragResult | DynamicDrag")
@@ -615,9 +617,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
     array([[73.65, 73.93, 70.46],
            [79.15, 80.12, 78.44]])
     """
-    for number, loop in enumerate(loops):
-        if not isinstance(loop, CollectionLoop):
-            raise InvalidInput(f"loop {number} must be a CollectionLoop, not {loop!r}")
+    for loop in loops:
+        require_loop(loop)
     values = finite_array("theta", theta)
     if values.ndim not in (1, 2) or (values.ndim == 2 and len(values) != len(loops)):
         raise InvalidInput(
@@ -631,12 +632,8 @@ def run_cycles(loops: Sequence[CollectionLoop], theta: ArrayLike) -> Cycles:
 def require_loop(loop: object) -> CollectionLoop:
     """Return the loop that it is; InvalidInput for anything else."""
     if not isinstance(loop, CollectionLoop):
-        told = (
-            repr(loop)
-            if isinstance(loop, (str, int, float, type(None)))
-            else f"a {type(loop).__name__}"
-        )
         raise InvalidInput(
-            f"loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not {told}"
+            "loop must be a CollectionLoop, such as CollectionLoop.mit('plywood'), not "
+            f"{reprlib.repr(loop)}"
         )
     return loop

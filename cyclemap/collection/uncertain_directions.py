@@ -417,14 +417,16 @@ def _intervals(
     return tuple(found)
 
 
-def clusters(points: Array) -> Array:
-    """Return the centres of points of the circle (n,), rad, that gaps of 40 degrees part."""
+def clusters(points: Array, apart: float = _APART) -> Array:
+    """Return the centres of points of the circle (n,), rad in [0, 2π), that gaps (rad) part, of 40
+    degrees where nothing else is said.
+    """
     if not points.size:
         return points
     order = np.sort(points)
     gaps = np.diff(order, append=order[0] + TWO_PI)
     order = np.roll(order, -1 - int(np.argmax(gaps)))
-    cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > _APART) + 1
+    cuts = np.flatnonzero(np.mod(np.diff(order), TWO_PI) > apart) + 1
     return np.array(
         [np.angle(np.exp(1j * group).mean()) % TWO_PI for group in np.split(order, cuts)]
     )
