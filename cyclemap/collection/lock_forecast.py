@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread
+from cyclemap.arrays import TWO_PI, Array, Mask, evenly_spread, nodes_around
 from cyclemap.checks import finite_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.loop_surfaces import on_material
@@ -218,17 +218,13 @@ def sampled_paths(
     each = -(-runs // len(turns))
     now = np.repeat(turns, each, axis=0)
     later = now if change is None else now + np.repeat(change, each, axis=0)
-    nodes = turns.shape[1]
     run = np.arange(len(now))
     paths = np.empty((count + 1, len(now)))
     paths[0] = finite_number("start", start)
     for cycle in range(count):
-        place = np.mod(paths[cycle], TWO_PI) * (nodes / TWO_PI)
-        node = np.minimum(place.astype(int), nodes - 1)
-        after = (node + 1) % nodes
-        share = place - node
+        before, after, share = nodes_around(paths[cycle], turns.shape[1])
         done = cycle / count
-        left = (1.0 - done) * now[run, node] + done * later[run, node]
+        left = (1.0 - done) * now[run, before] + done * later[run, before]
         right = (1.0 - done) * now[run, after] + done * later[run, after]
         turn = (1.0 - share) * left + share * right
         paths[cycle + 1] = paths[cycle] + turn + scatter * rng.standard_normal(len(run))

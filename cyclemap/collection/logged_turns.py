@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, shorter_way
+from cyclemap.arrays import TWO_PI, Array, nodes_around, shorter_way
 from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.errors import InvalidInput
 
@@ -155,21 +155,16 @@ class _State:
 
 def _filtered(turns: Array, path: Array, alike: Array, sigma: float, change: float) -> _State:
     """Kalman's filter: predict the next push, and correct by what it misses."""
-    nodes = turns.shape[1]
     covariance = DEVIATION**2 * alike
     walk = change**2 * alike
     likelihood = np.zeros(len(turns))
     turns = turns.copy()
-    moved = shorter_way(np.diff(path))
-    for angle, turn in zip(np.mod(path[:-1], TWO_PI), moved, strict=True):
+    pushes = zip(*nodes_around(path[:-1], turns.shape[1]), shorter_way(np.diff(path)), strict=True)
+    for before, after, share, turn in pushes:
         covariance = covariance + walk
-        place = float(angle) * (nodes / TWO_PI)
-        node = int(place) % nodes
-        after = (node + 1) % nodes
-        share = place - int(place)
-        row = (1.0 - share) * covariance[node] + share * covariance[after]
-        variance = float((1.0 - share) * row[node] + share * row[after]) + sigma**2
-        missed = shorter_way(turn - (1.0 - share) * turns[:, node] - share * turns[:, after])
+        row = (1.0 - share) * covariance[before] + share * covariance[after]
+        variance = float((1.0 - share) * row[before] + share * row[after]) + sigma**2
+        missed = shorter_way(turn - (1.0 - share) * turns[:, before] - share * turns[:, after])
         if float(np.abs(missed).min()) > _JUMPED * math.sqrt(variance):
             likelihood += math.log(_JUMP / TWO_PI)
             continue

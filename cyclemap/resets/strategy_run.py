@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cyclemap.arrays import TWO_PI, Array, Whole
+from cyclemap.arrays import TWO_PI, Array, Whole, nodes_around
 from cyclemap.checks import finite_number, non_negative_number, read_only, whole_number
 from cyclemap.collection.loop import CollectionLoop, run_cycles
 from cyclemap.collection.loop_surfaces import worn_loop
@@ -248,12 +248,10 @@ def _followed(
         if start is None
         else np.full(runs, finite_number("start", start))
     )
-    around = np.concatenate([turn, turn[:, :1]], axis=1)
     for number in range(cycles):
         theta[:, number] = now
-        place = (now % TWO_PI) * (turn.shape[1] / TWO_PI)
-        below = np.minimum(place.astype(int), turn.shape[1] - 1)
-        ends = now + around[:, below] + (place - below) * (around[:, below + 1] - around[:, below])
+        before, after, share = nodes_around(now, turn.shape[1])
+        ends = now + turn[:, before] + share * (turn[:, after] - turn[:, before])
         now = ends[choose(number, now, ends), rows] + kicks[:, number]
     return theta
 
