@@ -61,6 +61,11 @@ def seed_option(of: str) -> Decorator:
     return click.option("--seed", type=Whole(min=0), default=0, help=of)
 
 
+def out_option(of: str) -> Decorator:
+    """The option of the folder where results go; `of` says which."""
+    return click.option("--out", metavar="DIR", type=PATH, default="out", help=of)
+
+
 def decorated(command: Command, *decorators: Decorator) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
@@ -227,7 +232,7 @@ def result_options(files: str) -> Decorator:
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
         gathered(command, "results", ResultOptions),
-        click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
+        out_option(f"Where {files} go."),
         click.option(
             "--format", "picture_format", type=formats, default="png", help="Format of the picture."
         ),
