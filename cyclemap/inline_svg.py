@@ -71,8 +71,8 @@ def map_strokes(theta: Array, turn: Array, breaks: Array) -> list[Stroke]:
     line of no turn.
     """
     cuts = [0, *np.searchsorted(theta, breaks).tolist(), len(theta)]
-    parts = [np.column_stack([theta[a:b], turn[a:b]]) for a, b in pairwise(cuts) if b > a]
+    pieces = [np.column_stack([theta[a:b], turn[a:b]]) for a, b in pairwise(cuts) if b > a]
     return [
         Stroke([[0.0, 0.0], [TWO_PI, 0.0]], GREY, width=1.0),
-        *(Stroke(part, BLUE) for part in parts),
+        *(Stroke(piece, BLUE) for piece in pieces),
     ]

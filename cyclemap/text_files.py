@@ -154,14 +154,14 @@ def key_place(path: str | Path, text: str, table: str, key: str) -> str:
     'a.toml, line 3'
     """
     here = ""
-    for number, line in enumerate(text.splitlines(), 1):
+    for row, line in enumerate(text.splitlines(), 1):
         heading = re.fullmatch(
             r"\s*\[+\s*[\"']?([A-Za-z_][^\[\],\"']*?)[\"']?\s*\]+\s*(#.*)?", line
         )
         here = heading[1] if heading else here
         stands = here == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=", line)
         if stands or (heading and here == f"{table}.{key}"):
-            return f"{path}, line {number}"
+            return f"{path}, line {row}"
     return str(path)
 
 

@@ -84,14 +84,14 @@ def json_of(result: DataclassInstance, *names: str, unit: Unit = NUMBER) -> Json
     {'value': 0.5, 'theta_deg': 180.0}
     """
     metadata = {field.name: field.metadata for field in fields(result)}
-    told: Json = {}
+    entries: Json = {}
     for name in names or metadata:
         said: Mapping[str, Any] = metadata.get(name, {})
         base = said.get("name", name)
         own = said.get("unit", unit)
         if base:
-            told[own.named(base)] = written(getattr(result, name), own)
-    return told
+            entries[own.named(base)] = written(getattr(result, name), own)
+    return entries
 
 
 def rows(**columns: object) -> list[Json]:

@@ -606,8 +606,8 @@ command(
         "--axes-percent",
         type=_PERCENT,
         help=(
-            "How much one axis of friction may be longer against the other.  [default: the material's "
-            "posterior, or 10]"
+            "How much one axis of friction may be longer against the other.  [default: the "
+            "material's posterior, or 10]"
         ),
     ),
     option(
@@ -654,8 +654,8 @@ command(
         multiple=True,
         required=True,
         help=(
-            "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop with "
-            "--sample. Repeatable."
+            "A key of --set, noise_deg or material, with start:stop:count or a,b,c; start:stop "
+            "with --sample. Repeatable."
         ),
     ),
     option("--sample", metavar="N", type=Whole(min=1), help="N points of the ranges, not a grid."),
@@ -671,8 +671,8 @@ command(
         metavar="LIST",
         default="rotation,fixed_points,turns",
         help=(
-            "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary and "
-            "staircase cost most."
+            "By commas: rotation, fixed_points, turns, stationary, staircase, or all; stationary "
+            "and staircase cost most."
         ),
     ),
     option(
@@ -687,7 +687,8 @@ command(
         type=Real(),
         default=1e-4,
         help=(
-            "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far more."
+            "Turns a cycle to which rotation numbers need be known; 0 is a portrait's effort, far "
+            "more."
         ),
     ),
     option("--workers", type=Whole(min=1), help="Processes. [default: one a core]"),

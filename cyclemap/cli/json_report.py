@@ -60,7 +60,7 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
     }
     if portrait.held:
         stationary["held"] = [json_of(held, "peak", "share", "leaving") for held in portrait.held]
-    told: Json = {
+    report: Json = {
         "map": {
             "degree": portrait.map.degree,
             "samples": portrait.map.samples,
@@ -77,12 +77,12 @@ def portrait_report(portrait: Portrait, measured: MeasuredOverlay | None = None)
         **_prospects(portrait),
     }
     if measured is not None:
-        told["data"] = {
+        report["data"] = {
             "pairs": measured.agreement.pairs,
             "dropped": dict(measured.pairs.dropped),
             **json_of(measured.agreement, "bins", "rms", "bin_rms"),
         }
-    return told
+    return report
 
 
 def staircase_report(
@@ -90,7 +90,7 @@ def staircase_report(
 ) -> Json:
     """The report of `cyclemap staircase`; with data it has one entry more, "data"."""
     zones = zip(forecast.prediction.zones, forecast.log10_residences, strict=True)
-    told: Json = {
+    report: Json = {
         "noise_deg": degrees(forecast.noise.sigma),
         "prediction": {
             **json_of(forecast.prediction, *_STAIRCASE),
@@ -101,19 +101,19 @@ def staircase_report(
         "run": {"seed": forecast.staircase.seed, **steps_report(forecast.steps)},
         **_prospects(forecast),
     }
-    return told if measured is None else {**told, "data": measured_report(measured)}
+    return report if measured is None else {**report, "data": measured_report(measured)}
 
 
 def _prospects(result: Portrait | StaircaseForecast) -> Json:
     """How sure a prediction is, what the next pushes bring, and the worn surface, where known."""
-    told: Json = {}
+    report: Json = {}
     if result.uncertainty is not None:
-        told["uncertainty"] = uncertainty_report(result.uncertainty)
+        report["uncertainty"] = uncertainty_report(result.uncertainty)
     if result.forecast is not None:
-        told["forecast"] = json_of(result.forecast)
+        report["forecast"] = json_of(result.forecast)
     if result.worn is not None:
-        told["worn"] = json_of(result.worn)
-    return told
+        report["worn"] = json_of(result.worn)
+    return report
 
 
 def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
@@ -136,8 +136,8 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
 
 def push_report(push: SidePush) -> Json:
     """How the rod pushes."""
-    told = json_of(push, "side", "fraction")
-    return {**told, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
+    place = json_of(push, "side", "fraction")
+    return {**place, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
 
 
 def orbit_report(orbit: Orbit) -> Json:
@@ -151,14 +151,14 @@ def json_text(report: Json) -> str:
     return json.dumps(report, indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
-def uncertainty_report(found: DirectionUncertainty) -> Json:
+def uncertainty_report(known: DirectionUncertainty) -> Json:
     """How well stable directions are known; `upper_deg` may pass 360. Of no posterior the shares
     are no chances.
     """
     return {
-        **json_of(found, "source", "method", "first_order_error", "samples", "locks"),
-        "chance_of_lock_in": found.chance if found.is_posterior else None,
-        **json_of(found, "directions"),
+        **json_of(known, "source", "method", "first_order_error", "samples", "locks"),
+        "chance_of_lock_in": known.chance if known.is_posterior else None,
+        **json_of(known, "directions"),
     }
 
 
@@ -178,9 +178,9 @@ def margin_report(margin: DirectionMargin) -> Json:
 
 
 def _change(change: DirectionChange, unit: Unit) -> Json:
-    told = json_of(change, "value", unit=unit)
+    where = json_of(change, "value", unit=unit)
     error = {"error": written(change.value.error_bound, unit)}
-    return {**told, **error, **json_of(change, "kind", "theta", "directions")}
+    return {**where, **error, **json_of(change, "kind", "theta", "directions")}
 
 
 def steps_report(steps: Steps) -> Json:
@@ -201,18 +201,18 @@ def steps_report(steps: Steps) -> Json:
 
 def measured_report(measured: MeasuredStaircase) -> Json:
     """A measured staircase, and what the map fitted to it predicts."""
-    told = steps_report(measured.steps)
-    found = measured.foretold
-    if found is None:
-        return {**told, "fitted": None, "problem": measured.problem, "comparison": None}
+    report = steps_report(measured.steps)
+    foretold = measured.foretold
+    if foretold is None:
+        return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
     fitted = {
-        "harmonics": found.fitted.law.harmonics,
-        "pairs": found.fitted.pairs,
-        "noise_deg": degrees(found.fitted.sigma),
-        **json_of(found.prediction),
+        "harmonics": foretold.fitted.law.harmonics,
+        "pairs": foretold.fitted.pairs,
+        "noise_deg": degrees(foretold.fitted.sigma),
+        **json_of(foretold.prediction),
     }
-    comparison = comparison_report(found.comparison)
-    return {**told, "fitted": fitted, "problem": None, "comparison": comparison}
+    comparison = comparison_report(foretold.comparison)
+    return {**report, "fitted": fitted, "problem": None, "comparison": comparison}
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:

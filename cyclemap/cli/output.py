@@ -96,7 +96,7 @@ def publish(
     figure: Figure,
     stem: Path,
     results: ResultOptions,
-    *told: Told,
+    *words: Told,
     after: Sequence[str] = (),
 ) -> None:
     """Write stem.json and the picture beside it, and send the report where --json says; unless it
@@ -104,7 +104,7 @@ def publish(
     """
     picture = write_result(report, figure, stem, results.picture_format)
     if not publish_json(report, results.json_target):
-        PeopleConsole().tell(*told, f"picture: {picture}", *after)
+        PeopleConsole().tell(*words, f"picture: {picture}", *after)
 
 
 def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
@@ -212,11 +212,11 @@ class PeopleConsole(Console):
         """
         return super().render_str(printable(text), **options)
 
-    def tell(self, headline: Told, *told: Told) -> None:
+    def tell(self, headline: Told, *words: Told) -> None:
         """Print a headline, in bold where it is a sentence, and sentences and tables below it; what
         is empty goes unsaid.
         """
-        for item in (styled(headline, "bold") if isinstance(headline, str) else headline, *told):
+        for item in (styled(headline, "bold") if isinstance(headline, str) else headline, *words):
             if isinstance(item, Table):
                 self.print_table(item)
             elif item:
@@ -264,8 +264,8 @@ def told_margins(margins: Sequence[DirectionMargin]) -> list[Told]:
     """What people are told of them."""
     from cyclemap.views import sentences
 
-    told: list[Told] = [sentences.margin_sentence(margins)]
+    words: list[Told] = [sentences.margin_sentence(margins)]
     if rows := sentences.margin_rows(margins):
         title = "Where stable directions come and go"
-        told.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
-    return told
+        words.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
+    return words

@@ -89,18 +89,18 @@ def parse_angles(text: str) -> list[float]:
     [0.0, -30.0, 60.5]
     """
     angles = []
-    for part in map(str.strip, text.split(",")):
+    for word in map(str.strip, text.split(",")):
         try:
-            value = plain_number(part)
+            value = plain_number(word)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
             raise InvalidInput(
-                f"--theta0-deg has {part!r}; give finite numbers with commas, such as 0,30,60"
+                f"--theta0-deg has {word!r}; give finite numbers with commas, such as 0,30,60"
             )
         if abs(value) > LARGEST_DEG:
             raise InvalidInput(
-                f"--theta0-deg has {part!r}, whose part of a turn is lost to rounding; wrap it "
+                f"--theta0-deg has {word!r}, whose part of a turn is lost to rounding; wrap it "
                 "first"
             )
         angles.append(value)

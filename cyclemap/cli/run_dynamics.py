@@ -58,7 +58,7 @@ def run_dynamics(
         for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
     mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
-    told: Json = {
+    as_json: Json = {
         "speed_mm_s": written(loop.speed, MILLIMETRES),
         **cycles,
         "isotropic": {**mu, **cycles["isotropic"]},
@@ -71,7 +71,7 @@ def run_dynamics(
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
     page = dynamics_page(material, isotropic)
     words = (difference_sentence(material), difference_sentence(isotropic))
-    publish(told, page, stem, results, *words, table)
+    publish(as_json, page, stem, results, *words, table)
 
 
 def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
@@ -107,7 +107,7 @@ def run_experiment(
     run = loop if quasi_static else DynamicLoop(loop, speed=1e-3 * speed_mm_s)
     with progress_bar(f"batches of cycles on {loop.material.name}") as report:
         experiment = batch_experiment(run, batches, cycles, report)
-    told: Json = {
+    as_json: Json = {
         "model": "quasi-static" if experiment.speed is None else "dynamic",
         "speed_mm_s": written(experiment.speed, MILLIMETRES),
         "cycles": experiment.cycles,
@@ -117,7 +117,7 @@ def run_experiment(
     }
     stem = result_stem(results.out, "experiment", loop)
     publish(
-        told,
+        as_json,
         page.experiment_page(experiment),
         stem,
         results,

@@ -18,8 +18,8 @@ def run_explore(
     chosen = chosen_loop(options, data)
     pairs = measured_orientations(data, table, out)
     with progress_bar(f"page on {chosen.loop.material.name}") as progress:
-        found = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
-    page = page_html(found, 0.0, (str(options.material),), chosen.settings, pairs=pairs)
+        drawn = portrait(chosen.loop, sigma=chosen.sigma, progress=progress)
+    page = page_html(drawn, 0.0, (str(options.material),), chosen.settings, pairs=pairs)
     place = write_page(page, result_stem(out, "explore", chosen.loop))
     if browser:
         webbrowser.open(place.resolve().as_uri())

@@ -76,9 +76,9 @@ def run_figures(
         index = _read_index(results.out / INDEX_FILE)
         made = list[Json]()
         failed = list[Json]()
-        for number, entry in enumerate(chosen, 1):
+        for place, entry in enumerate(chosen, 1):
             try:
-                with progress_bar(f"{entry.name} ({number} of {len(chosen)})"):
+                with progress_bar(f"{entry.name} ({place} of {len(chosen)})"):
                     line, asked, table = _make(entry, folder, results)
             except CycleMapError as error:
                 failed.append({"name": entry.name, "error": str(error)})
@@ -102,8 +102,8 @@ def run_figures(
                 )
         publish_json({"figures": made, "failed": failed}, results.json_target)
         if failed:
-            told = "; ".join(f"{one['name']}: {one['error']}" for one in failed)
-            raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {told}")
+            reasons = "; ".join(f"{failure['name']}: {failure['error']}" for failure in failed)
+            raise CycleMapError(f"{len(failed)} of {len(chosen)} could not be made: {reasons}")
 
 
 def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple[Json, bool, Told]:

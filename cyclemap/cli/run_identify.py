@@ -126,23 +126,23 @@ def run_identify(asked: IdentifyOptions) -> None:
             target=target,
         )
     fixed |= known_shapes(shapes, collected.blocks, collected.loop.slider.name)
-    found = _identified(asked, collected, fixed, known, space)
-    doubtful = _is_doubtful(found, collected, asked.force)
+    identified = _identified(asked, collected, fixed, known, space)
+    doubtful = _is_doubtful(identified, collected, asked.force)
     since = f" from cycle {asked.first} on" if asked.first else ""
     sources = [f"{path.name}{since}" for path in read]
     default = collected.surface or selected.get("surface", "surface")
     name = asked.name or f"{default}-identified"
     plate_name = collected.loop.slider.name
     last = collected.last_cycle
-    material = identified_material(found, name, sources, last, plate_name, floor=known)
-    _conclude(collected, found, material, doubtful, asked)
+    material = identified_material(identified, name, sources, last, plate_name, floor=known)
+    _conclude(collected, identified, material, doubtful, asked)
 
 
-def _is_doubtful(found: Identification, collected: CollectedBlocks, force: bool) -> bool:
+def _is_doubtful(identified: Identification, collected: CollectedBlocks, force: bool) -> bool:
     """Whether the answer cannot be right, which is said; CycleMapError, unless `force`, where it
     is.
     """
-    doubts = implausible(found, collected.loop.slider.outline.extent)
+    doubts = implausible(identified, collected.loop.slider.outline.extent)
     if doubts and not force:
         why = "; ".join((*doubts, *(f"data: {note}" for note in collected.notes)))
         mend = "look at object, push, units and --angles; with --force it is written all the same"
@@ -172,7 +172,7 @@ def _identified(
     groups = sum(len(set(block.groups.tolist())) for block in blocks)
     usual_folds = min(5, groups) if groups > 1 else 0
     with progress_bar("identifying") as report:
-        found = identify(
+        identified = identify(
             blocks,
             named,
             held | {key: at for key, at in fixed.items() if key not in named},
@@ -185,52 +185,56 @@ def _identified(
             space=space,
             progress=report,
         )
-    if not found.fit.converged:
+    if not identified.fit.converged:
         raise ConvergenceError(
-            f"no start converged: {found.fit.message}; take more --starts, or free fewer parameters"
+            f"no start converged: {identified.fit.message}; take more --starts, or free fewer "
+            "parameters"
         )
-    return found
+    return identified
 
 
 def _conclude(
     data: CollectedBlocks,
-    found: Identification,
+    identified: Identification,
     material: Material,
     doubtful: bool,
     asked: IdentifyOptions,
 ) -> None:
     results = asked.results
     seed = asked.seed
-    derived = derived_quantities(found, seed=seed)
+    derived = derived_quantities(identified, seed=seed)
     stem = file_stem(material.name)
-    told = identify_report(material, data.notes, found, derived)
-    answer = headline(material.name, derived, found.friction())
+    as_json = identify_report(material, data.notes, identified, derived)
+    answer = headline(material.name, derived, identified.friction())
     # The material file names object, push and ring that it was found with where these are not MIT's
     # own.
     loop = data.loop.with_material(material)
     is_mit = collection_tables(loop) == collection_tables(CollectionLoop.mit(material))
     page = identify_page(
-        answer, found, identified_curves(found, data.scans, seed), page_sentences(found)
+        answer,
+        identified,
+        identified_curves(identified, data.scans, seed),
+        page_sentences(identified),
     )
     toml = results.out / f"{stem}.toml"
     picture = results.out / f"identify_{stem}.{results.picture_format}"
     # All of the content is made before the first file is written.
     files = {
         toml: (material_toml(material) if is_mit else collection_text(loop)).encode(),
-        results.out / f"identify_{stem}.json": json_text(told).encode(),
+        results.out / f"identify_{stem}.json": json_text(as_json).encode(),
         picture: render(page, results.picture_format),
     }
     for path, content in files.items():
         write_whole(path, content)
-    if publish_json(told, results.json_target):
+    if publish_json(as_json, results.json_target):
         return
     PeopleConsole().tell(
         answer,
         *(f"data: {note}" for note in data.notes),
-        parameter_table(found),
+        parameter_table(identified),
         derived_table(derived) if derived else "",
-        error_table(found),
-        *note_sentences(found),
+        error_table(identified),
+        *note_sentences(identified),
         f"picture: {picture}",
         f"material: {toml}",
         "" if doubtful else f"next: cyclemap portrait {shlex.quote(str(toml))}",
@@ -245,7 +249,7 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
     """
     values = {}
     for pair in pairs:
-        name, _, text = (part.strip() for part in pair.partition("="))
+        name, _, text = (word.strip() for word in pair.partition("="))
         try:
             values[name] = plain_number(text)
         except ValueError as cause:
@@ -254,20 +258,20 @@ def fixed_values(pairs: tuple[str, ...]) -> dict[str, float]:
 
 
 def identify_report(
-    material: Material, data: Sequence[str], found: Identification, derived: Sequence[Derived]
+    material: Material, data: Sequence[str], identified: Identification, derived: Sequence[Derived]
 ) -> Json:
     """The report of an identification."""
     wear = material.wear
-    starts = found.starts
+    starts = identified.starts
     spread = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
     return {
         **json_of(material, "name", "provenance", "misfit", "inferred", "friction"),
         "worn": None if wear is None else {"cycles": wear.cycles, **json_of(wear.friction)},
-        "converged": found.fit.converged,
-        "level": found.level,
+        "converged": identified.fit.converged,
+        "level": identified.level,
         "parameters": [
             {**_in_its_unit(estimate), "at_bound": estimate.at_bound or None}
-            for estimate in found.estimates
+            for estimate in identified.estimates
         ],
         "plates": {plate.plate: written(plate.numbers) for plate in material.plates},
         "floor_shape": written(shape_numbers(material.floor, FLOOR_SHAPE_KEYS)),
@@ -276,12 +280,12 @@ def identify_report(
             for session in material.sessions
         },
         "session_spread": written(spread),
-        "priors": written(found.priors),
-        "held": written(dict(sorted(found.problem.fixed.items()))),
+        "priors": written(identified.priors),
+        "held": written(dict(sorted(identified.problem.fixed.items()))),
         "derived": [*map(_in_its_unit, derived)],
-        "errors": [*map(_error, found.errors)],
+        "errors": [*map(_error, identified.errors)],
         "starts": {**json_of(starts, "count", "arrived"), "failed": len(starts.failures)},
-        "notes": list(found.notes),
+        "notes": list(identified.notes),
         "data": list(data),
     }
 
@@ -293,14 +297,14 @@ def _in_its_unit(result: Estimate | Derived) -> Json:
 
 def _error(error: KindErrors) -> Json:
     kind, unit = readable_kind(error.kind)
-    told = json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si))
-    return {"block": error.block, "kind": kind, "unit": unit.ending or "1", **told}
+    numbers = json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si))
+    return {"block": error.block, "kind": kind, "unit": unit.ending or "1", **numbers}
 
 
-def parameter_table(found: Identification) -> Table:
+def parameter_table(identified: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     rows: list[tuple[str, ...]] = []
-    for estimate in found.lasting:
+    for estimate in identified.lasting:
         unit = readable_unit(estimate.unit)
         lower = _digits(unit.of_si(estimate.lower)) + "*" * estimate.lower_open
         upper = _digits(unit.of_si(estimate.upper)) + "*" * estimate.upper_open
@@ -308,11 +312,12 @@ def parameter_table(found: Identification) -> Table:
         value = f"{_digits(unit.of_si(estimate.value))}{unit.sign}"
         rows.append((estimate.name, value, interval, estimate.description))
     rows += [
-        (name, _digits(held), "held", "") for name, held in sorted(found.problem.fixed.items())
+        (name, _digits(held), "held", "") for name, held in sorted(identified.problem.fixed.items())
     ]
-    columns = ("name", "value", f"{100.0 * found.level:g} % interval", "what it is")
+    columns = ("name", "value", f"{100.0 * identified.level:g} % interval", "what it is")
     table = people_table("Parameters", columns, rows, words=(0, 3))
-    if any(one.identifiable and (one.lower_open or one.upper_open) for one in found.estimates):
+    estimates = [estimate for estimate in identified.estimates if estimate.identifiable]
+    if any(estimate.lower_open or estimate.upper_open for estimate in estimates):
         table.caption = "* a bound of the parameter, not excluded by the data"
     return table
 
@@ -331,7 +336,7 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     )
 
 
-def error_table(found: Identification) -> Table:
+def error_table(identified: Identification) -> Table:
     """How far predictions lie from the data: in the sample, left out, and those of isotropic
     friction.
     """
@@ -347,14 +352,14 @@ def error_table(found: Identification) -> Table:
         "median",
     )
     rows = []
-    for error in found.errors:
+    for error in identified.errors:
         kind, unit = readable_kind(error.kind)
         sizes = [getattr(error, name) for name in _SIZES if not name.endswith("rms")]
-        told = [
+        cells = [
             f"{_digits(unit.of_si(size))}{unit.sign}" if math.isfinite(size) else NOTHING
             for size in sizes
         ]
-        rows.append((error.block, kind, str(error.rows), *told))
+        rows.append((error.block, kind, str(error.rows), *cells))
     table = people_table("Errors, predicted less measured", columns, rows, words=(0, 1))
     table.caption = (
         "isotropic: the same friction all around, floor and plate flat, nothing identified"

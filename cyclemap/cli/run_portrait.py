@@ -47,43 +47,43 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
         return
     run = asked.run_beside(None if pairs is None else pairs.path)
     with progress_bar(f"cycle map of {loop.material.name}") as done:
-        found = portrait(loop, sigma=chosen.sigma, progress=done, **run)
-    measured = None if pairs is None else _overlay(pairs, found)
-    page = portrait_page(found, portrait_curves(found), measured)
+        drawn = portrait(loop, sigma=chosen.sigma, progress=done, **run)
+    measured = None if pairs is None else _overlay(pairs, drawn)
+    page = portrait_page(drawn, portrait_curves(drawn), measured)
     stem = result_stem(asked.results.out, "portrait", loop)
-    report = portrait_report(found, measured)
+    report = portrait_report(drawn, measured)
     margins = list[Told]()
     if margin:
         changes = margins_of(loop)
         report["margins"] = [*map(margin_report, changes)]
         margins = told_margins(changes)
-    publish(report, page, stem, asked.results, *_lines(found, measured, margins))
+    publish(report, page, stem, asked.results, *_lines(drawn, measured, margins))
 
 
 def _lines(
-    found: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
+    drawn: Portrait, measured: MeasuredOverlay | None, margins: Sequence[Told]
 ) -> list[Told]:
     """What people are told of a portrait, in order."""
-    material = found.loop.material
+    material = drawn.loop.material
     rows = [
         (f"{math.degrees(orbit.points[0]):.3f}", f"{orbit.multiplier:.4f}", orbit.kind)
-        for orbit in found.fixed_points
+        for orbit in drawn.fixed_points
     ]
     columns = ("θ0 (°)", "multiplier", "")
     return [
-        sentences.headline(found),
-        sentences.lock_sentence(found),
-        sentences.noise_sentence(found),
-        sentences.staircase_sentence(found),
-        sentences.uncertainty_sentence(material.name, found.uncertainty),
-        sentences.ahead_sentence(found.forecast),
+        sentences.headline(drawn),
+        sentences.lock_sentence(drawn),
+        sentences.noise_sentence(drawn),
+        sentences.staircase_sentence(drawn),
+        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
+        sentences.ahead_sentence(drawn.forecast),
         "" if measured is None else sentences.agreement_sentence(measured.agreement),
         people_table("Fixed points of the cycle map", columns, rows) if rows else "",
         *margins,
         sentences.material_line(material),
-        styled(sentences.push_line(found), "dim"),
-        styled(sentences.parameters_line(found), "dim"),
-        styled(sentences.accuracy_line(found), "dim"),
+        styled(sentences.push_line(drawn), "dim"),
+        styled(sentences.parameters_line(drawn), "dim"),
+        styled(sentences.accuracy_line(drawn), "dim"),
     ]
 
 

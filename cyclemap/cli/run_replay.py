@@ -63,8 +63,8 @@ def run_replay(
     chosen = chosen_loop(options, data)
     loop = chosen.loop
     material = chosen.loop.material
-    found = material.found_with.pusher_friction
-    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and found is None):
+    identified = material.found_with.pusher_friction
+    if pusher_friction is not None or ("pusher_mu" not in chosen.settings and identified is None):
         friction = DATASET_PUSHER.friction if pusher_friction is None else pusher_friction
         loop = replace(loop, pusher=replace(loop.pusher, friction=friction))
     sliders = {**dataset_sliders(), file_stem(loop.slider.name): loop.slider}

@@ -53,7 +53,7 @@ def run_report(
     sections: list[Section] = []
     downloads: tuple[Download, ...] = ()
     with progress_bar(f"report on {chosen.loop.material.name}") as progress:
-        found = portrait(
+        drawn = portrait(
             chosen.loop,
             sigma=chosen.sigma,
             cycles=cycles,
@@ -61,66 +61,66 @@ def run_report(
             progress=lambda share: progress(0.6 * share),
         )
         if data is not None:
-            sections += _beside_data(found, data, chosen, lambda x: progress(0.6 + 0.3 * x))
+            sections += _beside_data(drawn, data, chosen, lambda x: progress(0.6 + 0.3 * x))
         if reset:
-            advice, downloads = _what_to_do(found, chosen, lambda x: progress(0.9 + 0.1 * x))
+            advice, downloads = _what_to_do(drawn, chosen, lambda x: progress(0.9 + 0.1 * x))
             sections.append(advice)
-    sections.append(_how_sure(found))
+    sections.append(_how_sure(drawn))
     sections = [
         replace(section, paragraphs=tuple(map(typeset, section.paragraphs))) for section in sections
     ]
     inputs = [path for path in (data, options.protocol) if path is not None and path.is_file()]
     command = shlex.join(said_command("out", files_by_name=True))
     page = page_html(
-        found,
+        drawn,
         start,
         (options.material or "isotropic",),
         chosen.settings,
         pairs=pairs,
         sections=[*sections, Section("Methods", (METHODS,)), Section("To cite", (BIBTEX,))],
         downloads=downloads,
-        provenance=provenance_of(found, command, inputs),
+        provenance=provenance_of(drawn, command, inputs),
     )
     write_page(page, result_stem(out, "report", chosen.loop))
 
 
 def _what_to_do(
-    found: Portrait, chosen: ChosenCollection, progress: Progress
+    drawn: Portrait, chosen: ChosenCollection, progress: Progress
 ) -> tuple[Section, tuple[Download, ...]]:
     """The reset that `cyclemap reset` finds, in its three lines, and its protocol to take away."""
-    design = design_reset(found.loop, sigma=chosen.noise, progress=progress)
-    protocol = protocol_text(found.loop, design.chosen.strategy, noise=chosen.noise)
+    design = design_reset(drawn.loop, sigma=chosen.noise, progress=progress)
+    protocol = protocol_text(drawn.loop, design.chosen.strategy, noise=chosen.noise)
     advice = Section("What to do", design_sentences(design))
     return advice, (Download("protocol.toml", protocol),)
 
 
-def _how_sure(found: Portrait) -> Section:
-    material = found.loop.material
+def _how_sure(drawn: Portrait) -> Section:
+    material = drawn.loop.material
     lines = (
-        sentences.push_line(found),
-        sentences.parameters_line(found),
-        sentences.accuracy_line(found),
-        sentences.uncertainty_sentence(material.name, found.uncertainty),
+        sentences.push_line(drawn),
+        sentences.parameters_line(drawn),
+        sentences.accuracy_line(drawn),
+        sentences.uncertainty_sentence(material.name, drawn.uncertainty),
         sentences.material_line(material),
     )
     return Section("How sure", tuple(filter(None, lines)))
 
 
 def _beside_data(
-    found: Portrait, data: Path, chosen: ChosenCollection, progress: Progress
+    drawn: Portrait, data: Path, chosen: ChosenCollection, progress: Progress
 ) -> list[Section]:
     """Recorded against predicted: the verdicts of `cyclemap compare`, with their p-values, and what
     is left over.
     """
     noise = None if chosen.sigma is None else WrappedNormal(chosen.sigma)
-    compared = compare(found.loop, data, noise=noise, progress=progress)
-    name = found.loop.material.name
-    told = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
+    compared = compare(drawn.loop, data, noise=noise, progress=progress)
+    name = drawn.loop.material.name
+    opening = (compare_page.headline(name, compared), compare_page.data_sentence(compared))
     answers = (verdict.words for verdict in verdicts(compared))
     trust = compare_page.trust_sentences(compared)
     page = compare_page.residual_page(compared)
     return [
-        Section("Recorded against predicted", (*told, *answers, *trust)),
+        Section("Recorded against predicted", (*opening, *answers, *trust)),
         Section(
             "What explains it, and what is left",
             tuple(compare_page.explanation_sentences(name, compared)),

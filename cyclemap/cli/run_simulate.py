@@ -67,12 +67,12 @@ def run_simulate(asked: SimulateOptions) -> None:
             progress=report,
             **cycle_by_cycle,
         )
-    told = {
+    as_json = {
         **json_of(made, "folder", "cycles", "written", "resumed"),
         "theta0_deg_last": math.degrees(made.theta_last),
         "bytes": made.bytes,
     }
-    if not publish_json(told, asked.json_target):
+    if not publish_json(as_json, asked.json_target):
         PeopleConsole().tell(*_sentences(made))
 
 

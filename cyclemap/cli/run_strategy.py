@@ -99,7 +99,7 @@ def run_strategy_staircase(
     theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)
     nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
-    told: Json = {
+    as_json: Json = {
         "noise_deg": degrees(sigma),
         "prediction": {**nothing, "zones": [], "reason": _CHANGING},
         "run": {**ran, "followed": "mechanics", **steps_report(steps)},
@@ -114,7 +114,7 @@ def run_strategy_staircase(
         "average.",
     )
     page = strategy_page(words, loop, strategy, theta, data)
-    publish(told, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)
+    publish(as_json, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)
 
 
 def _run(

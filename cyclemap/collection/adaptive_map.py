@@ -225,7 +225,7 @@ def sample_circle_map(
 def _resolve(sampler: _Sampler, waiting: list[_Interval]) -> None:
     """Halve intervals until all of their parts are good enough, splitting them at breaks."""
     while waiting:
-        for interval in (one for one in waiting if one.width <= 2.0 * _NARROWEST):
+        for interval in (narrow for narrow in waiting if narrow.width <= 2.0 * _NARROWEST):
             # Most that the cubic can be off where the map stays between the values of the ends:
             # slopes lift it by 4/27 of the width each at most above the straight line.
             low = interval.low
@@ -263,10 +263,10 @@ def _finished(sampler: _Sampler, interval: _Interval, middle: Node) -> bool:
         sampler.finish(_Interval(low, middle, error), _Interval(middle, high, error))
         return True
     # The quintic that did not know the middle yet is worse than the interval's own.
-    told = math.inf if around is None else interval.error_at(middle, around)
-    if not told <= (1.0 - _FILLED) * sampler.tolerance:
+    missed = math.inf if around is None else interval.error_at(middle, around)
+    if not missed <= (1.0 - _FILLED) * sampler.tolerance:
         return False
-    sampler.finish(_Interval(low, high, told + _FILLED * sampler.tolerance, (middle,)))
+    sampler.finish(_Interval(low, high, missed + _FILLED * sampler.tolerance, (middle,)))
     return True
 
 
@@ -278,8 +278,8 @@ def _joined(sampler: _Sampler, halves: list[tuple[_Interval, Node]]) -> bool:
     nodes = (first.low, before, first.high, after, second.high)
     # By how much the polynomial through the four others misses each inner node.
     missed = []
-    for number, left in list(enumerate(nodes))[1:-1]:
-        others = HermitePolynomial.through([*nodes[:number], *nodes[number + 1 :]])
+    for index, left in list(enumerate(nodes))[1:-1]:
+        others = HermitePolynomial.through([*nodes[:index], *nodes[index + 1 :]])
         missed.append(abs(others.at(left.theta)[0] - left.value))
     error = (
         max(_MIDDLE * missed[1], _BESIDE * max(missed[0], missed[2])) + _FILLED * sampler.tolerance
@@ -344,9 +344,9 @@ def _check(sampler: _Sampler) -> None:
     for _ in range(_ROUNDS):
         chosen = {(interval.low.theta, interval.high.theta): interval for interval in waiting}
         wide = [
-            one
-            for ends, one in chosen.items()
-            if one.width > 2.0 * _NARROWEST and ends not in checked
+            candidate
+            for ends, candidate in chosen.items()
+            if candidate.width > 2.0 * _NARROWEST and ends not in checked
         ]
         checked |= set(chosen)
         places = [
@@ -354,15 +354,15 @@ def _check(sampler: _Sampler) -> None:
             for interval in wide
         ]
         missed = False
-        for interval, found in zip(wide, sampler.nodes(places), strict=True):
+        for interval, node in zip(wide, sampler.nodes(places), strict=True):
             filled = _FILLED * sampler.tolerance if interval.inner else 0.0
-            error = abs(interval.polynomial.at(found.theta)[0] - found.value) + filled
+            error = abs(interval.polynomial.at(node.theta)[0] - node.value) + filled
             sampler.finished = [other for other in sampler.finished if other is not interval]
             if error <= sampler.tolerance:
                 sampler.finish(replace(interval, error=max(error, interval.error)))
             else:
                 missed = True
-                ends = (interval.low, found, interval.high)
+                ends = (interval.low, node, interval.high)
                 _resolve(sampler, [_Interval(low, high, math.inf) for low, high in pairwise(ends)])
         if not missed:
             return

@@ -83,9 +83,9 @@ class BatchRun:
         Returns
         -------
         tuple of float
-            Rad in [0, 2 pi), ascending; ends that gaps of a degree part are different. Empty where a
-            batch still moves, by more than a tenth of a degree a cycle or with more than a quarter
-            of one `left`: then it ends nowhere.
+            Rad in [0, 2 pi), ascending; ends that gaps of a degree part are different. Empty where
+            a batch still moves, by more than a tenth of a degree a cycle or with more than a
+            quarter of one `left`: then it ends nowhere.
 
         Notes
         -----

@@ -139,7 +139,7 @@ class DynamicLoop:
         values = finite_array("theta", theta)
         runs = [self.cycle(each, samples=1) for each in values.ravel().tolist()]
         columns = {}
-        for name in (one.name for one in fields(Cycles)[1:-1]):
+        for name in (field.name for field in fields(Cycles)[1:-1]):
             shape = (*values.shape, 2) if name == "push_displacement" else values.shape
             columns[name] = np.array([getattr(run, name) for run in runs], dtype=float).reshape(
                 shape

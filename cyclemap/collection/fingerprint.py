@@ -241,8 +241,8 @@ class TurnResponse:
             if array.shape != shape:
                 raise InvalidInput(f"{name} of a turn has shape {array.shape}: it must be {shape}")
             object.__setattr__(self, name, array)
-        parts = (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:]), ("bow", self.bow))
-        for name, (x, y) in parts:
+        slopes = (("offset", self.gradient[:2]), ("ellipse", self.gradient[2:]), ("bow", self.bow))
+        for name, (x, y) in slopes:
             object.__setattr__(self, f"{name}_amplitude", math.hypot(x, y))
             object.__setattr__(self, f"{name}_phase", -math.atan2(y, x) + 0.0)
 
@@ -379,13 +379,14 @@ def fingerprint(loop: CollectionLoop, progress: Progress | None = None) -> Finge
     turns = isotropic.push_turn, isotropic.drag_turn
     bows = _bow_gradients(loop)
     push, drag = (
-        TurnResponse(*parts) for parts in zip(turns, gradients, hessians, bows, strict=True)
+        TurnResponse(*derivatives)
+        for derivatives in zip(turns, gradients, hessians, bows, strict=True)
     )
-    found = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
+    response = Fingerprint(push, drag, float(np.abs(whole - whole.T).max()), 0.0)
     return replace(
-        found,
-        remainder=_remainder(loop, found.cycle),
-        bow_remainder=_bow_remainder(loop, found.cycle),
+        response,
+        remainder=_remainder(loop, response.cycle),
+        bow_remainder=_bow_remainder(loop, response.cycle),
     )
 
 
@@ -440,8 +441,10 @@ def _bow_gradients(loop: CollectionLoop) -> Array:
 
 def _turns_by(loop: CollectionLoop, parameters: tuple[str, ...]) -> Array:
     """Derivatives (2, k) of the turns of push and drag at θ = 0 by parameters."""
-    found = loop.sensitivity(0.0, parameters)
-    return found.jacobian[[found.outputs.index(stroke) for stroke in ("push_turn", "drag_turn")]]
+    sensitivity = loop.sensitivity(0.0, parameters)
+    return sensitivity.jacobian[
+        [sensitivity.outputs.index(stroke) for stroke in ("push_turn", "drag_turn")]
+    ]
 
 
 def _bow_remainder(loop: CollectionLoop, response: TurnResponse) -> float:

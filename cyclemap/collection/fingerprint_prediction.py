@@ -63,15 +63,15 @@ def first_order_lock_in(response: TurnResponse, anisotropy: Anisotropy) -> LockI
     theta = stationary_angles(response, anisotropy)
     if not theta.size:
         return LockIn(math.inf, math.nan)
-    part = response.first_order(anisotropy.seen_from(theta))
-    low = int(np.argmin(part))
-    high = int(np.argmax(part))
+    first = response.first_order(anisotropy.seen_from(theta))
+    low = int(np.argmin(first))
+    high = int(np.argmax(first))
     ahead = response.turn % TWO_PI
-    found = (
-        LockIn(float(-ahead / part[low]), float(theta[low])),
-        LockIn(float((TWO_PI - ahead) / part[high]), float(theta[high])),
+    ways = (
+        LockIn(float(-ahead / first[low]), float(theta[low])),
+        LockIn(float((TWO_PI - ahead) / first[high]), float(theta[high])),
     )
-    return min(found, key=lambda lock_in: lock_in.scale)
+    return min(ways, key=lambda lock_in: lock_in.scale)
 
 
 def stationary_angles(response: TurnResponse, anisotropy: Anisotropy) -> Array:
@@ -119,7 +119,7 @@ def lock_in_boundary(
             ellipse_direction,
         )
         scale = first_order_lock_in(response, ray).scale
-        points.append([scale * part if part else 0.0 for part in (ray.offset, ray.ellipticity)])
+        points.append([scale * size if size else 0.0 for size in (ray.offset, ray.ellipticity)])
     return np.array(points).reshape((*rays.shape, 2))
 
 
@@ -228,8 +228,8 @@ class Prediction:
         """Whether differences found the protocol's second order; where not, every error here is
         unknown too.
         """
-        found = self.fingerprint
-        return found.hessian_error <= _KNOWN * max(float(np.abs(found.cycle.hessian).max()), 1e-3)
+        known = self.fingerprint
+        return known.hessian_error <= _KNOWN * max(float(np.abs(known.cycle.hessian).max()), 1e-3)
 
     @property
     def trusted(self) -> bool:
@@ -243,7 +243,7 @@ class Prediction:
         """The fixed points of the first-order map, by angle; a saddle-node counts once. None on
         isotropic surfaces.
         """
-        found = []
+        directions = []
         for orbit in fixed_points(self.map) if self._anisotropic else ():
             theta = float(orbit.points[0])
             error = max(self._reach(theta, 1.0), self._reach(theta, -1.0))
@@ -252,8 +252,8 @@ class Prediction:
                 same, key=lambda other: abs(shorter_way(other.points[0] - theta)), default=None
             )
             near = nearest is not None and abs(shorter_way(nearest.points[0] - theta)) <= error
-            found.append(PredictedDirection(orbit, error, nearest if near else None))
-        return tuple(found)
+            directions.append(PredictedDirection(orbit, error, nearest if near else None))
+        return tuple(directions)
 
     @cached_property
     def second_order_points(self) -> tuple[Orbit, ...]:
@@ -330,10 +330,10 @@ class Prediction:
         off.
         """
         scaled = Prediction(self.fingerprint, self.anisotropy.scaled(factor))
-        part = float(
+        first = float(
             self.fingerprint.cycle.first_order(self.anisotropy.seen_from(self.lock_in.theta))
         )
-        side = -math.copysign(1.0, part)
+        side = -math.copysign(1.0, first)
         isotropic = self.fingerprint.cycle.turn
         ahead = (side * isotropic) % TWO_PI
         turn = ahead + side * (scaled.turn(_ANGLES) - isotropic)
@@ -513,13 +513,13 @@ def check_prediction(
     if not np.allclose(
         own.seen_from(0.0), prediction.anisotropy.seen_from(0.0), rtol=1e-6, atol=1e-9
     ):
-        given, found = (
+        given, own_words = (
             f"offset {seen.offset:.4f} along {math.degrees(seen.offset_direction):.2f}° and "
             f"ellipticity {seen.ellipticity:.4f} along {math.degrees(seen.ellipse_direction):.2f}°"
             for seen in (prediction.anisotropy, own)
         )
         raise InvalidInput(
-            f"the prediction is of {given}, but {loop.material.name} has {found}: predict for "
+            f"the prediction is of {given}, but {loop.material.name} has {own_words}: predict for "
             "this loop's own friction"
         )
     full = loop.circle_map(tolerance=tolerance, progress=progress)
@@ -556,13 +556,13 @@ def full_lock_in(
 
     def nearest(scale: float) -> tuple[float, float]:
         surface = with_anisotropy(loop, anisotropy.scaled(scale))
-        found = minimize_scalar(
+        least = minimize_scalar(
             lambda theta: sign * (surface.cycle(theta).theta_next - theta - whole),
             bounds=(near.theta - _REACH, near.theta + _REACH),
             method="bounded",
             options={"xatol": 3e-4},
         )
-        return float(found.fun), float(found.x)
+        return float(least.fun), float(least.x)
 
     try:
         scale = float(

@@ -163,8 +163,8 @@ def forecast_from_turns(
     centres = clusters(where)
     away = np.abs(np.angle(np.exp(1j * (where[:, None] - centres))))
     directions = []
-    for number, centre in enumerate(centres.tolist()):
-        own = away[np.argmin(away, axis=1) == number, number]
+    for index, centre in enumerate(centres.tolist()):
+        own = away[np.argmin(away, axis=1) == index, index]
         within = float(np.quantile(own, LEVEL))
         directions.append(LikelyDirection(centre, own.size / len(resting), within))
     directions.sort(key=lambda direction: -direction.share)
@@ -242,14 +242,14 @@ def _rests(paths: Array) -> tuple[Mask, Array]:
     )
     half = REST_CYCLES // 2
     resting = (high - low)[half : len(paths) - half + 1] < REST_WIDTH
-    found = resting.any(axis=0)
+    rests = resting.any(axis=0)
     places = []
-    for run in np.flatnonzero(found):
+    for run in np.flatnonzero(rests):
         first = int(np.argmax(resting[:, run]))
         moves_on = np.flatnonzero(~resting[first:, run])
         last = first + (int(moves_on[0]) if moves_on.size else len(resting) - first) - 1
         places.append(float(np.median(paths[first : last + REST_CYCLES, run])))
-    return found, np.mod(np.array(places), TWO_PI)
+    return rests, np.mod(np.array(places), TWO_PI)
 
 
 def _orientations(paths: Array) -> Array:

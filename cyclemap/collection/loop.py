@@ -182,7 +182,7 @@ class Cycles:
         """
         import pandas
 
-        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
         dx, dy = np.moveaxis(columns.pop("push_displacement"), -1, 0)
         columns |= {"push_dx": dx, "push_dy": dy}
         return pandas.DataFrame({name: values.ravel() for name, values in columns.items()})
@@ -227,7 +227,7 @@ class Cycles:
     @classmethod
     def of_batch(cls, theta: Array, batch: CycleBatch) -> Cycles:
         """Return what the engine ran from the orientations theta (...), in its order."""
-        columns = [getattr(batch, one.name) for one in fields(cls)[1:]]
+        columns = [getattr(batch, field.name) for field in fields(cls)[1:]]
         return cls(
             theta, *(column.reshape((*theta.shape, *column.shape[2:])) for column in columns)
         )
@@ -395,7 +395,7 @@ class CollectionLoop:
 
     def __getstate__(self) -> dict[str, object]:
         # What was computed from the fields stays behind.
-        return {one.name: getattr(self, one.name) for one in fields(self)}
+        return {field.name: getattr(self, field.name) for field in fields(self)}
 
     @classmethod
     def mit(cls, material: str | Path | Material = "plywood", **changes: Any) -> CollectionLoop:
@@ -427,15 +427,15 @@ class CollectionLoop:
         'isotropic'
         """
         known = material.found_with
-        parts: dict[str, Any] = {"material": material}
+        brought: dict[str, Any] = {"material": material}
         if known.pusher_friction is not None:
-            parts["pusher"] = replace(self.pusher, friction=known.pusher_friction)
+            brought["pusher"] = replace(self.pusher, friction=known.pusher_friction)
         if known.pin_friction_radius is not None:
-            parts["reset"] = replace(self.reset, pin_friction_radius=known.pin_friction_radius)
+            brought["reset"] = replace(self.reset, pin_friction_radius=known.pin_friction_radius)
         pressure = plate_footprint(material, self.slider)
         if pressure is not None:
-            parts["footprint"] = pressure
-        return replace(self, **parts)
+            brought["footprint"] = pressure
+        return replace(self, **brought)
 
     def _repr_html_(self) -> str:
         outline = self.slider.outline_points(200)
@@ -483,11 +483,11 @@ class CollectionLoop:
         """
         theta = finite_number("theta", theta)
         if abs(theta) > 2.0 * math.pi and theta.is_integer():
-            told = (
+            doubt = (
                 f"theta is {theta:g} rad, more than a turn: degrees are given as "
                 f"math.radians({theta:g})"
             )
-            warnings.warn(told, DoubtfulInput, stacklevel=2)
+            warnings.warn(doubt, DoubtfulInput, stacklevel=2)
         return Cycle(theta, *self.strokes(theta), self)
 
     def cycles(self, theta: ArrayLike) -> Cycles:

@@ -56,12 +56,12 @@ def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
     )
     before = bare.with_material(loop.material)
     after = bare.with_material(material)
-    parts = {
+    brought = {
         name: getattr(after, name)
         for name in ("pusher", "reset", "footprint")
         if _alike(getattr(before, name), getattr(loop, name))
     }
-    return replace(loop, material=material, **parts)
+    return replace(loop, material=material, **brought)
 
 
 def _alike(first: object, second: object) -> bool:
@@ -159,11 +159,11 @@ def drifting_map(
     even = replace(loop, material=replace(loop.material, wear=replace(wear, cycles=1.0, course=())))
 
     def at(share: float) -> CircleMap:
-        found = worn_loop(even, share).circle_map(MAP_TOLERANCE)
+        made = worn_loop(even, share).circle_map(MAP_TOLERANCE)
         done[0] += 1
         if progress is not None:
             progress(done[0])
-        return found
+        return made
 
     steps = count if last > first else 1
     blend = DriftingMap.of_family(at, np.linspace(first, last, steps), steps, tolerance)
@@ -177,8 +177,8 @@ def drifting_map(
     for (begin, low), (end, high) in pairwise(bends):
         for n, share in ((begin, low), (end, high)):
             knots.setdefault(n, blend.at((share - first) / max(last - first, 1e-300) * (steps - 1)))
-        for share, one in zip(shares, blend.maps, strict=True):
+        for share, worn in zip(shares, blend.maps, strict=True):
             if low < share < high:
-                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), one)
+                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), worn)
     order = sorted(knots)
     return DriftingMap(np.array(order), tuple(knots[n] for n in order), blend.max_error)

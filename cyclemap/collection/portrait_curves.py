@@ -81,7 +81,7 @@ def portrait_curves(portrait: Portrait) -> PortraitCurves:
         shares = (np.arange(WORN_SURFACES) + 0.5) / WORN_SURFACES
         maps = (drifting.at(portrait.staircase.cycles * share) for share in shares.tolist())
         density = np.mean(
-            [transfer_operator(one, portrait.noise).density(theta) for one in maps], axis=0
+            [transfer_operator(worn, portrait.noise).density(theta) for worn in maps], axis=0
         )
     scene = portrait.cycle.scene()
     return PortraitCurves(turn_curve(portrait.map), cobweb(portrait), theta, density, scene)

@@ -138,9 +138,9 @@ class DirectionUncertainty:
         there is none.
         """
         near = [
-            one
-            for one in self.directions
-            if one.theta is not None and abs(shorter_way(one.theta - theta)) < 0.01
+            direction
+            for direction in self.directions
+            if direction.theta is not None and abs(shorter_way(direction.theta - theta)) < 0.01
         ]
         return near[0] if near else None
 
@@ -241,20 +241,22 @@ def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[
     columns = np.array(
         [*by_shape, *(np.nan_to_num(by[name]) for name in (*others, "pin_friction_radius"))]
     )
-    change = np.array([_coordinates(one, law.phi) for one in loops]) - _coordinates(loop, law.phi)
+    change = np.array([_coordinates(sample, law.phi) for sample in loops]) - _coordinates(
+        loop, law.phi
+    )
     # Slopes by the map's own derivative, and of the change by that of its Fourier series.
     waves = 1j * np.fft.rfftfreq(_NODES, 1.0 / _NODES)
     waves[-1] = 0.0
     slopes = np.fft.irfft(waves * np.fft.rfft(columns, axis=1), _NODES, axis=1)
     turn = batch.theta_next[0] - theta + change @ columns
     slope = batch.jacobian[0, :, -1, 0] - 1.0 + change @ slopes
-    number, node = np.indices(turn.shape)
+    owner, node = np.indices(turn.shape)
     after = (node + 1) % _NODES
     cells = np.stack(
-        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[number, after]], -1
+        [theta[node], np.full(turn.shape, TWO_PI / _NODES), turn, turn[owner, after]], -1
     )
-    cells = np.concatenate([cells, np.stack([slope, slope[number, after]], -1)], -1)
-    return _roots(number.ravel(), cells.reshape(-1, 6), len(loops))
+    cells = np.concatenate([cells, np.stack([slope, slope[owner, after]], -1)], -1)
+    return _roots(owner.ravel(), cells.reshape(-1, 6), len(loops))
 
 
 def _coordinates(loop: CollectionLoop, phi: float) -> Array:
@@ -292,8 +294,8 @@ def _judges(points: Sequence[Array]) -> tuple[list[int], list[int]]:
     """Samples whose directions are judged, from end to end of the interval; and extremes, of which
     only the number.
     """
-    some = [index for index, found in enumerate(points) if found.size]
-    none = [index for index, found in enumerate(points) if not found.size]
+    some = [index for index, directions in enumerate(points) if directions.size]
+    none = [index for index, directions in enumerate(points) if not directions.size]
     if not some:
         return sorted(none[index] for index in evenly_spread(len(none), _JUDGES)), []
     middle = np.angle(np.exp(1j * np.concatenate([points[index] for index in some])).sum())
@@ -317,34 +319,34 @@ def stable_points(loops: Sequence[CollectionLoop], report: Progress | None = Non
     width = np.full(theta.shape, TWO_PI / theta.shape[1])
     ends = (theta, width, turn, np.roll(turn, -1, 1), slope, np.roll(slope, -1, 1))
     cells = np.stack(ends, -1).reshape(-1, 6)
-    number = np.repeat(np.arange(len(loops)), theta.shape[1])
+    owners = np.repeat(np.arange(len(loops)), theta.shape[1])
     done = []
     owner = []
     for halving in range(_HALVINGS):
         middle = cells[:, 0] + 0.5 * cells[:, 1]
-        batch = run_batch([loops[index] for index in number.tolist()], middle[:, None], 1)
+        batch = run_batch([loops[index] for index in owners.tolist()], middle[:, None], 1)
         turn = batch.theta_next[:, 0] - middle
         slope = batch.jacobian[:, 0, -1, 0] - 1.0
         error = np.abs(turn - _cubic(cells, np.array([0.5]))[:, 0])
         half = 0.5 * cells[:, 1]
         left = np.stack([cells[:, 0], half, cells[:, 2], turn, cells[:, 4], slope], -1)
         right = np.stack([middle, half, turn, cells[:, 3], slope, cells[:, 5]], -1)
-        parts = np.concatenate([left, right])
-        parents = np.concatenate([number, number])
+        halves = np.concatenate([left, right])
+        parents = np.concatenate([owners, owners])
         # A half is a sixteenth as far off as the whole where the map is smooth; at a kink by luck
         # less.
         error = np.concatenate([error, error])
-        nearest = np.abs(_offset(parts)).min(axis=1)
+        nearest = np.abs(_offset(halves)).min(axis=1)
         open_ = (error > 4.0 * _MAP_ERROR) & (nearest < 2.0 * error + _MAP_ERROR)
-        done.append(parts[~open_])
+        done.append(halves[~open_])
         owner.append(parents[~open_])
-        cells = parts[open_]
-        number = parents[open_]
+        cells = halves[open_]
+        owners = parents[open_]
         if report is not None:
             report((halving + 1) / _HALVINGS)
-        if not number.size:
+        if not owners.size:
             break
-    return _roots(np.concatenate([*owner, number]), np.concatenate([*done, cells]), len(loops))
+    return _roots(np.concatenate([*owner, owners]), np.concatenate([*done, cells]), len(loops))
 
 
 def _cubic(cells: Array, share: Array) -> Array:
@@ -369,7 +371,7 @@ def _offset(cells: Array) -> Array:
     return np.asarray(turn - TWO_PI * np.round(turn[:, [_INSIDE // 2]] / TWO_PI))
 
 
-def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
+def _roots(owners: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     """The stable fixed points of each of `count` maps, whose cells have its number."""
     turn = _offset(cells)
     cell, place = np.nonzero((turn[:, :-1] > 0.0) & (turn[:, 1:] <= 0.0))
@@ -379,10 +381,10 @@ def _roots(number: NDArray[np.intp], cells: Array, count: int) -> list[Array]:
     step = cells[cell, 1] / _INSIDE
     theta = cells[cell, 0] + step * (place + high / (high - low))
     stable = (low - high) / step > -2.0
-    found: list[Array] = [
-        np.sort(np.mod(theta[stable & (number[cell] == index)], TWO_PI)) for index in range(count)
+    points: list[Array] = [
+        np.sort(np.mod(theta[stable & (owners[cell] == index)], TWO_PI)) for index in range(count)
     ]
-    return found
+    return points
 
 
 def _intervals(
@@ -393,7 +395,7 @@ def _intervals(
     """
     every = np.concatenate([np.zeros(0), *points])
     centres = nominal if nominal.size else clusters(every)
-    found = []
+    intervals = []
     for index, centre in enumerate(centres):
         away = []
         for some in points:
@@ -404,17 +406,17 @@ def _intervals(
             )
             own = shorter_way(some[nearest == index] - centre)
             away += [own[np.argmin(np.abs(own))]] if own.size else []
-        told = np.array([*away, 0.0] if span and nominal.size else away)
-        if told.size == 0:
-            told = np.zeros(1)
+        offsets = np.array([*away, 0.0] if span and nominal.size else away)
+        if offsets.size == 0:
+            offsets = np.zeros(1)
         ends = (0.0, 1.0) if span else (0.5 * (1.0 - LEVEL), 0.5 * (1.0 + LEVEL))
-        low, high = np.quantile(told, ends, method="linear" if span else "weibull")
+        low, high = np.quantile(offsets, ends, method="linear" if span else "weibull")
         lower = float((centre + low) % TWO_PI)
         theta = float(centre) if nominal.size else None
-        found.append(
+        intervals.append(
             DirectionInterval(theta, lower, lower + float(high - low), len(away) / len(points))
         )
-    return tuple(found)
+    return tuple(intervals)
 
 
 def clusters(points: Array, apart: float = _APART) -> Array:

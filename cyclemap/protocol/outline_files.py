@@ -194,11 +194,11 @@ def _finished(path: Path, points: Array, known: str, tolerance: float) -> Outlin
     points = np.roll(points, -int(np.argmax(points.sum(axis=1).round(9))), axis=0)
     outline = Polygon(tuple(map(tuple, points.round(9).tolist())))
     width, height = 1e3 * np.ptp(points, axis=0)
-    told = (
+    words = (
         f"{path.name}: {width:.4g} x {height:.4g} mm, {known}; {outline.sides} sides of {drawn} "
         f"points, simplified within {1e3 * tolerance:g} mm; the frame's origin is its centroid"
     )
-    return OutlineFile(outline, (told,))
+    return OutlineFile(outline, (words,))
 
 
 def _largest(path: Path, lines: Sequence[Array]) -> Array:
@@ -219,8 +219,8 @@ def _csv_vertices(path: Path) -> tuple[Array, str | None]:
     they are x and y.
     """
     text = enumerate(read_text(path, "CSV").splitlines(), 1)
-    kept = [(number, line) for number, line in text if line.strip(" ,;\t") and line[0] != "#"]
-    numbers = [number for number, _ in kept]
+    kept = [(place, line) for place, line in text if line.strip(" ,;\t") and line[0] != "#"]
+    numbers = [place for place, _ in kept]
     lines = [line for _, line in kept]
     separator = next((sign for sign in ";\t" if lines and sign in lines[0]), ",")
     # Where another sign divides the columns a comma is a decimal one.
@@ -235,15 +235,15 @@ def _csv_vertices(path: Path) -> tuple[Array, str | None]:
         lines = lines[1:]
         numbers = numbers[1:]
     elif rows and len([field for field in rows[0] if field]) != 2:
-        told = f"{len(rows[0])} columns without names: which are x and y?"
-        raise DataFileError(f"{path}: {told} Give a header line, such as x_mm,y_mm")
+        problem = f"{len(rows[0])} columns without names: which are x and y?"
+        raise DataFileError(f"{path}: {problem} Give a header line, such as x_mm,y_mm")
     points = []
-    for row, line, number in zip(rows, lines, numbers, strict=True):
+    for row, line, place in zip(rows, lines, numbers, strict=True):
         try:
             points.append([plain_number(row[column]) for column in columns])
         except (ValueError, IndexError) as error:
             raise DataFileError(
-                f"{path}, line {number}: two numbers x,y are wanted, not {line[:60]!r}"
+                f"{path}, line {place}: two numbers x,y are wanted, not {line[:60]!r}"
             ) from error
     if len(points) < 3:
         raise DataFileError(
@@ -262,23 +262,23 @@ def _is_number(text: str) -> bool:
 
 def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], str | None]:
     """Where a header has x and y, and the unit that it names."""
-    found: dict[str, tuple[int, str]] = {}
-    for number, name in enumerate(header):
+    axes: dict[str, tuple[int, str]] = {}
+    for index, name in enumerate(header):
         match = re.fullmatch(
             r"(?:pos(?:ition)?_?)?([xy])(?:[\s_\-\[(]+([a-z]+)[\])]*)?", name.strip().lower()
         )
-        if match and match[1] in found:
+        if match and match[1] in axes:
             raise DataFileError(
-                f"{path}: {header[found[match[1]][0]]} and {name} may both be {match[1]}: keep one"
+                f"{path}: {header[axes[match[1]][0]]} and {name} may both be {match[1]}: keep one"
             )
         if match:
-            found[match[1]] = number, match[2] or ""
-    if set(found) != {"x", "y"}:
+            axes[match[1]] = index, match[2] or ""
+    if set(axes) != {"x", "y"}:
         raise DataFileError(
             f"{path}: the header is {','.join(header)[:80]}: name the columns x and y, such as "
             "x_mm,y_mm"
         )
-    named = {unit for _, unit in found.values()}
+    named = {unit for _, unit in axes.values()}
     if len(named) > 1:
         raise DataFileError(
             f"{path}: x and y in different units ({', '.join(sorted(named))}): write them in one"
@@ -286,7 +286,7 @@ def _named_columns(path: Path, header: Sequence[str]) -> tuple[tuple[int, int], 
     (word,) = named
     if word and word not in _UNIT_WORDS:
         raise DataFileError(f"{path}: {word} is no unit that is known: give {', '.join(UNITS)}")
-    return (found["x"][0], found["y"][0]), _UNIT_WORDS.get(word)
+    return (axes["x"][0], axes["y"][0]), _UNIT_WORDS.get(word)
 
 
 def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
@@ -297,14 +297,14 @@ def _svg_lines(path: Path) -> tuple[list[Array], float, bool]:
         paths = svg.Document(str(path)).paths()
     except Exception as error:
         raise DataFileError(f"{path}: not an SVG drawing that can be read ({error})") from error
-    curves = sum(len(one) for one in paths)
+    curves = sum(len(drawn) for drawn in paths)
     require_room(f"{path}: its {curves} curves", curves, "simplify the drawing", _MOST_CURVES)
     most_pieces = max(1, min(_PIECES, _MOST_CURVES // max(curves, 1)))
     lines = []
-    for one in paths:
-        for part in one.continuous_subpaths():
-            ends = [part.start]
-            for segment in part:
+    for drawn in paths:
+        for line in drawn.continuous_subpaths():
+            ends = [line.start]
+            for segment in line:
                 pieces = 1 if type(segment).__name__ == "Line" else most_pieces
                 ends += [segment.point(step / pieces) for step in range(1, pieces + 1)]
             if len(ends) > 3 and abs(ends[-1] - ends[0]) <= 1e-3 * max(
@@ -358,7 +358,7 @@ def _dxf_lines(path: Path) -> tuple[list[Array], float | None]:
         if not any(piece is ring for ring in closed)
     ]
     if rest:
-        closed += [np.array(found.exterior.coords) for found in shapely.polygonize(rest).geoms]
+        closed += [np.array(polygon.exterior.coords) for polygon in shapely.polygonize(rest).geoms]
     return closed, None if unit is None else UNITS[unit]
 
 
@@ -384,16 +384,16 @@ def _mesh_outlines(triangles: Array, underside: bool, path: Path) -> list[Array]
     size = float(np.ptp(triangles[..., :2], axis=(0, 1)).max()) if len(triangles) else 0.0
     # Triangles meet within rounding of the file only: a hair's breadth closes the seams.
     hair = 1e-6 * size
-    parts = [
+    shadows = [
         triangle.buffer(hair, join_style="mitre")
         for triangle in flat
         if triangle.area > 1e-12 * size * size
     ]
-    union = shapely.union_all(parts).buffer(-hair, join_style="mitre")
+    union = shapely.union_all(shadows).buffer(-hair, join_style="mitre")
     return [
-        np.array(part.exterior.coords)
-        for part in getattr(union, "geoms", [union])
-        if not part.is_empty
+        np.array(polygon.exterior.coords)
+        for polygon in getattr(union, "geoms", [union])
+        if not polygon.is_empty
     ]
 
 
@@ -412,12 +412,12 @@ def _urdf_mesh(path: Path) -> Array:
             "the object's alone"
         )
     link = next(iter(links.values()))
-    parts = link.findall("collision") or link.findall("visual")
+    elements = link.findall("collision") or link.findall("visual")
     try:
         placed = []
-        for part in parts:
-            triangles = _geometry(part.find("geometry"), path)
-            origin = part.find("origin")
+        for element in elements:
+            triangles = _geometry(element.find("geometry"), path)
+            origin = element.find("origin")
             if origin is not None:
                 angles = _numbers(origin.get("rpy") or "0 0 0")
                 turn = _library("trimesh").transformations.euler_matrix(*angles, "sxyz")[:3, :3]
@@ -454,7 +454,7 @@ def _geometry(geometry: Any, path: Path) -> Array:
 
 
 def _numbers(text: str | None) -> list[float]:
-    return [plain_number(part) for part in (text or "").split()]
+    return [plain_number(word) for word in (text or "").split()]
 
 
 def _library(name: str) -> Any:

@@ -118,16 +118,18 @@ def write_schedule(
     True
     """
     count = whole_number("cycles", cycles, least=1)
-    number = whole_number("seed", seed, least=0)
+    stream = whole_number("seed", seed, least=0)
     prepared = strategy.prepared(loop)
-    actions = tuple(action.filled(prepared) for action in strategy.run(count, number))
-    ring = ", ".join(decimal_text(MILLIMETRES.written(part)) for part in prepared.slider.hitch)
+    actions = tuple(action.filled(prepared) for action in strategy.run(count, stream))
+    ring = ", ".join(
+        decimal_text(MILLIMETRES.written(coordinate)) for coordinate in prepared.slider.hitch
+    )
     facts = {
         "strategy": f"{len(strategy.actions)} actions, {strategy.order}",
         "needs": ", ".join(strategy.needs) or "nothing else",
         "object": f"{prepared.slider.name}, its ring at ({ring}) mm of its frame",
         "surface": " ".join(prepared.material.name.split()),
-        "seed": str(number),
+        "seed": str(stream),
         "cycles": str(count),
     }
     write_whole(Path(path), with_checksum(_text(prepared, actions, facts)).encode())
@@ -146,17 +148,17 @@ def _text(loop: CollectionLoop, actions: Sequence[CycleAction], facts: dict[str,
         if push not in starts:
             place, way = first_contact(loop.slider, push, loop.pusher.radius)
             numbers = ((NUMBER, push.fraction), (DEGREES, push.angle), (MILLIMETRES, push.distance))
-            told = [decimal_text(unit.written(value)) for unit, value in numbers]
+            cells = [decimal_text(unit.written(value)) for unit, value in numbers]
             starts[push] = [
                 str(push.side),
-                *told,
+                *cells,
                 *map(_rounded, (1e3 * place).tolist() + way.tolist()),
             ]
         drag = []
         for (x, y), (onward_x, onward_y) in pairwise((*way_points, (0.0, 0.0))):
             dx = onward_x - x
             dy = onward_y - y
-            drag += [decimal_text(MILLIMETRES.written(part)) for part in (x, y)]
+            drag += [decimal_text(MILLIMETRES.written(coordinate)) for coordinate in (x, y)]
             drag += [_rounded(math.degrees(math.atan2(dy, dx))), _rounded(1e3 * math.hypot(dx, dy))]
         drag += [""] * (4 * (legs - len(way_points)))
         writer.writerow(
@@ -235,10 +237,10 @@ def read_schedule(path: str | Path) -> tuple[CycleAction, ...]:
             f"{path}: the comment '# cycles: N' is missing or damaged; write the file anew"
         )
     count = int(text)
-    for number, row in enumerate(table.rows):
-        if table.text(row, "cycle") != str(number):
+    for cycle, row in enumerate(table.rows):
+        if table.text(row, "cycle") != str(cycle):
             raise table.error(
-                row.line, f"cycle is {table.text(row, 'cycle')!r} where {number} should follow"
+                row.line, f"cycle is {table.text(row, 'cycle')!r} where {cycle} should follow"
             )
     if len(table.rows) != count:
         last = table.rows[-1].line
@@ -273,17 +275,17 @@ def _action(table: CsvTable, row: CsvRow, legs: int) -> CycleAction:
 
 
 def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
-    found: list[tuple[float, float]] = []
-    told: list[tuple[float, float]] = []
+    places: list[tuple[float, float]] = []
+    given_legs: list[tuple[float, float]] = []
     for leg in range(1, legs + 1):
         x, y, direction, length = columns = [name.format(leg) for name in _LEG_COLUMNS]
         if not any(table.text(row, column) for column in columns):
             continue
-        if len(found) < leg - 1:
+        if len(places) < leg - 1:
             raise table.error(row.line, f"{x} is given, but the way-point before it is blank")
-        found.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
-        told.append((math.radians(table.number(row, direction)), table.number(row, length)))
-    runs = zip(pairwise((*found, (0.0, 0.0))), told, strict=True)
+        places.append((_number(table, row, x, MILLIMETRES), _number(table, row, y, MILLIMETRES)))
+        given_legs.append((math.radians(table.number(row, direction)), table.number(row, length)))
+    runs = zip(pairwise((*places, (0.0, 0.0))), given_legs, strict=True)
     for leg, ((place, onward), (bearing, distance)) in enumerate(runs, 1):
         dx = 1e3 * (onward[0] - place[0])
         dy = 1e3 * (onward[1] - place[1])
@@ -293,7 +295,7 @@ def _way_points(table: CsvTable, row: CsvRow, legs: int) -> Points:
         ):
             words = f"leg_{leg} does not run from way_point_{leg} to the next; mend one of them"
             raise table.error(row.line, words)
-    return tuple(found)
+    return tuple(places)
 
 
 def _number(table: CsvTable, row: CsvRow, column: str, unit: Unit) -> float:

@@ -257,7 +257,7 @@ class ResetStrategy:
 
     def run(self, cycles: int, seed: int = 0) -> tuple[CycleAction, ...]:
         """Return what the robot does in each of `cycles` cycles."""
-        return tuple(self.actions[number] for number in self.drawn(cycles, seed).tolist())
+        return tuple(self.actions[index] for index in self.drawn(cycles, seed).tolist())
 
     def _least_block(self) -> int:
         """The least number of pushes in which every action comes as often as its share says; 0

@@ -172,16 +172,16 @@ def strategy_maps(
     >>> round(float(second(1.0) - first(1.0)), 9) == round(math.pi / 2.0, 9)
     True
     """
-    found: dict[CollectionLoop, CircleMap] = {}
+    computed: dict[CollectionLoop, CircleMap] = {}
     loops = strategy.loops(loop)
     report = progress or (lambda fraction: None)
-    for number, acted in enumerate(loops, 1):
-        if acted not in found:
-            found[acted] = acted.circle_map(tolerance)
-        report(number / len(loops))
+    for count, acted in enumerate(loops, 1):
+        if acted not in computed:
+            computed[acted] = acted.circle_map(tolerance)
+        report(count / len(loops))
     maps = []
     for acted, action in zip(loops, strategy.actions, strict=True):
-        made = found[acted]
+        made = computed[acted]
         if action.turn != 0.0 and made.pieces is not None:
             raised = made.pieces.shifted(0.0, action.turn)
             made = CircleMap.from_pieces(raised, made.breaks, made.samples, made.max_error)
@@ -233,13 +233,13 @@ def contact_lengths(loop: CollectionLoop, actions: Sequence[CycleAction]) -> Arr
     [0.132]
     """
     rough = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
-    found = {}
+    lengths = {}
     for push in {action.push or loop.push for action in actions}:
         poses = [
             rough.start_pose(TWO_PI * step / _CONTACT_STARTS) for step in range(_CONTACT_STARTS)
         ]
-        found[push] = min(rough.model.push(pose, push).travel for pose in poses)
-    return np.array([found[action.push or loop.push] for action in actions])
+        lengths[push] = min(rough.model.push(pose, push).travel for pose in poses)
+    return np.array([lengths[action.push or loop.push] for action in actions])
 
 
 def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
@@ -256,16 +256,18 @@ def room_needed(loop: CollectionLoop, action: CycleAction) -> float:
     step = acted.push.distance / _COURSE
     outline = loop.slider.outline_points()
     reach = 0.0
-    for number in range(_ROOM_STARTS):
-        theta = TWO_PI * number / _ROOM_STARTS
+    for index in range(_ROOM_STARTS):
+        theta = TWO_PI * index / _ROOM_STARTS
         push, drag = acted.strokes(theta, step if not action.way_points else step / 2.0)
         course = push.trajectory
         way = course.pusher[-1] - course.pusher[0]
         end = course.pusher[0] + acted.push.distance * way / math.hypot(*way)
         courses = [course, drag.trajectory] if acted.reset.way_points else [course]
         rod = max(math.hypot(*place) for place in (course.pusher[0], end, *acted.reset.way_points))
-        places = [placed(one.pose.T[..., None], outline) for one in courses]
+        places = [placed(stroke.pose.T[..., None], outline) for stroke in courses]
         reach = max(
-            reach, rod + loop.pusher.radius, *(float(np.hypot(*one.T).max()) for one in places)
+            reach,
+            rod + loop.pusher.radius,
+            *(float(np.hypot(*stroke.T).max()) for stroke in places),
         )
     return reach

@@ -140,8 +140,8 @@ class RestEvidence:
             )
             fresh = [*self._recent[-reach:], point]
         began, tracks = run
-        for number, one in enumerate(fresh, self._pushes + 1 - len(fresh)):
-            tracks[(number - began) % period].add(math.atan2(one.imag, one.real))
+        for push, visit in enumerate(fresh, self._pushes + 1 - len(fresh)):
+            tracks[(push - began) % period].add(math.atan2(visit.imag, visit.real))
 
     def _log_wealth(self) -> Array:
         """Per period: what the stakes have become, and what is still unspent."""

@@ -89,8 +89,8 @@ class Crowding:
         before any.
         """
         mean = self.crowding.mean(axis=1)
-        found = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
-        return np.asarray(found / np.where(mean > 0.0, mean, 1.0))
+        crowding = self.crowding[np.arange(len(self.crowding)), _cell(theta)]
+        return np.asarray(crowding / np.where(mean > 0.0, mean, 1.0))
 
 
 def _cell(theta: ArrayLike) -> Whole:

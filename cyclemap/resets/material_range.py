@@ -192,9 +192,9 @@ def material_range(
     ]
     corners = []
     for ratio, m0, n0 in product(ratios, *shares):
-        told = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
-        told += [f"{name} {100.0 * by:+.0f} %" for name, by in (("m0", m0), ("n0", n0)) if by]
-        if told:
+        changes = [f"axis ratio {'÷' if ratio < 1.0 else '×'} {1.0 + by_axes:g}"] if by_axes else []
+        changes += [f"{name} {100.0 * by:+.0f} %" for name, by in (("m0", m0), ("n0", n0)) if by]
+        if changes:
             root = math.sqrt(ratio)
             friction = replace(
                 law,
@@ -204,7 +204,7 @@ def material_range(
                 n0=law.n0 * (1 + n0),
             )
             corners.append(
-                replace(nominal, name=f"{material.name} ({', '.join(told)})", friction=friction)
+                replace(nominal, name=f"{material.name} ({', '.join(changes)})", friction=friction)
             )
     if material.wear is not None:
         corners.append(
@@ -236,12 +236,12 @@ def _posterior_range(material: Material) -> MaterialRange:
     chosen = evenly_spread(len(rows), min(SEARCHED_SAMPLES, -(-len(rows) // 2)))
     others = tuple(samples[place] for place in chosen)
     tried = tuple(sample for place, sample in enumerate(samples) if place not in chosen)
-    told = (
+    words = (
         f"{len(rows)} of the {count} samples of its "
         f"posterior{'' if material.wear is None else ', fresh to worn'}"
     )
     nominal = replace(material, wear=None, posterior=None)
-    return MaterialRange(nominal, others, told, tried, sampled=True)
+    return MaterialRange(nominal, others, words, tried, sampled=True)
 
 
 def _between(materials: Sequence[Material]) -> Iterator[Material]:
@@ -249,7 +249,7 @@ def _between(materials: Sequence[Material]) -> Iterator[Material]:
     of one of them.
     """
     random = np.random.default_rng(0)
-    for number in range(1, TRIED_INSIDE + 1):
+    for index in range(1, TRIED_INSIDE + 1):
         laws = [
             materials[k].friction
             for k in random.choice(len(materials), min(3, len(materials)), replace=False)
@@ -257,5 +257,5 @@ def _between(materials: Sequence[Material]) -> Iterator[Material]:
         shares = random.dirichlet(np.ones(len(laws)))
         a, b = np.exp(shares @ np.log([(law.mu_a, law.mu_b) for law in laws])).tolist()
         m0, n0 = (shares @ [(law.m0, law.n0) for law in laws]).tolist()
-        name = f"{materials[0].name}, inside its range ({number})"
+        name = f"{materials[0].name}, inside its range ({index})"
         yield replace(materials[0], name=name, friction=EllipseFriction(a, b, m0, n0, laws[0].phi))

@@ -187,7 +187,7 @@ def orientation_law(
         if modes is None
         else [modes]
     )
-    found = (math.nan, math.nan)
+    distances = (math.nan, math.nan)
     error = math.nan
     for size in sizes:
         steps = _steps(affine_kernels(turn, size, sigma), strategy)
@@ -196,13 +196,13 @@ def orientation_law(
         whole, rest = divmod(count, len(steps))
         end = np.linalg.matrix_power(steps[-1], whole)
         ended = steps[rest - 1] @ end if rest else end
-        before = found
-        found = (min(float(total_variation(law)), 1.0), float(farthest(ended)))
-        error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))
+        before = distances
+        distances = (min(float(total_variation(law)), 1.0), float(farthest(ended)))
+        error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))
         if error <= _SAME:
             break
     density = (1.0 + law @ _waves(size, DENSITY_SAMPLES)) / TWO_PI
-    return OrientationLaw(*found, count, size, error, density)
+    return OrientationLaw(*distances, count, size, error, density)
 
 
 def slowest_factor(turn: Array, strategy: ResetStrategy, sigma: float) -> float:
@@ -247,13 +247,13 @@ def _shuffled(kernels: Array, counts: Sequence[int]) -> list[Array]:
     for left in range(sum(counts), 0, -1):
         following: dict[tuple[int, ...], tuple[float, Array]] = {}
         for so_far, (chance, kernel) in done.items():
-            for number, most in enumerate(counts):
-                if so_far[number] == most:
+            for index, most in enumerate(counts):
+                if so_far[index] == most:
                     continue
-                key = (*so_far[:number], so_far[number] + 1, *so_far[number + 1 :])
-                share = chance * (most - so_far[number]) / left
+                key = (*so_far[:index], so_far[index] + 1, *so_far[index + 1 :])
+                share = chance * (most - so_far[index]) / left
                 before, summed = following.get(key, (0.0, np.zeros_like(kernel)))
-                following[key] = (before + share, summed + share * (kernels[number] @ kernel))
+                following[key] = (before + share, summed + share * (kernels[index] @ kernel))
         done = {key: (chance, summed / chance) for key, (chance, summed) in following.items()}
         steps.append(np.sum([chance * kernel for chance, kernel in done.values()], axis=0))
     return steps

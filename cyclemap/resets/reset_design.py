@@ -314,7 +314,9 @@ def _roles(picks: Picks, given: ResetStrategy | None) -> dict[ResetStrategy, lis
         roles.setdefault(strategy, []).append(role)
     if len(roles) > MOST_ROWS:
         # One's own strategy is told in place of what a gripper could do.
-        roles = {strategy: told for strategy, told in roles.items() if told != [WITH_GRIPPER]}
+        roles = {
+            strategy: reasons for strategy, reasons in roles.items() if reasons != [WITH_GRIPPER]
+        }
     return roles
 
 
@@ -329,9 +331,9 @@ def _assessed(
         report(0.4 + 0.4 * len(cycles) / len(roles))
         cycles[strategy] = judge.sampled(strategy)
     rows: list[ResetRow] = []
-    for strategy, told in roles.items():
+    for strategy, reasons in roles.items():
         report(0.8 + 0.1 * len(rows) / len(roles))
-        rows.append(judge.row(strategy, told, cycles[strategy]))
+        rows.append(judge.row(strategy, reasons, cycles[strategy]))
     rows = _best_first(rows)
     own = next(row for row in rows if AS_IT_IS in row.roles)
     chosen = rows[0]
@@ -465,28 +467,29 @@ class _Judge:
         """The histograms (runs, 36) of simulated collections."""
         pushes = self.demands.pushes
         runs = _runs(pushes, most)
-        found = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
-        return histogram_shares(found)
+        theta = sampled_orientations(turn, strategy, pushes, runs, self.sigma, self.seed)
+        return histogram_shares(theta)
 
     def distances_by_order(self, row: ResetRow, turn: Array) -> dict[str, float]:
         """The mean histogram distance of the same actions in other orders, and chosen from the
         orientation seen.
         """
-        told = {RANDOM: row.histogram[0]}
+        distances = {RANDOM: row.histogram[0]}
         strategy = row.strategy
         if len(strategy.actions) == 1:
-            return told
-        found = {}
+            return distances
+        shares_by_order = {}
         for order in (IN_TURN, SHUFFLED):
             if order == SHUFFLED or strategy.weights is None:
-                found[order] = self.histograms(replace(strategy, order=order), turn)
+                shares_by_order[order] = self.histograms(replace(strategy, order=order), turn)
         pushes = self.demands.pushes
         steered = steered_orientations(turn, pushes, _runs(pushes, _RUNS), self.sigma, self.seed)
-        found[STEERED] = histogram_shares(steered)
+        shares_by_order[STEERED] = histogram_shares(steered)
         means = {
-            order: float(histogram_distances(shares).mean()) for order, shares in found.items()
+            order: float(histogram_distances(shares).mean())
+            for order, shares in shares_by_order.items()
         }
-        return {**told, **means}
+        return {**distances, **means}
 
     def off_ratio(self, strategy: ResetStrategy) -> list[float]:
         """The total variation where the ratio of the friction's axes is off by shares of it, their

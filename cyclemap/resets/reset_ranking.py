@@ -198,8 +198,8 @@ class Pool:
 
     def strategy(self, index: tuple[int, int]) -> ResetStrategy:
         """Return a candidate as a strategy."""
-        part, number = index
-        return self.parts[part].strategy(number)
+        family, row = index
+        return self.parts[family].strategy(row)
 
 
 def candidate_pool(

@@ -100,7 +100,7 @@ class Candidates:
     def strategy(self, index: int) -> ResetStrategy:
         """Return one of them as a strategy, actions in random order."""
         chosen = np.flatnonzero(self.shares[index])
-        actions = tuple(self.source.actions[number] for number in chosen.tolist())
+        actions = tuple(self.source.actions[place] for place in chosen.tolist())
         weights = self.shares[index][chosen] / self.shares[index][chosen].min()
         return ResetStrategy(actions, tuple(np.round(weights).tolist()), hitch=self.source.hitch)
 
@@ -167,7 +167,7 @@ def push_set(
         else np.argsort(steepest)[:1]
     )
     turns = SampledTurns(made.turns.turn[:, chosen], made.turns.drag_length[:, chosen])
-    least_steep = tuple(made.actions[number] for number in chosen.tolist())
+    least_steep = tuple(made.actions[place] for place in chosen.tolist())
     contact = made.contact[chosen]
     kernels = made.kernels[:, chosen]
     return replace(made, actions=least_steep, turns=turns, contact=contact, kernels=kernels)
@@ -214,25 +214,25 @@ def searched(source: ActionSet, within: int, progress: Progress) -> Candidates:
     kept = [*range(_ROUGH_MODES), *range(_MODES, _MODES + _ROUGH_MODES), 2 * _MODES]
     count = len(source.actions)
     rough = replace(source, kernels=source.kernels[np.ix_(chosen, range(count), kept, kept)])
-    found = []
+    mixed = []
     for size in range(1, min(MOST_TOGETHER, count) + 1):
         subsets = np.array(list(combinations(range(count), size)))
         shares = np.zeros((len(subsets), count))
         np.put_along_axis(shares, subsets, 1.0 / subsets.shape[1], axis=1)
         order = np.argsort(scored(rough, shares).tv, kind="stable")
-        found.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
+        mixed.append(scored(source, shares[order[: _KEPT if size > 2 else None]], within))
         progress(0.8 * size / MOST_TOGETHER)
-    few = [mixtures for size, mixtures in enumerate(found, 1) if 1 < size < MOST_TOGETHER]
+    few = [mixtures for size, mixtures in enumerate(mixed, 1) if 1 < size < MOST_TOGETHER]
     if few:
         shares, after = (
             np.concatenate([getattr(mixtures, name) for mixtures in few])
             for name in ("shares", "after")
         )
-        found.append(
+        mixed.append(
             scored(source, _weighed(shares[np.argsort(after, kind="stable")[:_WEIGHED]]), within)
         )
     stacked = (
-        np.concatenate([getattr(mixtures, name) for mixtures in found])
+        np.concatenate([getattr(mixtures, name) for mixtures in mixed])
         for name in ("shares", "tv", "after")
     )
     return Candidates(source, *stacked)
@@ -281,9 +281,9 @@ def _weighed(shares: Array) -> Array:
     rows = []
     for row in shares:
         chosen = np.flatnonzero(row)
-        for parts in product(_PARTS, repeat=len(chosen)):
-            if reduce(math.gcd, parts) == 1 and len(set(parts)) > 1:
+        for weights in product(_PARTS, repeat=len(chosen)):
+            if reduce(math.gcd, weights) == 1 and len(set(weights)) > 1:
                 made = np.zeros_like(row)
-                made[chosen] = np.array(parts) / sum(parts)
+                made[chosen] = np.array(weights) / sum(weights)
                 rows.append(made)
     return np.array(rows).reshape(-1, shares.shape[1])

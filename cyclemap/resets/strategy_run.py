@@ -110,13 +110,13 @@ def run_strategy(
     theta = np.empty((many, count + 1))
     theta[:, 0] = start if isinstance(start, np.ndarray) else finite_number("start", start)
     today = strategy.loops(loop)
-    for number in range(count):
+    for cycle in range(count):
         if loop.material.wear is not None:
-            today = strategy.loops(worn_loop(loop, number))
-        doing = chosen[:, number]
-        ran = run_cycles([today[action] for action in doing.tolist()], theta[:, number, None])
-        theta[:, number + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, number]
-        report((number + 1) / count)
+            today = strategy.loops(worn_loop(loop, cycle))
+        doing = chosen[:, cycle]
+        ran = run_cycles([today[action] for action in doing.tolist()], theta[:, cycle, None])
+        theta[:, cycle + 1] = ran.theta_next[:, 0] + turns[doing] + kicks[:, cycle]
+        report((cycle + 1) / count)
     return StrategyRun(read_only(theta), chosen)
 
 
@@ -124,7 +124,7 @@ def drawn_actions(strategy: ResetStrategy, cycles: int, runs: int, seed: int) ->
     """Return the number of the action of each cycle, (runs, cycles), each run drawn by itself."""
     seeds: list[int | np.random.SeedSequence] = [seed]
     seeds += [np.random.SeedSequence(seed, spawn_key=(run,)) for run in range(1, runs)]
-    return np.array([strategy.drawn(cycles, one) for one in seeds])
+    return np.array([strategy.drawn(cycles, stream) for stream in seeds])
 
 
 def noise_of_runs(sigma: float, cycles: int, runs: int, seed: int) -> Array:
@@ -180,7 +180,7 @@ def sampled_orientations(
     """
     chosen = drawn_actions(strategy, cycles, runs, seed)
     return _followed(
-        turn, chosen.shape, sigma, seed, start, lambda number, theta, ends: chosen[:, number]
+        turn, chosen.shape, sigma, seed, start, lambda cycle, theta, ends: chosen[:, cycle]
     )
 
 
@@ -223,7 +223,7 @@ def steered_orientations(turn: Array, cycles: int, runs: int, sigma: float, seed
     """
     crowding = Crowding(runs)
 
-    def least(number: int, theta: Array, ends: Array) -> Whole:
+    def least(cycle: int, theta: Array, ends: Array) -> Whole:
         crowding.add(theta)
         return np.asarray(np.argmin(crowding.at(ends), axis=0))
 
@@ -248,11 +248,11 @@ def _followed(
         if start is None
         else np.full(runs, finite_number("start", start))
     )
-    for number in range(cycles):
-        theta[:, number] = now
+    for cycle in range(cycles):
+        theta[:, cycle] = now
         before, after, share = nodes_around(now, turn.shape[1])
         ends = now + turn[:, before] + share * (turn[:, after] - turn[:, before])
-        now = ends[choose(number, now, ends), rows] + kicks[:, number]
+        now = ends[choose(cycle, now, ends), rows] + kicks[:, cycle]
     return theta
 
 

@@ -156,23 +156,23 @@ class TableFeed:
             if content == self._content:
                 return NewOrientations(())
             lines = [line for line in content.split(b"\n")[:-1] if line.strip()]
-            found = self.read(False) if len(lines) > 1 else NewOrientations(())
+            read = self.read(False) if len(lines) > 1 else NewOrientations(())
         except DataFileError:
             if self._content is None or self.path.exists():
                 raise
             return NewOrientations(())
         self._content = content
-        return self._fresh(found)
+        return self._fresh(read)
 
-    def _fresh(self, found: NewOrientations) -> NewOrientations:
+    def _fresh(self, read: NewOrientations) -> NewOrientations:
         """What was not fed yet."""
-        anew = found.theta[: len(self._fed)] != self._fed
-        theta = found.theta if anew else found.theta[len(self._fed) :]
-        self._fed = found.theta
+        anew = read.theta[: len(self._fed)] != self._fed
+        theta = read.theta if anew else read.theta[len(self._fed) :]
+        self._fed = read.theta
         # What was fed stands until there is something to begin anew with.
         dropped = self._dropped or anew
         self._dropped = dropped and not theta
-        return replace(found, theta=theta, began_anew=dropped and bool(theta))
+        return replace(read, theta=theta, began_anew=dropped and bool(theta))
 
 
 @dataclass

@@ -791,7 +791,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         DESIGN,
         [
             (
-                "share = chance * (most - so_far[number]) / left",
+                "share = chance * (most - so_far[index]) / left",
                 "share = chance / sum(1 for k, m in enumerate(counts) if so_far[k] < m)",
             ),
             ("np.exp(-0.5 * (orders * sigma) ** 2)", "np.exp(-(orders * sigma) ** 2)"),
@@ -800,7 +800,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "total_variation(ends, samples).max(axis=-1), 1.0)",
                 "total_variation(ends, samples).min(axis=-1), 1.0)",
             ),
-            ("error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))", "error = 0.0"),
+            (
+                "error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))",
+                "error = 0.0",
+            ),
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],
     ),
@@ -816,7 +819,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM,))",
                 "np.random.SeedSequence(0, spawn_key=(1,))",
             ),
-            ("+ turns[doing] + kicks[:, number]", "+ kicks[:, number]"),
+            ("+ turns[doing] + kicks[:, cycle]", "+ kicks[:, cycle]"),
             ("most = math.floor(count * chance) + 1", "most = math.floor(count * chance)"),
         ],
     ),
@@ -867,7 +870,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_action_cycles.py tests/resets",
         [
             ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
-            ("found[push] = min(rough.model", "found[push] = max(rough.model"),
+            ("lengths[push] = min(rough.model", "lengths[push] = max(rough.model"),
             ("[:, places] + turns[:, None]", "[:, places]"),
         ],
     ),
