@@ -88,16 +88,6 @@ class StrokePair(Generic[P, D]):
         Orientation before, rad.
     push, drag : results of both strokes
         Quasi-static or dynamic.
-    push_turn, drag_turn : float
-        Turns of the object, rad.
-    push_displacement : ndarray, shape (2,)
-        Of the object's origin in its initial frame, m.
-    drag_length : float
-        Path of the ring, m.
-    theta_next : float
-        Orientation after, rad on the lift: theta + push_turn + drag_turn.
-    ended : str
-        Why the push ended, `distance`, or `left` where the rod lost the object.
     """
 
     theta: float
