@@ -305,15 +305,12 @@ def parameter_table(identified: Identification) -> Table:
     """Every parameter that the data were asked about: identified with its interval, or held."""
     rows: list[tuple[str, ...]] = []
     for estimate in identified.lasting:
-        unit = readable_unit(estimate.unit)
-        lower = _digits(unit.of_si(estimate.lower)) + "*" * estimate.lower_open
-        upper = _digits(unit.of_si(estimate.upper)) + "*" * estimate.upper_open
-        interval = f"{lower} to {upper}" if estimate.identifiable else "not identifiable"
-        value = f"{_digits(unit.of_si(estimate.value))}{unit.sign}"
-        rows.append((estimate.name, value, interval, estimate.description))
-    rows += [
-        (name, _digits(held), "held", "") for name, held in sorted(identified.problem.fixed.items())
-    ]
+        value, lower, upper = _readable(estimate)
+        interval = f"{lower}{'*' * estimate.lower_open} to {upper}{'*' * estimate.upper_open}"
+        known = interval if estimate.identifiable else "not identifiable"
+        rows.append((estimate.name, value, known, estimate.description))
+    for name, held in sorted(identified.problem.fixed.items()):
+        rows.append((name, _digits(held), "held", ""))
     columns = ("name", "value", f"{100.0 * identified.level:g} % interval", "what it is")
     table = people_table("Parameters", columns, rows, words=(0, 3))
     estimates = [estimate for estimate in identified.estimates if estimate.identifiable]
@@ -326,14 +323,20 @@ def derived_table(derived: Sequence[Derived]) -> Table:
     """What follows from the parameters."""
     rows = []
     for quantity in derived:
-        unit = readable_unit(quantity.unit)
-        value = f"{_digits(unit.of_si(quantity.value))}{unit.sign}"
-        lower, upper = (_digits(unit.of_si(end)) for end in (quantity.lower, quantity.upper))
+        value, lower, upper = _readable(quantity)
         interval = f"{lower} to {upper}" if quantity.known else "any"
         rows.append((quantity.name.replace("_", " "), value, interval, quantity.description))
     return people_table(
         "It follows", ("name", "value", "interval", "what it is"), rows, words=(0, 3)
     )
+
+
+def _readable(result: Estimate | Derived) -> tuple[str, str, str]:
+    """A value with its unit, and the ends of its interval."""
+    unit = readable_unit(result.unit)
+    numbers = (result.value, result.lower, result.upper)
+    value, lower, upper = (_digits(unit.of_si(number)) for number in numbers)
+    return f"{value}{unit.sign}", lower, upper
 
 
 def error_table(identified: Identification) -> Table:

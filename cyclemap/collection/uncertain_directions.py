@@ -264,10 +264,9 @@ def _coordinates(loop: CollectionLoop, phi: float) -> Array:
     ring, pressure.
     """
     law = loop.material.friction
-    axes = np.array(
-        [[math.cos(law.phi - phi), -math.sin(law.phi - phi)], [math.sin(law.phi - phi), 0.0]]
-    )
-    axes[1, 1] = axes[0, 0]
+    c = math.cos(law.phi - phi)
+    s = math.sin(law.phi - phi)
+    axes = np.array([[c, -s], [s, c]])
     shape = axes @ np.diag([law.mu_a**2, law.mu_b**2]) @ axes.T
     pressure = loop.model.pressure
     (x, y) = loop.slider.hitch

@@ -827,7 +827,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_strategy.py tests/protocol",
         [
             ("blocks = [random.permutation(block) for", "blocks = [block for"),
-            ("often.min() < 0.5:", "often.min() < -1.0:"),
+            ("often.min() >= 0.5", "often.min() >= -1.0"),
         ],
     ),
     "resets/reset_design.py": (
