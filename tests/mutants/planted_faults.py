@@ -887,16 +887,16 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "resets/bias_evidence.py": (
         f"{MONITOR} tests/resets/test_rest_evidence.py",
         [
-            ("+ raised[:, 0] - log_mean", "+ raised[:, 0]"),
+            ("settle(raised[:, 0] - log_mean)", "settle(raised[:, 0])"),
             (
                 "self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)",
                 "self._shares = 1.0 / periods**2",
             ),
             (
-                "factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)",
-                "factor = np.log((_RATES if hit else 1.0) / CHANCE)",
+                "np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)",
+                "np.log((_RATES if hit else 1.0) / CHANCE)",
             ),
-            ("new = -math.log(self._blocks * (self._blocks + 1))", "new = 0.0"),
+            ("new = -math.log(self._bets * (self._bets + 1))", "new = 0.0"),
             ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
             (
                 "return float(likelihoods[0] / np.mean(likelihoods)) if",
