@@ -298,6 +298,7 @@ command(
         help="Open the page, or only write it.",
     ),
     out_option("Where."),
+    beside="report",
 )
 command(
     "dynamics",

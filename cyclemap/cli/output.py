@@ -18,7 +18,7 @@ from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
-from cyclemap.cli.json_report import json_text
+from cyclemap.cli.json_report import json_text, margin_report
 from cyclemap.cli.options import ResultOptions, is_quiet, warnings_so_far
 from cyclemap.plain_text import printable
 from cyclemap.progress import Progress
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from cyclemap.collection.loop import CollectionLoop
-    from cyclemap.sweeps.direction_margins import DirectionMargin
 
 # What people are told: sentences and tables.
 Told = str | Text | Table
@@ -252,20 +251,17 @@ class PeopleConsole(Console):
         self.width = before
 
 
-def margins_of(loop: CollectionLoop) -> tuple[DirectionMargin, ...]:
-    """How far every setting of a loop is from a change of its stable directions, with progress."""
+def margins_of(loop: CollectionLoop) -> tuple[list[Json], list[Told]]:
+    """How far every setting of a loop is from a change of its stable directions: as JSON, and what
+    people are told of it.
+    """
     from cyclemap.sweeps.direction_margins import direction_margins
-
-    with progress_bar("margins of the settings") as report:
-        return direction_margins(loop, progress=report)
-
-
-def told_margins(margins: Sequence[DirectionMargin]) -> list[Told]:
-    """What people are told of them."""
     from cyclemap.views import sentences
 
+    with progress_bar("margins of the settings") as report:
+        margins = direction_margins(loop, progress=report)
     words: list[Told] = [sentences.margin_sentence(margins)]
     if rows := sentences.margin_rows(margins):
         title = "Where stable directions come and go"
         words.append(people_table(title, sentences.MARGIN_COLUMNS, rows, words=(0,)))
-    return words
+    return [*map(margin_report, margins)], words

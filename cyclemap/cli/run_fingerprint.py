@@ -6,7 +6,7 @@ import math
 
 from rich.table import Table
 
-from cyclemap.cli.json_report import margin_report, orbit_report, uncertainty_report
+from cyclemap.cli.json_report import orbit_report, uncertainty_report
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import (
     Told,
@@ -16,7 +16,6 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
     styled,
-    told_margins,
 )
 from cyclemap.collection.fingerprint import Anisotropy, Fingerprint, fingerprint, floor_bow
 from cyclemap.collection.fingerprint_prediction import (
@@ -67,9 +66,8 @@ def run_fingerprint(
     if prediction is not None:
         lines += _prediction_lines(prediction, name)
     if margin:
-        margins = margins_of(loop)
-        as_json["margins"] = [*map(margin_report, margins)]
-        lines += told_margins(margins)
+        as_json["margins"], margins = margins_of(loop)
+        lines += margins
     if bow:
         lines.append(fingerprint_page.bow_sentence(numbers, bow))
     lines.append(uncertainty_sentence(name, known))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from cyclemap.cli.json_report import margin_report, portrait_report, staircase_report
+from cyclemap.cli.json_report import portrait_report, staircase_report
 from cyclemap.cli.options import RunOptions
 from cyclemap.cli.output import (
     Told,
@@ -17,7 +17,6 @@ from cyclemap.cli.output import (
     publish,
     result_stem,
     styled,
-    told_margins,
 )
 from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
@@ -54,9 +53,7 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     report = portrait_report(drawn, measured)
     margins = list[Told]()
     if margin:
-        changes = margins_of(loop)
-        report["margins"] = [*map(margin_report, changes)]
-        margins = told_margins(changes)
+        report["margins"], margins = margins_of(loop)
     publish(report, page, stem, asked.results, *_lines(drawn, measured, margins))
 
 
