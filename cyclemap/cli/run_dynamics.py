@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from cyclemap.cli.options import ResultOptions
 from cyclemap.cli.output import people_table, progress_bar, publish, result_stem
-from cyclemap.cli.run_cycle import parse_angles
+from cyclemap.cli.run_cycle import cycle_columns, parse_angles
 from cyclemap.collection.batch_experiment import WITHIN, BatchRun, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
@@ -77,11 +77,7 @@ def run_dynamics(
 def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
     """The cycles of a model, one from each start angle (degrees)."""
     return rows(
-        theta0_deg=starts_deg,
-        push_turn_deg=degrees(cycles.push_turn),
-        push_dx_mm=written(cycles.push_displacement[:, 0], MILLIMETRES),
-        push_dy_mm=written(cycles.push_displacement[:, 1], MILLIMETRES),
-        drag_turn_deg=degrees(cycles.drag_turn),
+        **cycle_columns(starts_deg, cycles),
         theta1_deg=degrees(cycles.theta_next),
         left=cycles.left,
     )
