@@ -176,7 +176,7 @@ class Limit:
 class Pool:
     """All candidates in one table.
 
-    parts : their sets.
+    sets : those they are from.
     rows : by the number of the set and that of the candidate in it: the set's family, whether the
         robot can do it (able), how many actions, how far from simple a mixture of so many is
         (untidy), all values that demands or ranks are about, and how far it misses what is demanded
@@ -186,7 +186,7 @@ class Pool:
     limits : what is demanded.
     """
 
-    parts: tuple[Candidates, ...]
+    sets: tuple[Candidates, ...]
     rows: pandas.DataFrame
     excess: pandas.DataFrame
     limits: dict[str, float]
@@ -198,8 +198,8 @@ class Pool:
 
     def strategy(self, index: tuple[int, int]) -> ResetStrategy:
         """Return a candidate as a strategy."""
-        family, row = index
-        return self.parts[family].strategy(row)
+        place, row = index
+        return self.sets[place].strategy(row)
 
 
 def candidate_pool(
@@ -210,12 +210,12 @@ def candidate_pool(
     progress: Progress,
 ) -> Pool:
     """Every candidate, those that need what the robot cannot do included, for they are told too."""
-    parts = own_pushes(loop, about, sigma, demands.within)
+    sets = own_pushes(loop, about, sigma, demands.within)
     places: list[tuple[float, float] | None] = [] if demands.keep_push else [None]
     if RING in demands.abilities and not demands.keep_push:
         x, y = loop.slider.hitch
         places += [(-y, x), (-x, -y), (y, -x), (2.0 * x / 3.0, 2.0 * y / 3.0)]
-    pool = gathered(loop, demands, tuple(parts))
+    pool = gathered(loop, demands, tuple(sets))
     for share, slants in zip(CONTACTS, (SLANTS, MORE_SLANTS), strict=True):
         # Where pushes that keep the object for long do not do, shorter and more slanted ones may.
         if pool.has_enough or not places:
@@ -224,28 +224,28 @@ def candidate_pool(
         for hitch in places:
             source = push_set(loop, about, sigma, contact, slants, hitch)
             if source is not None:
-                parts.append(searched(source, demands.within, progress))
-        pool = gathered(loop, demands, tuple(parts))
+                sets.append(searched(source, demands.within, progress))
+        pool = gathered(loop, demands, tuple(sets))
     return pool
 
 
-def gathered(loop: CollectionLoop, demands: ResetDemands, parts: tuple[Candidates, ...]) -> Pool:
-    """Return the candidates with their values; the second part starts with the loop's own drag."""
+def gathered(loop: CollectionLoop, demands: ResetDemands, sets: tuple[Candidates, ...]) -> Pool:
+    """Return the candidates with their values; the second set starts with the loop's own drag."""
     import pandas
 
-    own_drag = float(parts[1].source.turns.drag_length[0, 0])
+    own_drag = float(sets[1].source.turns.drag_length[0, 0])
     asked = {SECONDS: demands.seconds, REACH: demands.reach, CONTACT: demands.contact}
     limits = {TV: demands.allow_tv, AFTER: demands.allow_after, DRAG: demands.drag_ratio * own_drag}
     limits |= {name: limit for name, limit in asked.items() if limit is not None}
-    frames = [pandas.DataFrame(_values(loop, part, REACH in limits)) for part in parts]
-    rows = pandas.concat(frames, keys=range(len(parts)))
+    frames = [pandas.DataFrame(_values(loop, each, REACH in limits)) for each in sets]
+    rows = pandas.concat(frames, keys=range(len(sets)))
     excess = np.log(rows[list(limits)].clip(lower=1e-9) / pandas.Series(limits))
     if CONTACT in limits:
         excess[CONTACT] = -excess[CONTACT]
     family = rows["family"]
     rows["missed"] = excess.clip(lower=0.0).sum(axis=1)
     rows["able"] = ~family.isin(ABILITIES) | family.isin(demands.abilities)
-    return Pool(parts, rows, excess, limits)
+    return Pool(sets, rows, excess, limits)
 
 
 def _values(loop: CollectionLoop, candidates: Candidates, reach: bool) -> dict[str, Any]:
