@@ -89,17 +89,21 @@ class IdentifyOptions:
     force: bool
     results: ResultOptions
 
+    def __post_init__(self) -> None:
+        if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in self.settings):
+            raise InvalidInput(
+                "noise_deg: the noise is estimated from the data; leave the setting out"
+            )
+        if self.floor is not None and self.start is not None:
+            raise InvalidInput(
+                "--floor tells what is known, and where the search begins: leave --start out"
+            )
+
 
 def run_identify(asked: IdentifyOptions) -> None:
     """Read the data, identify the surface, write material, JSON and picture, and print for people
     or as JSON.
     """
-    if any(pair.partition("=")[0].strip() == NOISE_KEY for pair in asked.settings):
-        raise InvalidInput("noise_deg: the noise is estimated from the data; leave the setting out")
-    if asked.floor is not None and asked.start is not None:
-        raise InvalidInput(
-            "--floor tells what is known, and where the search begins: leave --start out"
-        )
     begin = asked.start if asked.floor is None else asked.floor
     surface = None if begin is None else load_material(begin)
     fixed = fixed_values(asked.fix)

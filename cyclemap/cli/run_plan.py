@@ -70,16 +70,18 @@ class PlanOptions:
     seed: int
     results: ResultOptions
 
+    def __post_init__(self) -> None:
+        if self.object_file.suffix != ".toml":
+            raise InvalidInput(
+                f"{self.object_file}: give the file of your object; cyclemap init makes one, MIT's "
+                "with --shape"
+            )
+
 
 def run_plan(asked: PlanOptions) -> None:
     """Plan what is asked for, after what was measured, write its tables and picture, and tell what
     will be known.
     """
-    if asked.object_file.suffix != ".toml":
-        raise InvalidInput(
-            f"{asked.object_file}: give the file of your object; cyclemap init makes one, MIT's "
-            "with --shape"
-        )
     step = _orientation_step(asked.grid)
     room = _room(asked.room_mm)
     loop = chosen_loop(LoopOptions(asked.floor, asked.object_file, asked.settings)).loop

@@ -18,6 +18,7 @@ from cyclemap.written import Json, degrees, direction_deg, json_of, rows, writte
 
 _EACH = "cycles differ from each other, so that no orientation is fixed: see stationary"
 _CHANGING = "the map changes from cycle to cycle: cyclemap portrait tells the distribution of θ0"
+_NO_STEPS = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
 
 
 def run_strategy_portrait(
@@ -51,12 +52,7 @@ def run_strategy_portrait(
             **dict.fromkeys(("lower", "upper", "locked")),
         },
         "stationary": {"noise_deg": degrees(sigma), **_law_report(law, factor)},
-        "staircase": {
-            "mean_turn_deg": degrees(mean_turn),
-            "mean_residence_cycles": None,
-            "step_deg": None,
-            "run": ran,
-        },
+        "staircase": {**_NO_STEPS, "mean_turn_deg": degrees(mean_turn), "run": ran},
     }
     if pairs is not None:
         as_json["data"] = {"pairs": len(pairs.theta), "dropped": dict(pairs.dropped)}
@@ -98,10 +94,9 @@ def run_strategy_staircase(
     data = None if measured is None else measured.path
     theta, ran = _run(loop, strategy, sigma, data, asked)
     steps = find_steps(theta)
-    nothing = dict.fromkeys(("mean_turn_deg", "mean_residence_cycles", "step_deg"))
     as_json: Json = {
         "noise_deg": degrees(sigma),
-        "prediction": {**nothing, "zones": [], "reason": _CHANGING},
+        "prediction": {**_NO_STEPS, "zones": [], "reason": _CHANGING},
         "run": {**ran, "followed": "mechanics", **steps_report(steps)},
         **({} if measured is None else {"data": measured_report(measured)}),
     }

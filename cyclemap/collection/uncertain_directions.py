@@ -184,17 +184,7 @@ def direction_uncertainty(
     report = progress or (lambda fraction: None)
     stated = replace(loop, accuracy=max(loop.accuracy, _ACCURACY))
     if loop.material.posterior is None:
-        law = loop.material.friction
-        varied = []
-        for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
-            friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
-            varied.append(
-                replace(stated, material=replace(loop.material, friction=friction, wear=None))
-            )
-        nominal, *found = stable_points([stated, *varied], report)
-        locks = sum(one.size > 0 for one in found)
-        intervals = _intervals(nominal, found, span=True)
-        return DirectionUncertainty("axis ratio", SAMPLES, 2, locks, intervals)
+        return _of_axis_ratio(stated, report)
     samples = map(loop.material.sample, range(len(loop.material.posterior)))
     loops = [on_material(stated, sample) for sample in samples]
     nominal = stable_points([stated])[0]
@@ -223,6 +213,20 @@ def direction_uncertainty(
     report(1.0)
     locks = sum(one.size > 0 for one in linear)
     return DirectionUncertainty("posterior", method, len(loops), locks, intervals, error)
+
+
+def _of_axis_ratio(stated: CollectionLoop, report: Progress) -> DirectionUncertainty:
+    """What the ratio of the axes does to the directions, where nothing is known of it."""
+    law = stated.material.friction
+    loops = [stated]
+    for root in (1.0 / math.sqrt(1.0 + VARIED), math.sqrt(1.0 + VARIED)):
+        friction = replace(law, mu_a=law.mu_a * root, mu_b=law.mu_b / root)
+        material = replace(stated.material, friction=friction, wear=None)
+        loops.append(replace(stated, material=material))
+    nominal, *varied = stable_points(loops, report)
+    locks = sum(points.size > 0 for points in varied)
+    intervals = _intervals(nominal, varied, span=True)
+    return DirectionUncertainty("axis ratio", SAMPLES, len(varied), locks, intervals)
 
 
 def _first_order(loop: CollectionLoop, loops: Sequence[CollectionLoop]) -> list[Array]:

@@ -45,6 +45,9 @@ _AROUND = (np.arange(24) * 2.0 * math.pi / 24).tolist()
 _SHORT_LEVER = 0.03
 _SHORT_PUSH = 0.1
 
+# Whether something is doubtful, and what is said of it.
+Doubts = tuple[tuple[bool, str], ...]
+
 
 def first_settings(outline: Outline, name: str) -> Settings:
     """Return settings of an experiment with an object of this outline, in proportion as MIT's is.
@@ -230,13 +233,11 @@ def check_collection(path: str | Path) -> CheckedCollection:
 def _unusual(loop: CollectionLoop) -> list[str]:
     """What is odd about the sizes and frictions of a loop."""
     slider = loop.slider
-    law = loop.material.friction
-    low, high = sorted((law.mu_a, law.mu_b))
     reach = slider.outline.extent
     away = math.dist(slider.outline.centroid, (0.0, 0.0))
     lever = math.dist(slider.hitch, slider.centre_of_mass)
     size = f"the object reaches {MM * reach:.4g} mm from its centre"
-    doubts = (
+    doubts: Doubts = (
         (
             reach < _SMALLEST,
             f"{size}: were its lengths given in metres or centimetres? They are read as "
@@ -253,6 +254,15 @@ def _unusual(loop: CollectionLoop) -> list[str]:
             "the ring is all but at the centre of mass: the drag back will hardly turn the object",
         ),
         (slider.mass > _HEAVIEST, f"the mass is {slider.mass:g} kg: was it given in grams?"),
+        *_unusual_friction(loop),
+    )
+    return [words for is_so, words in doubts if is_so]
+
+
+def _unusual_friction(loop: CollectionLoop) -> Doubts:
+    law = loop.material.friction
+    low, high = sorted((law.mu_a, law.mu_b))
+    return (
         (
             low < SETTINGS["mu_a"].low or high > SETTINGS["mu_a"].high,
             f"friction of {low:g} to {high:g} is rare between dry solids, 0.1 to 0.8 is usual",
@@ -272,7 +282,6 @@ def _unusual(loop: CollectionLoop) -> list[str]:
             "guess to start with; cyclemap identify finds it from data",
         ),
     )
-    return [words for is_so, words in doubts if is_so]
 
 
 def _strokes(loop: CollectionLoop) -> list[Finding]:
