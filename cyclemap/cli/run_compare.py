@@ -58,13 +58,11 @@ def run_compare(
             seed=seed,
             progress=report,
         )
-    page = compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle)))
-    stem = result_stem(results.out, "compare", loop)
     note = plate_note(loop.material, loop.slider)
     publish(
         compare_report(name, compared),
-        page,
-        stem,
+        compare_page(name, compared, turn_curve(compared.prediction.map_at(compared.middle))),
+        result_stem(results.out, "compare", loop),
         results,
         headline(name, compared),
         data_sentence(compared),

@@ -63,15 +63,20 @@ def run_dynamics(
         **cycles,
         "isotropic": {**mu, **cycles["isotropic"]},
     }
-    stem = result_stem(results.out, "dynamics", chosen)
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
     for law, models in cycles.items():
         for dynamic, quasi_static in zip(models["dynamic"], models["quasi_static"], strict=True):
             table.add_row(law, "dynamic", *_cells(dynamic))
             table.add_row("", "quasi-static", "", *_cells(quasi_static)[1:], end_section=True)
-    page = dynamics_page(material, isotropic)
     words = (difference_sentence(material), difference_sentence(isotropic))
-    publish(as_json, page, stem, results, *words, table)
+    publish(
+        as_json,
+        dynamics_page(material, isotropic),
+        result_stem(results.out, "dynamics", chosen),
+        results,
+        *words,
+        table,
+    )
 
 
 def _cycles(starts_deg: list[float], cycles: Cycles) -> list[Json]:
@@ -111,11 +116,10 @@ def run_experiment(
         "anisotropic": _run(experiment.anisotropic),
         "isotropic": _run(experiment.isotropic),
     }
-    stem = result_stem(results.out, "experiment", loop)
     publish(
         as_json,
         page.experiment_page(experiment),
-        stem,
+        result_stem(results.out, "experiment", loop),
         results,
         page.experiment_headline(experiment),
         page.spread_sentence(experiment),

@@ -73,8 +73,13 @@ def run_fingerprint(
     lines.append(uncertainty_sentence(name, known))
     if checked is not None:
         lines.append(fingerprint_page.check_sentence(checked))
-    page = fingerprint_page.fingerprint_page(numbers, prediction, checked, name)
-    publish(as_json, page, result_stem(results.out, "fingerprint", loop, name), results, *lines)
+    publish(
+        as_json,
+        fingerprint_page.fingerprint_page(numbers, prediction, checked, name),
+        result_stem(results.out, "fingerprint", loop, name),
+        results,
+        *lines,
+    )
 
 
 def _why_unchecked(bow: float) -> str:

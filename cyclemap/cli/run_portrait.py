@@ -48,13 +48,17 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     with progress_bar(f"cycle map of {loop.material.name}") as done:
         drawn = portrait(loop, sigma=chosen.sigma, progress=done, **run)
     measured = None if pairs is None else _overlay(pairs, drawn)
-    page = portrait_page(drawn, portrait_curves(drawn), measured)
-    stem = result_stem(asked.results.out, "portrait", loop)
     report = portrait_report(drawn, measured)
     margins = list[Told]()
     if margin:
         report["margins"], margins = margins_of(loop)
-    publish(report, page, stem, asked.results, *_lines(drawn, measured, margins))
+    publish(
+        report,
+        portrait_page(drawn, portrait_curves(drawn), measured),
+        result_stem(asked.results.out, "portrait", loop),
+        asked.results,
+        *_lines(drawn, measured, margins),
+    )
 
 
 def _lines(
@@ -118,12 +122,10 @@ def run_staircase(asked: RunOptions) -> None:
     run = asked.run_beside(None if measured is None else measured.path)
     with progress_bar(f"staircase of {loop.material.name}") as report:
         forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
-    stem = result_stem(asked.results.out, "staircase", loop)
-    page = staircase_page.staircase_page(forecast, measured)
     publish(
         staircase_report(forecast, measured),
-        page,
-        stem,
+        staircase_page.staircase_page(forecast, measured),
+        result_stem(asked.results.out, "staircase", loop),
         asked.results,
         staircase_page.forecast_sentence(forecast),
         staircase_page.worn_sentence(forecast),

@@ -79,17 +79,14 @@ def run_replay(
     notes = [
         note for name in seen if (note := plate_note(material, replace(sliders[name], name=name)))
     ]
-    stem = result_stem(results.out, "replay", loop)
-    page = replay_page(replayed, material.name)
-    as_json = replay_report(replayed, material.name, loop.pusher.friction, notes)
     errors_table = people_table("Error at the end, by object (means)", COLUMNS, words=(0, 1))
     for row in replayed.by("surface", "object").to_dict("records"):
         errors_table.add_row(*_cells(row))
     left_out = replayed.not_replayed
     publish(
-        as_json,
-        page,
-        stem,
+        replay_report(replayed, material.name, loop.pusher.friction, notes),
+        replay_page(replayed, material.name),
+        result_stem(results.out, "replay", loop),
         results,
         replay_headline(replayed),
         errors_table,

@@ -63,9 +63,13 @@ def run_strategy_portrait(
         f"after {law.pushes} pushes from the worst start (± {law.error:.1g} for the modes kept).",
         f"In a run of {len(theta) - 1} cycles θ0 moves {angle(mean_turn, 2)} a cycle on average.",
     )
-    figure = strategy_page(words, loop, strategy, theta, measured, turns, law)
-    stem = result_stem(asked.results.out, "portrait", loop)
-    publish(as_json, figure, stem, asked.results, *words)
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, measured, turns, law),
+        result_stem(asked.results.out, "portrait", loop),
+        asked.results,
+        *words,
+    )
 
 
 def _law_report(law: OrientationLaw, factor: float) -> Json:
@@ -108,8 +112,13 @@ def run_strategy_staircase(
         f"{rests}; θ0 moves {angle((theta[-1] - theta[0]) / (len(theta) - 1), 2)} a cycle on "
         "average.",
     )
-    page = strategy_page(words, loop, strategy, theta, data)
-    publish(as_json, page, result_stem(asked.results.out, "staircase", loop), asked.results, *words)
+    publish(
+        as_json,
+        strategy_page(words, loop, strategy, theta, data),
+        result_stem(asked.results.out, "staircase", loop),
+        asked.results,
+        *words,
+    )
 
 
 def _run(
