@@ -136,14 +136,19 @@ def actions_report(strategy: ResetStrategy, loop: CollectionLoop) -> list[Json]:
 
 def push_report(push: SidePush) -> Json:
     """How the rod pushes."""
-    place = json_of(push, "side", "fraction")
-    return {**place, "angle_deg": degrees(push.angle), "push_mm": millimetres(push.distance)}
+    return {
+        **json_of(push, "side", "fraction"),
+        "angle_deg": degrees(push.angle),
+        "push_mm": millimetres(push.distance),
+    }
 
 
 def orbit_report(orbit: Orbit) -> Json:
     """Where a fixed point is, and whether it is stable."""
-    theta = direction_deg(float(orbit.points[0]))
-    return {"theta_deg": theta, **json_of(orbit, "multiplier", "stable")}
+    return {
+        "theta_deg": direction_deg(float(orbit.points[0])),
+        **json_of(orbit, "multiplier", "stable"),
+    }
 
 
 def json_text(report: Json) -> str:
@@ -178,24 +183,25 @@ def margin_report(margin: DirectionMargin) -> Json:
 
 
 def _change(change: DirectionChange, unit: Unit) -> Json:
-    where = json_of(change, "value", unit=unit)
-    error = {"error": written(change.value.error_bound, unit)}
-    return {**where, **error, **json_of(change, "kind", "theta", "directions")}
+    return {
+        **json_of(change, "value", unit=unit),
+        "error": written(change.value.error_bound, unit),
+        **json_of(change, "kind", "theta", "directions"),
+    }
 
 
 def steps_report(steps: Steps) -> Json:
     """The dwells and steps of a path."""
-    dwells = rows(
-        first_cycle=steps.start,
-        cycles=steps.lengths,
-        level_deg=degrees(steps.levels),
-        censored=steps.censored,
-    )
     return {
         **json_of(steps, "cycles", "climb"),
         "steps": steps.count,
         "heights_deg": degrees(steps.heights),
-        "dwells": dwells,
+        "dwells": rows(
+            first_cycle=steps.start,
+            cycles=steps.lengths,
+            level_deg=degrees(steps.levels),
+            censored=steps.censored,
+        ),
     }
 
 
@@ -205,14 +211,17 @@ def measured_report(measured: MeasuredStaircase) -> Json:
     foretold = measured.foretold
     if foretold is None:
         return {**report, "fitted": None, "problem": measured.problem, "comparison": None}
-    fitted = {
-        "harmonics": foretold.fitted.law.harmonics,
-        "pairs": foretold.fitted.pairs,
-        "noise_deg": degrees(foretold.fitted.sigma),
-        **json_of(foretold.prediction),
+    return {
+        **report,
+        "fitted": {
+            "harmonics": foretold.fitted.law.harmonics,
+            "pairs": foretold.fitted.pairs,
+            "noise_deg": degrees(foretold.fitted.sigma),
+            **json_of(foretold.prediction),
+        },
+        "problem": None,
+        "comparison": comparison_report(foretold.comparison),
     }
-    comparison = comparison_report(foretold.comparison)
-    return {**report, "fitted": fitted, "problem": None, "comparison": comparison}
 
 
 def comparison_report(comparison: StepComparison, errors: bool = True) -> Json:

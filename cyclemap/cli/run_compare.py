@@ -196,14 +196,16 @@ def _orientations(agreement: cycle_agreement.OrientationAgreement) -> Json:
 
 
 def _directions(agreement: cycle_agreement.DirectionAgreement) -> Json:
-    matches = [
-        {
-            **json_of(match, "kind", "centre", "predicted_mode", "measured_mode", "difference"),
-            "p_value": _p_value(match.p_value),
-        }
-        for match in agreement.matches
-    ]
-    return {"predicted": matches, **json_of(agreement, "measured_modes")}
+    return {
+        "predicted": [
+            {
+                **json_of(match, "kind", "centre", "predicted_mode", "measured_mode", "difference"),
+                "p_value": _p_value(match.p_value),
+            }
+            for match in agreement.matches
+        ],
+        **json_of(agreement, "measured_modes"),
+    }
 
 
 def _staircase(agreement: cycle_agreement.StaircaseAgreement) -> Json:
@@ -220,8 +222,10 @@ def _staircase(agreement: cycle_agreement.StaircaseAgreement) -> Json:
 
 
 def _simulated(quantity: cycle_agreement.SimulatedQuantity, unit: Unit = NUMBER) -> Json:
-    numbers = json_of(quantity, "measured", "predicted", "lower", "upper", unit=unit)
-    return {**numbers, "p_value": _p_value(quantity.p_value)}
+    return {
+        **json_of(quantity, "measured", "predicted", "lower", "upper", unit=unit),
+        "p_value": _p_value(quantity.p_value),
+    }
 
 
 def _p_value(test: PValue | None) -> float | None:

@@ -57,11 +57,13 @@ def run_dynamics(
         }
         for law, comparison in (("anisotropic", material), ("isotropic", isotropic))
     }
-    mu = {"mu": written(isotropic.loop.loop.material.friction.mu_a)}
     as_json: Json = {
         "speed_mm_s": written(loop.speed, MILLIMETRES),
         **cycles,
-        "isotropic": {**mu, **cycles["isotropic"]},
+        "isotropic": {
+            "mu": written(isotropic.loop.loop.material.friction.mu_a),
+            **cycles["isotropic"],
+        },
     }
     table = people_table(f"Cycles at {1e3 * loop.speed:g} mm/s", COLUMNS, words=(0, 1))
     for law, models in cycles.items():

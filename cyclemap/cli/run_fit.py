@@ -196,8 +196,11 @@ def set_report(fit: SetFit) -> Json:
 def _statistics(statistics: MotionStatistics | None, unit: Unit) -> Json | None:
     if statistics is None:
         return None
-    sizes = json_of(statistics, "mean", "std", unit=unit)
-    return {**json_of(statistics, "count"), **sizes, **json_of(statistics, "percent")}
+    return {
+        **json_of(statistics, "count"),
+        **json_of(statistics, "mean", "std", unit=unit),
+        **json_of(statistics, "percent"),
+    }
 
 
 def _histogram(histogram: TurnHistogram) -> Json:
@@ -275,18 +278,17 @@ def _turn_place(place: TurnPlace) -> Json:
 
 def _forecast(forecast: WornForecast) -> Json:
     pace = forecast.pace
-    full_turns = rows(
-        start_cycle=pace.start,
-        measured_pushes=pace.measured,
-        predicted_pushes=pace.predicted,
-        predicted_95=np.column_stack([pace.lower, pace.upper]),
-    )
     return {
         **json_of(forecast, "first_cycle", "measured_turns", "left_out_turns"),
         "predicted_turns": written(np.mean(forecast.turns)),
         "predicted_turns_std": written(np.std(forecast.turns)),
         "predicted_turns_95": written(np.quantile(forecast.turns, [0.025, 0.975])),
-        "full_turns": full_turns,
+        "full_turns": rows(
+            start_cycle=pace.start,
+            measured_pushes=pace.measured,
+            predicted_pushes=pace.predicted,
+            predicted_95=np.column_stack([pace.lower, pace.upper]),
+        ),
         "peak_deg": _peak(forecast.measured_histogram),
         "predicted_peak_deg": _peak(forecast.histogram),
         **json_of(forecast, "total_variation", "wasserstein"),

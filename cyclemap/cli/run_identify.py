@@ -267,7 +267,6 @@ def identify_report(
     """The report of an identification."""
     wear = material.wear
     starts = identified.starts
-    spread = dict(zip(SPREAD_KEYS, material.session_spread, strict=True))
     return {
         **json_of(material, "name", "provenance", "misfit", "inferred", "friction"),
         "worn": None if wear is None else {"cycles": wear.cycles, **json_of(wear.friction)},
@@ -283,7 +282,7 @@ def identify_report(
             session.name: written(shape_numbers(session.shape, FLOOR_SHAPE_KEYS))
             for session in material.sessions
         },
-        "session_spread": written(spread),
+        "session_spread": written(dict(zip(SPREAD_KEYS, material.session_spread, strict=True))),
         "priors": written(identified.priors),
         "held": written(dict(sorted(identified.problem.fixed.items()))),
         "derived": [*map(_in_its_unit, derived)],
@@ -301,8 +300,12 @@ def _in_its_unit(result: Estimate | Derived) -> Json:
 
 def _error(error: KindErrors) -> Json:
     kind, unit = readable_kind(error.kind)
-    numbers = json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si))
-    return {"block": error.block, "kind": kind, "unit": unit.ending or "1", **numbers}
+    return {
+        "block": error.block,
+        "kind": kind,
+        "unit": unit.ending or "1",
+        **json_of(error, "rows", *_SIZES, unit=Unit("", unit.of_si)),
+    }
 
 
 def parameter_table(identified: Identification) -> Table:

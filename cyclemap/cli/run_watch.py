@@ -137,8 +137,13 @@ def _ahead_of(file: Path, protocol: Path | None, material: str | None) -> LookAh
     def choose(monitor: BiasMonitor) -> Ahead:
         chosen_action = next_action(maps, monitor.coverage, monitor.path[-1])
         action = strategy.actions[chosen_action.number]
-        named = {"number": chosen_action.number, "name": action_words(action)}
-        report: Json = {"next_action": {**named, **json_of(chosen_action, "lands", "crowding")}}
+        report: Json = {
+            "next_action": {
+                "number": chosen_action.number,
+                "name": action_words(action),
+                **json_of(chosen_action, "lands", "crowding"),
+            }
+        }
         return Ahead(report, page.next_action_sentence(action, chosen_action))
 
     return choose
@@ -179,8 +184,12 @@ def _tell(before: BiasReport, after: BiasReport, theta: float, ahead: Ahead, as_
     """A line of JSON; or what changed: alarm, rest, another tenth of the circle;
     and what is ahead."""
     if as_json:
-        place = {"push": after.push, "theta0_deg": direction_deg(theta)}
-        line_of_json = {**place, **_report(after), **ahead.report}
+        line_of_json = {
+            "push": after.push,
+            "theta0_deg": direction_deg(theta),
+            **_report(after),
+            **ahead.report,
+        }
         click.echo(json.dumps(line_of_json, allow_nan=False, ensure_ascii=False))
         return
     news: list[str] = []
