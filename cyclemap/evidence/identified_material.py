@@ -18,11 +18,13 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence.identification.identify import Identification
 from cyclemap.evidence.identification.surface_parameters import (
     FLOOR_NAMES,
+    PACE_NAMES,
     PLATE_NAMES,
     SURFACE,
     SurfaceParameters,
     floor_field,
     owned_shapes,
+    worn_share,
 )
 from cyclemap.evidence.identified_words import misfit_words, provenance_words
 from cyclemap.evidence.laws.linear_fit import student_quantile
@@ -324,6 +326,27 @@ def worn_friction_of(values: Mapping[str, float]) -> EllipseFriction | None:
     return SurfaceParameters.from_values({**values, **worn}).to_friction() if worn else None
 
 
+def _worn_floor(found: Identification) -> SurfaceShape:
+    """Return the floor's mean shape, changed as the session of the cycles was changed by wear."""
+    worn = owned_shapes(found.values, WORN_FLOOR)[""]
+    cycles = next(block for block in found.problem.blocks if PACE_NAMES[0] in block.parameters)
+    for session, fresh in found.floors.items():
+        if f"floor_dome[{session}]" in cycles.parameters:
+            bend = found.floors[""].bend + worn.bend - fresh.bend
+            return SurfaceShape.of_bend(*bend.tolist())
+    return worn
+
+
+def _course(values: Mapping[str, float], last_cycle: float) -> tuple[tuple[float, float], ...]:
+    """How much of the wear is done after some cycles, as `Wear` takes it."""
+    pace = [values[name] for name in PACE_NAMES if name in values]
+    elapsed = np.arange(1, len(pace)) / max(len(pace), 1)
+    if elapsed.size == 0:
+        return ()
+    shares = worn_share(pace, elapsed)[0]
+    return tuple(zip((last_cycle * elapsed).tolist(), shares.tolist(), strict=True))
+
+
 def _outline(law: EllipseFriction) -> Array:
     """Traction (m, 2) over all directions of sliding, world axes."""
     return law.traction(np.stack([np.cos(_AROUND), np.sin(_AROUND)], axis=-1))
@@ -395,7 +418,7 @@ def identified_material(
     frames = [FrameShift(owner, *shift) for owner, shift in sorted(shifts.items())]
     wear = None
     if worn is not None and last_cycle > 0.0:
-        wear = Wear(worn, last_cycle, floor=owned_shapes(found.values, WORN_FLOOR)[""])
+        wear = Wear(worn, last_cycle, _course(found.values, last_cycle), _worn_floor(found))
     material = Material(
         name,
         found.friction(),

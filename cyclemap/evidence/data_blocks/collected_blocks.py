@@ -361,9 +361,9 @@ class _Collected:
         place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
         loop = replace(self.loop, push=replace(self.loop.push, **place))
         since = pairs.numbers[late] - self.first
-        share = since / np.max(since) if self.wear else None
+        elapsed = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
-        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
+        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, elapsed)
         self.last_cycle = max(self.last_cycle, float(np.max(since)))
         self._add(block, f"{count} cycles of {rows.name}" + (", wearing" if self.wear else ""))
 
@@ -804,4 +804,4 @@ def telling_parameters(
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
-    return (*free, *sorted(name for name in asked if name.startswith("worn_")))
+    return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))

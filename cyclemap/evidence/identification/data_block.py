@@ -17,6 +17,7 @@ from cyclemap.errors import ConvergenceError, InvalidInput
 from cyclemap.evidence.identification.surface_parameters import (
     FIELD_NAMES,
     FLOOR_NAMES,
+    PACE_NAMES,
     Parameter,
     ParameterSpace,
 )
@@ -56,6 +57,7 @@ USUAL = MappingProxyType(
         "pin_friction_radius": (0.8e-3, 0.5e-3),
         "tip_offset_x": (0.0, 1.5e-3),
         "tip_offset_y": (0.0, 1.5e-3),
+        **dict.fromkeys(PACE_NAMES, (0.0, 1.5)),
     }
 )
 Function = Callable[[Values], tuple[Array, Array]]

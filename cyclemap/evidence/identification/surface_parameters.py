@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cyclemap.arrays import Array
 from cyclemap.checks import finite_number, positive_number
@@ -41,6 +42,8 @@ PLATE_NAMES = ("plate_dome", "plate_warp_x", "plate_warp_y")
 # target on, in 50 mm.
 HEIGHT_POWERS = ((3, 0), (2, 1), (1, 2), (0, 3), (4, 0), (3, 1), (2, 2), (1, 3), (0, 4))
 FIELD_NAMES = tuple(f"floor_h{m}{n}" for m, n in HEIGHT_POWERS)
+# How fast a surface wears may differ between so many equal stretches of the cycles made on it.
+PACE_NAMES = tuple(f"wear_pace_{stretch}" for stretch in range(1, 9))
 # Beyond this from the target (m) pushes are too few to tell it: the shape stays what it is there.
 FIELD_REACH = 0.025
 # Beyond this, kPa at 50 mm, a foundation of steel plates is as good as rigid.
@@ -307,6 +310,24 @@ def field_factors() -> Array:
         if m > 0 and n > 0:
             factors[2, terms[m - 1, n - 1], column] += 0.5 * m * n
     return factors
+
+
+def worn_share(pace: ArrayLike, elapsed: ArrayLike) -> tuple[Array, Array]:
+    """Return how much of the wear is done, 0 to 1, and its derivatives (n, k) by the logarithms
+    of the pace.
+
+    The wear of a stretch is the exponential of its logarithm over the sum of all; within a stretch
+    the pace is even. pace : (k,), of k equal stretches; elapsed : (n,), shares of the data.
+
+    >>> worn_share([0.0, 0.0], [0.25, 1.0])[0].tolist()
+    [0.25, 1.0]
+    """
+    worn = np.exp(np.asarray(pace, dtype=float))
+    worn /= worn.sum()
+    stretches = np.arange(worn.size)
+    done = np.clip(worn.size * np.asarray(elapsed)[:, np.newaxis] - stretches, 0.0, 1.0)
+    share = done @ worn
+    return share, worn * (done - share[:, np.newaxis])
 
 
 def floor_field(values: Mapping[str, float]) -> FloorField | None:

@@ -187,21 +187,25 @@ def test_the_friction_of_a_simulated_collection_comes_back_within_its_intervals(
     assert found.friction().mu_a == pytest.approx(0.28, abs=2e-3)
 
 
+# Wear at an even pace.
+PACE = {f"wear_pace_{stretch}": 0.0 for stretch in range(1, 9)}
+
+
 def test_first_and_wear_choose_and_order_the_cycles(collection) -> None:
     found = collected_blocks([collection], LOOP, first=20, wear=True, most=6)
     cycles = cycles_of(found)
     assert len(cycles.groups) == CYCLES - 1 - 20 and found.last_cycle == CYCLES - 2 - 20
     # On a surface that does not wear each derivative is shared out between its two ends.
     jacobian = cycles.residuals(
-        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)}
+        TRUTH | {f"worn_{name}": TRUTH[name] for name in (*ELLIPSE, *FLOOR)} | PACE
     )[1]
     fresh, worn = (
         jacobian[:, cycles.parameters.index(f"{word}offset_x")] for word in ("", "worn_")
     )
-    assert worn[0] == fresh[-1] == 0.0 and np.all(np.diff(worn / (fresh + worn)) > 0.0)
-    assert set(telling_parameters(found.blocks)[-7:]) == {
-        f"worn_{name}" for name in (*ELLIPSE, *FLOOR)
-    }
+    assert [worn[0], fresh[-1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.all(np.diff(worn / (fresh + worn)) > 0.0)
+    worn_names = {f"worn_{name}" for name in (*ELLIPSE, *FLOOR)}
+    assert set(telling_parameters(found.blocks)[-15:]) == worn_names | set(PACE)
 
 
 def test_the_place_of_the_push_is_the_datas(tmp_path) -> None:
