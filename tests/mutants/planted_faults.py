@@ -646,10 +646,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("predicted += weight * (between @ turned)", "predicted += between @ turned"),
+            ("predicted += weights[:, index] * turns", "predicted += turns"),
             (
-                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
-                "jacobian[:, columns] += between @ by_names",
+                "weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "self.between @ by_unknowns",
             ),
         ],
     ),
