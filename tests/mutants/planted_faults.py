@@ -645,7 +645,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("predicted += weights[:, index] * turns", "predicted += 0.2 * turns"),
+            ("predicted += weights[:, index] * turns", "predicted += turns"),
+            (
+                "weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "self.between @ by_unknowns",
+            ),
             ("by_worn += worn * by_surface", "by_worn += 0.5 * by_surface"),
         ],
     ),
