@@ -15,15 +15,21 @@ static const int ALONG_CONE[] = {0, 1, 1, 2}, ALONG_SIDE[] = {1, 2, 2, 4};
 /* Sums of pieces: D, the force, and the Hessian by the velocity. */
 enum { SUM_SPEED, SUM_X, SUM_Y, SUM_XX, SUM_XY, SUM_YY, SUM_SIZE };
 
-/* What is summed at a twist about the centroid, under a quadratic; frame: w of places, image: the
-   quadratic of w. */
+/* The velocity plane, w = still + turn x; image: the quadratic of w. */
+typedef struct {
+    double still[2], turn[MATRIX_SIZE], image[QUADRATIC_SIZE];
+} Plane;
+
+/* What is summed at a twist about the centroid, under a quadratic; motion: how the plane moves with
+   M. Sums of how D and force move are followed by the force. */
 typedef struct {
     Friction *f;
     const double *quadratic;
     int is_far, digits;
-    double image[QUADRATIC_SIZE], moved[WRENCH];
+    double moved[WRENCH];
+    Plane plane, motion;
     Frame frame;
-    Lanes sums[SUM_SIZE];
+    Wide sums[SUM_SIZE];
     Sums places;
 } Cones;
 
@@ -39,9 +45,16 @@ static void begin_cones(Cones *c, Friction *f, const double *quadratic, int is_f
         return;
     }
     memset(c->sums, 0, sizeof c->sums);
-    const double *given[] = {f->twist, f->matrix, quadratic};
-    double *results[] = {c->image};
-    pressed_image(given, results, 0, 0, 0);
+    for (int i = 0; i < (f->toward ? 2 : 1); ++i) {
+        Plane *plane = i ? &c->motion : &c->plane;
+        const double *given[] = {f->twist, f->matrix, quadratic, f->toward};
+        double *results[] = {plane->image};
+        (i ? pressed_image_toward : pressed_image)(given, results, 0, 0, 0);
+        Friction by = {.twist = f->twist, .matrix = i ? f->toward : f->matrix};
+        Frame frame = frame_of(&by, 0.0, 0.0, 1.0, 1.0);
+        memcpy(plane->still, frame.middle, sizeof plane->still);
+        for (int k = 0; k < MATRIX_SIZE; ++k) plane->turn[k] = frame.omega * frame.spin[k];
+    }
 }
 
 /* From afar: places along the cone from the centroid to a place on the boundary. */
@@ -66,38 +79,75 @@ static inline void add_far_cone(Cones *c, double end_x, double end_y, double cro
     }
 }
 
-/* Thin cones from the centre of rotation, w = 0, to places w on the boundary. */
-static ALWAYS_INLINE void add_cones(const Lanes *image, const Boundary *at, Lanes *sums) {
-    Lanes x = at->x, y = at->y, xx = x * x, yy = y * y;
-    Lanes level = at->cross * image[Q_LEVEL];
-    Lanes first = at->cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
-    Lanes second = at->cross * (image[Q_XX] * xx + image[Q_XY] * (x * y) + image[Q_YY] * yy);
-    Lanes slowness = 1.0 / rooted(xx + yy + 1e-300), ux = x * slowness, uy = y * slowness;
-    Lanes power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
-    Lanes force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
-    Lanes bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
-    Lanes bent_x = bent * ux, bent_y = bent * uy;
-    sums[SUM_SPEED] += power * (x * ux + y * uy);
-    sums[SUM_X] += force * ux;
-    sums[SUM_Y] += force * uy;
-    sums[SUM_XX] += bent_y * uy;
-    sums[SUM_XY] -= bent_x * uy;
-    sums[SUM_YY] += bent_x * ux;
+/* Images of places, and of how the boundary goes on there. */
+static ALWAYS_INLINE void turn_by(const Plane *p, Wide x, Wide y, Wide *to) {
+    to[X] = p->turn[M_XX] * x + p->turn[M_XY] * y;
+    to[Y] = p->turn[M_YX] * x + p->turn[M_YY] * y;
 }
 
-/* How D and force of a thin cone move. */
-static void move_cone(Cones *c, double x, double y, double cross) {
-    double found[WRENCH], *results[] = {found};
-    const double cone[] = {x, y, cross};
-    const double *given[] = {c->f->twist, c->f->matrix, cone, c->quadratic, c->f->toward};
-    pressed_cone_toward(given, results, 0, 0, 0);
-    add(c->moved, found, 1.0, WRENCH);
+static ALWAYS_INLINE void image_at(const Plane *p, Wide x, Wide y, Wide *to) {
+    turn_by(p, x, y, to);
+    to[X] += p->still[X];
+    to[Y] += p->still[Y];
 }
 
-static inline void velocity_at(const Frame *e, const double *place, double *w) {
-    const double *t = e->spin;
-    w[X] = e->middle[X] + e->omega * (t[M_XX] * place[X] + t[M_XY] * place[Y]);
-    w[Y] = e->middle[Y] + e->omega * (t[M_YX] * place[X] + t[M_YY] * place[Y]);
+/* Thin cones from the centre of rotation, w = 0, to nodes on the boundary. */
+static WIDENED void add_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    const double *image = c->plane.image, twist = 2.0 * image[Q_XY];
+    Wide sums[SUM_SIZE];
+    memcpy(sums, c->sums, sizeof sums);
+    for (int i = from; i < to; i += WIDTH) {
+        Wide w[2], dw[2];
+        image_at(&c->plane, taken(nodes->x + i, to - i), taken(nodes->y + i, to - i), w);
+        turn_by(&c->plane, taken(nodes->dx + i, to - i), taken(nodes->dy + i, to - i), dw);
+        Wide x = w[X], y = w[Y], cross = x * dw[Y] - y * dw[X], square = x * x + y * y + 1e-300;
+        Wide slowness = 1.0 / roots(square), ux = x * slowness, uy = y * slowness;
+        Wide level = cross * image[Q_LEVEL];
+        Wide first = cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
+        Wide second = cross * (x * (image[Q_XX] * x + twist * y) + image[Q_YY] * (y * y));
+        Wide power = level * (1.0 / 3.0) + first * (1.0 / 4.0) + second * (1.0 / 5.0);
+        Wide force = level * (1.0 / 2.0) + first * (1.0 / 3.0) + second * (1.0 / 4.0);
+        Wide bent = slowness * (level + first * (1.0 / 2.0) + second * (1.0 / 3.0));
+        Wide bent_x = bent * ux, bent_y = bent * uy;
+        sums[SUM_SPEED] += power * (square * slowness);
+        sums[SUM_X] += force * ux;
+        sums[SUM_Y] += force * uy;
+        sums[SUM_XX] += bent_y * uy;
+        sums[SUM_XY] -= bent_x * uy;
+        sums[SUM_YY] += bent_x * ux;
+    }
+    memcpy(c->sums, sums, sizeof sums);
+}
+
+/* What functions of a side or a cone are given: its numbers, and the quadratic of w, the same
+   everywhere. */
+static ALWAYS_INLINE void give_image(const Plane *plane, Wide *to) {
+    for (int k = 0; k < QUADRATIC_SIZE; ++k) to[k] = all(plane->image[k]);
+}
+
+/* How D and force of thin cones move. */
+static WIDENED void move_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    enum { CONE = 3, ROOM = CONE + QUADRATIC_SIZE };
+    Wide given[2 * ROOM], found[SUM_SIZE], *motion = given + ROOM;
+    give_image(&c->plane, given + CONE);
+    give_image(&c->motion, motion + CONE);
+    for (int i = from; i < to; i += WIDTH) {
+        Wide x = taken(nodes->x + i, to - i), y = taken(nodes->y + i, to - i), w[2], v[2];
+        Wide dx = taken(nodes->dx + i, to - i), dy = taken(nodes->dy + i, to - i);
+        image_at(&c->plane, x, y, given);
+        turn_by(&c->plane, dx, dy, w);
+        image_at(&c->motion, x, y, motion);
+        turn_by(&c->motion, dx, dy, v);
+        given[2] = given[X] * w[Y] - given[Y] * w[X];
+        motion[2] = motion[X] * w[Y] - motion[Y] * w[X] + given[X] * v[Y] - given[Y] * v[X];
+        pressed_cone_toward(given, found);
+        for (int k = 0; k <= SUM_XY; ++k) c->sums[k] += found[k];
+    }
+}
+
+static inline void velocity_at(const Plane *p, const double *place, double *w) {
+    w[X] = p->still[X] + p->turn[M_XX] * place[X] + p->turn[M_XY] * place[Y];
+    w[Y] = p->still[Y] + p->turn[M_YX] * place[X] + p->turn[M_YY] * place[Y];
 }
 
 /* Without C's care for what is not finite. */
@@ -144,101 +194,89 @@ static int panel_rule(int rule, int zero_count, const double complex *zeros, dou
     return rule;
 }
 
-/* Cones to a panel of an arc's image. */
-static void add_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
-    Lanes sums[SUM_SIZE], image[QUADRATIC_SIZE];
-    for (int k = 0; k < QUADRATIC_SIZE; ++k) image[k] = all(c->image[k]);
-    image[Q_XY] *= 2.0;
-    memcpy(sums, c->sums, sizeof sums);
-    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(sweep, panel, j, &at);
-        add_cones(image, &at, sums);
-    }
-    memcpy(c->sums, sums, sizeof sums);
-}
-
-/* How what they add moves; the arc is seen from the centre of rotation. */
-static void move_panel(Cones *c, const Sweep *sweep, const Panel *panel) {
-    const double *v = c->f->twist, centre[] = {-v[VY] / v[OMEGA], v[VX] / v[OMEGA]};
-    for (int j = BOUNDARY_FIRST[panel->rule]; j < BOUNDARY_FIRST[panel->rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(sweep, panel, j, &at);
-        for (int k = 0; k < LANES; ++k)
-            move_cone(c, at.x[k] + centre[X], at.y[k] + centre[Y], at.cross[k]);
-    }
+static void sum_nodes(Cones *c, const Nodes *nodes, int from, int to) {
+    if (c->f->toward)
+        move_nodes(c, nodes, from, to);
+    else
+        add_nodes(c, nodes, from, to);
 }
 
 /* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
    from 1. */
-static void add_panels(Cones *c, const Sweep *sweep, double axis, int zero_count,
+static void add_panels(Cones *c, const Arc *arc, double axis, int zero_count,
                        const double complex *zeros, double low, double high) {
     int rule = panel_rule(arc_rule(axis, c->digits), zero_count, zeros, low, high, c->digits);
     double middle = 0.5 * (low + high);
     if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, low, middle);
-        add_panels(c, sweep, 2.0 * axis - 1.0, zero_count, zeros, middle, high);
+        add_panels(c, arc, 2.0 * axis - 1.0, zero_count, zeros, low, middle);
+        add_panels(c, arc, 2.0 * axis - 1.0, zero_count, zeros, middle, high);
         return;
     }
-    Panel panel = {middle, 0.5 * (high - low), rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE};
-    if (c->f->toward)
-        move_panel(c, sweep, &panel);
-    else
-        add_panel(c, sweep, &panel);
+    Nodes nodes;
+    nodes.count = 0;
+    put_nodes(&nodes, arc, rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE, low, high);
+    sum_nodes(c, &nodes, 0, nodes.count);
 }
 
-static void add_arc_of(Cones *c, const Arc *arc) {
-    int rule = arc_rule(arc->axis, c->digits);
-    if (!c->is_far) {
-        const double *from[] = {arc->a, arc->c, arc->b}, *v = c->f->twist;
+/* Arcs by the nodes that they have, but for those near the centre of rotation. */
+static void add_arcs(Cones *c, const Pressed *at) {
+    int from = 0;
+    for (int i = 0; i < at->arc_count; ++i) {
+        const Arc *arc = at->arcs + i;
+        const double *of[] = {arc->a, arc->c, arc->b};
+        int last = BOUNDARY_RULE_COUNT - 1, least = arc->rule < last ? arc->rule : last;
         double complex zeros[ZEROS];
-        double at[3][2];
-        for (int i = 0; i < 3; ++i) velocity_at(&c->frame, from[i], at[i]);
-        int least = rule < BOUNDARY_RULE_COUNT ? rule : BOUNDARY_RULE_COUNT - 1;
+        double image[3][2];
+        for (int k = 0; k < 3; ++k) velocity_at(&c->plane, of[k], image[k]);
         double reach = BOUNDARY_REACH[c->digits][least];
-        int zero_count = zeros_of(arc->weight, at[0], at[1], at[2], reach, zeros);
-        /* w is summed in its own plane; how it moves, off the centre of rotation */
-        for (int i = 0; i < 3 && c->f->toward; ++i) {
-            at[i][X] = from[i][X] + v[VY] / v[OMEGA];
-            at[i][Y] = from[i][Y] - v[VX] / v[OMEGA];
-        }
-        Sweep sweep = sweep_of(arc->weight, at[0], at[1], at[2]);
-        add_panels(c, &sweep, arc->axis, zero_count, zeros, -1.0, 1.0);
-        return;
+        int zero_count = zeros_of(arc->weight, image[0], image[1], image[2], reach, zeros);
+        int rule = panel_rule(arc->rule, zero_count, zeros, -1.0, 1.0, c->digits);
+        if (rule == arc->rule && rule < BOUNDARY_RULE_COUNT) continue;
+        sum_nodes(c, &at->nodes, from, arc->first);
+        add_panels(c, arc, arc->axis, zero_count, zeros, -1.0, 1.0);
+        from = i + 1 < at->arc_count ? arc[1].first : at->nodes.count;
     }
+    sum_nodes(c, &at->nodes, from, at->nodes.count);
+}
+
+static void add_far_arc(Cones *c, const Arc *arc) {
+    int rule = arc_rule(arc->axis, c->digits);
     if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
-    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
-    Panel whole = {0.0, 1.0, rule};
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(&sweep, &whole, j, &at);
-        for (int k = 0; k < LANES; ++k) add_far_cone(c, at.x[k], at.y[k], at.cross[k]);
+    if (rule == BOUNDARY_RULE_COUNT) --rule;
+    Nodes nodes;
+    nodes.count = 0;
+    put_nodes(&nodes, arc, rule, -1.0, 1.0);
+    for (int i = 0; i < nodes.count; ++i) {
+        double x = nodes.x[i], y = nodes.y[i];
+        add_far_cone(c, x, y, x * nodes.dy[i] - y * nodes.dx[i]);
     }
 }
 
-/* Sides of the contact, some at once. */
-static void add_pressed_sides(Cones *c, const Pressed *at) {
-    Lanes given[EDGE_SIZE + QUADRATIC_SIZE], found[SUM_SIZE], ends[EDGE_SIZE] = {{0.0}}, still[2];
-    Lanes turn[MATRIX_SIZE], sums[SUM_SIZE];
-    for (int k = 0; k < QUADRATIC_SIZE; ++k) given[EDGE_SIZE + k] = all(c->image[k]);
-    for (int k = 0; k < MATRIX_SIZE; ++k) turn[k] = all(c->frame.omega * c->frame.spin[k]);
-    for (int k = 0; k < 2; ++k) still[k] = all(c->frame.middle[k]);
-    memset(sums, 0, sizeof sums);
-    for (int i = 0; i < at->side_count; i += LANES) {
-        Lanes counts;
-        for (int k = 0; k < LANES; ++k) {
-            const double *side = at->sides[i + k < at->side_count ? i + k : i];
-            for (int j = 0; j < EDGE_SIZE; ++j) ends[j][k] = side[j];
-            counts[k] = i + k < at->side_count;
+/* Sides of the contact, some at once; the first one stands again where there are fewer. */
+static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
+    enum { ROOM = EDGE_SIZE + QUADRATIC_SIZE };
+    Wide given[2 * ROOM], found[SUM_SIZE] = {{0.0}}, *motion = given + ROOM;
+    int is_moved = c->f->toward != 0;
+    give_image(&c->plane, given + EDGE_SIZE);
+    if (is_moved) give_image(&c->motion, motion + EDGE_SIZE);
+    for (int i = 0; i < at->side_count; i += WIDTH) {
+        Wide ends[EDGE_SIZE], counts;
+        int count = at->side_count - i;
+        for (int j = 0; j < EDGE_SIZE; ++j) ends[j] = taken(at->sides[j] + i, count);
+        for (int k = 0; k < WIDTH; ++k) {
+            counts[k] = k < count;
+            for (int j = 0; j < EDGE_SIZE && k >= count; ++j) ends[j][k] = ends[j][0];
         }
         for (int j = 0; j < EDGE_SIZE; j += 2) {
-            given[j + X] = still[X] + turn[M_XX] * ends[j + X] + turn[M_XY] * ends[j + Y];
-            given[j + Y] = still[Y] + turn[M_YX] * ends[j + X] + turn[M_YY] * ends[j + Y];
+            image_at(&c->plane, ends[j + X], ends[j + Y], given + j);
+            if (is_moved) image_at(&c->motion, ends[j + X], ends[j + Y], motion + j);
         }
-        pressed_side(given, found);
-        for (int j = 0; j < SUM_SIZE; ++j) sums[j] += counts * found[j];
+        if (is_moved)
+            pressed_side_toward(given, found);
+        else
+            pressed_side(given, found);
+        for (int j = 0; j < SUM_SIZE; ++j) c->sums[j] += counts * found[j];
     }
-    for (int j = 0; j < SUM_SIZE; ++j) c->sums[j] += sums[j];
 }
 
 static void add_far_side(Cones *c, const double *side) {
@@ -249,13 +287,6 @@ static void add_far_side(Cones *c, const double *side) {
         double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
         add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
     }
-}
-
-static void move_pressed_side(Cones *c, const double *side) {
-    double found[WRENCH], *results[] = {found};
-    const double *given[] = {c->f->twist, c->f->matrix, side, c->quadratic, c->f->toward};
-    pressed_side_toward(given, results, 0, 0, 0);
-    add(c->moved, found, 1.0, WRENCH);
 }
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
@@ -270,6 +301,16 @@ static void sums_by_velocity(const double *m, const double *s, double *to) {
     to[SUM_XX] = ax * m[M_XX] + ay * m[M_YX];
     to[SUM_XY] = ax * m[M_XY] + ay * m[M_YY];
     to[SUM_YY] = bx * m[M_XY] + by * m[M_YY];
+}
+
+/* How D and force move, from their motion in the velocity plane and from M's. */
+static void motion_by_velocity(const double *m, const double *toward, const double *s, double *to) {
+    const double *force = s + WRENCH;
+    to[SUM_SPEED] = s[SUM_SPEED];
+    to[SUM_X] = m[M_XX] * s[SUM_X] + m[M_YX] * s[SUM_Y];
+    to[SUM_X] += toward[M_XX] * force[X] + toward[M_YX] * force[Y];
+    to[SUM_Y] = m[M_XY] * s[SUM_X] + m[M_YY] * s[SUM_Y];
+    to[SUM_Y] += toward[M_XY] * force[X] + toward[M_YY] * force[Y];
 }
 
 /* Friction about a place, about the frame's origin. */
@@ -293,28 +334,25 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     begin_sums(&f, about, m, toward, 0);
     Cones c;
     begin_cones(&c, &f, quadratic, is_far, at->digits);
-    if (!is_far && !toward)
-        add_pressed_sides(&c, at);
-    else
-        for (int i = 0; i < at->side_count; ++i) {
-            if (is_far)
-                add_far_side(&c, at->sides[i]);
-            else
-                move_pressed_side(&c, at->sides[i]);
-        }
-    for (int i = 0; i < at->arc_count; ++i) add_arc_of(&c, at->arcs + i);
+    for (int i = 0; i < at->side_count && is_far; ++i) {
+        double side[EDGE_SIZE];
+        for (int k = 0; k < EDGE_SIZE; ++k) side[k] = at->sides[k][i];
+        add_far_side(&c, side);
+    }
+    for (int i = 0; i < at->arc_count && is_far; ++i) add_far_arc(&c, at->arcs + i);
     if (is_far && toward)
         memcpy(f.friction, c.moved, sizeof c.moved);
     else if (is_far)
         add_sums(&f, &c.frame, &c.places, 1.0);
-    else if (toward)
-        add(f.sums, c.moved, 1.0, WRENCH);
     else {
         double sums[SUM_SIZE];
-        for (int k = 0; k < SUM_SIZE; ++k) sums[k] = total(c.sums + k);
-        sums_by_velocity(m, sums, f.sums);
-    }
-    if (!is_far) {
+        add_pressed_sides(&c, at);
+        add_arcs(&c, at);
+        for (int k = 0; k < SUM_SIZE; ++k) sums[k] = summed(c.sums + k);
+        if (toward)
+            motion_by_velocity(m, toward, sums, f.sums);
+        else
+            sums_by_velocity(m, sums, f.sums);
         f.is_summed = 1;
         end_sums(&f);
     }

@@ -97,38 +97,41 @@ def kernels() -> dict[str, ca.Function]:
     functions["corner"] = function_of(
         "corner", [twist, matrix, place], [_image(twist, matrix, place)]
     )
-    functions |= _of_foundation(twist, matrix, ends, toward)
-    return functions
-
-
-def _of_foundation(
-    twist: ca.SX, matrix: ca.SX, ends: ca.SX, toward: ca.SX
-) -> dict[str, ca.Function]:
-    """Functions of a foundation that is pressed; those of one side are in `side_kernels`."""
-    pressure, cone = ca.SX.sym("pressure", QUADRATIC.size), ca.SX.sym("cone", 3)
+    pressure = ca.SX.sym("pressure", QUADRATIC.size)
     image = _about_rotation(twist, matrix, pressure)
-    own = ca.vertcat(_image(twist, matrix, ends[:2]), _image(twist, matrix, ends[2:]))
-    speed, fx, fy, *_ = _pressed_side(_Side(own), image)
-    along = ca.vertcat(speed, *_transposed(matrix, fx, fy))
-    thin = ca.vertcat(*_pressed_cone(twist, matrix, cone, image))
-    functions = {"pressed_image": function_of("pressed_image", [twist, matrix, pressure], [image])}
-    for name, place, sums in (("pressed_side", ends, along), ("pressed_cone", cone, thin)):
-        moved = ca.jtimes(sums, matrix, toward)
-        given = [twist, matrix, place, pressure, toward]
-        functions[f"{name}_toward"] = function_of(f"{name}_toward", given, [moved])
+    functions["pressed_image"] = function_of("pressed_image", [twist, matrix, pressure], [image])
+    functions["pressed_image_toward"] = function_of(
+        "pressed_image_toward",
+        [twist, matrix, pressure, toward],
+        [ca.jtimes(image, matrix, toward)],
+    )
     return functions
 
 
-def side_kernels() -> dict[str, ca.Function]:
-    """Return functions that are compiled for some sides at once, of one row of numbers each.
+def rim_kernels() -> dict[str, ca.Function]:
+    """Return functions of what bounds the contact of a foundation that is pressed, compiled for
+    some places at once, of one row of numbers each.
 
     pressed_side: the images of both ends and the quadratic of w, to the sums in the velocity plane.
+    pressed_side_toward: the same, then how they move, to how D and the force move, and the force.
+    pressed_cone_toward: of a thin cone to w, instead of ends w and w x dw.
     """
-    given = ca.SX.sym("given", 4 + QUADRATIC.size)
-    sizes = [ca.sqrt(ca.sumsqr(given[k : k + 2])) for k in (0, 2)]
-    side = _Side(ca.vertcat(given[:2], sizes[0], given[2:4], sizes[1]))
-    sums = ca.vertcat(*_pressed_side(side, given[4:]))
-    return {"pressed_side": function_of("pressed_side", [given], [sums])}
+    ends, cone = ca.SX.sym("ends", 4), ca.SX.sym("cone", 3)
+    image = ca.SX.sym("image", QUADRATIC.size)
+    sizes = [ca.sqrt(ca.sumsqr(ends[k : k + 2])) for k in (0, 2)]
+    side = _pressed_side(_Side(ca.vertcat(ends[:2], sizes[0], ends[2:], sizes[1])), image)
+    given = ca.vertcat(ends, image)
+    functions = {"pressed_side": function_of("pressed_side", [given], [ca.vertcat(*side)])}
+    for name, place, (speed, fx, fy, *_) in (
+        ("pressed_side_toward", ends, side),
+        ("pressed_cone_toward", cone, _pressed_cone(cone, image)),
+    ):
+        given = ca.vertcat(place, image)
+        motion = ca.SX.sym("motion", given.numel())
+        moved = ca.jtimes(ca.vertcat(speed, fx, fy), given, motion)
+        results = ca.vertcat(moved, fx, fy)
+        functions[name] = function_of(name, [ca.vertcat(given, motion)], [results])
+    return functions
 
 
 def function_of(name: str, inputs: list[ca.SX], outputs: list[ca.SX]) -> ca.Function:
@@ -346,19 +349,18 @@ def _pressed_side(side: _Side, quadratic: ca.SX) -> list[ca.SX]:
     return [d * value for value in (speed, fx, fy, *side.across(along, mixed, across))]
 
 
-def _pressed_cone(twist: ca.SX, matrix: ca.SX, cone: ca.SX, quadratic: ca.SX) -> list[ca.SX]:
-    """D and force of one thin cone from the centre of rotation to a place on the rim; `cone`: it,
-    and rho x drho.
+def _pressed_cone(cone: ca.SX, quadratic: ca.SX) -> list[ca.SX]:
+    """D and force, in the velocity plane, of one thin cone from the centre of rotation to a place
+    w on the rim; `cone`: it, and w x dw.
     """
     q = QUADRATIC.of(quadratic)
-    x, y = _velocity(twist, matrix, cone[0], cone[1])
-    cross = cone[2] * TWIST.of(twist).omega ** 2 * _det(matrix)
+    x, y, cross = ca.vertsplit(cone)
     first = q.slope_x * x + q.slope_y * y
     second = q.xx * x * x + 2 * q.xy * x * y + q.yy * y * y
     size = ca.sqrt(x * x + y * y + TINIEST**2)
     force = cross * (q.level / 2 + first / 3 + second / 4) / size
     speed = cross * (q.level / 3 + first / 4 + second / 5) * size
-    return [speed, *_transposed(matrix, force * x, force * y)]
+    return [speed, force * x, force * y]
 
 
 def _assembled(twist: ca.SX, matrix: ca.SX) -> ca.Function:

@@ -5,7 +5,7 @@
    The contact, where P > 0, is bounded by stretches of the outline and by arcs of the conic P = 0,
    which are rational curves. Friction is summed over this boundary in cones.c. */
 
-enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_PLACES = 64 };
+enum { MOST_SIDES = 512, MOST_ARCS = 256, MOST_NODES = 1024, MOST_PLACES = 64 };
 /* Integrals of monomials over the contact. */
 enum { OF_1, OF_X, OF_Y, OF_XX, OF_XY, OF_YY, OF_XXX, OF_XXY, OF_XYY, OF_YYY, MONOMIALS };
 /* Load and moments: of 1, x and y; and what balances them, c and l. */
@@ -35,31 +35,45 @@ static const double LEAN_SHARE = 0.1;
 /* A correction by less leaves nothing, whatever the tolerance. */
 static const double WELL_CORRECTED = 3e-8;
 enum { MOST_REPEATS = 3 };
+/* rad: nearer to each other two balances tell no slope. */
+static const double NEIGHBOURS = 1e-4;
 /* The classes of digits serve motions of tolerances above these. */
 static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
    axis: the larger half axis of Bernstein's ellipse, about -1 to 1, in which it is analytic in
-   2 s - 1. */
+   2 s - 1; rule: Gauss's that this asks for; first: of its nodes. */
 typedef struct {
     double a[2], b[2], c[2], weight, axis;
+    int rule, first;
 } Arc;
 
-/* Places on the boundary, and the areas, twice, that cones to them sweep. */
+/* Nodes of Gauss's rules on arcs, and how the arcs go on there, times the weights. */
 typedef struct {
-    Lanes x, y, cross;
-} Boundary;
+    int count;
+    double x[MOST_NODES], y[MOST_NODES], dx[MOST_NODES], dy[MOST_NODES];
+} Nodes;
+
+/* The balance at the last few orientations, the newest first, from which the next one is told. */
+enum { REMEMBERED = 4 };
+typedef struct {
+    int count;
+    double theta[REMEMBERED], lean[REMEMBERED][BALANCE_SIZE];
+} Past;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
-   the contact on the left. is_alone: no table knows the pressure where the object stands. */
+   the contact on the left, sides by columns. is_alone: no table knows the pressure where the object
+   stands. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
     double tolerance;
     int is_alone, is_known, has_moments, has_slopes, digits, side_count, arc_count;
-    double sides[MOST_SIDES][EDGE_SIZE];
+    double sides[EDGE_SIZE][MOST_SIDES];
     Arc arcs[MOST_ARCS];
+    Nodes nodes;
+    Past past;
 } Pressed;
 
 /* Which of BOUNDARY_REACH serves a tolerance. */
@@ -70,7 +84,7 @@ static int digits_for(double tolerance) {
 }
 
 static void begin_pressed(Pressed *at, double tolerance) {
-    at->is_alone = at->is_known = 0;
+    at->is_alone = at->is_known = at->past.count = 0;
     at->tolerance = tolerance;
     at->digits = digits_for(tolerance);
 }
@@ -142,8 +156,8 @@ static void note(Places *places, double x, double y, int kind) {
 }
 
 static void put_side(Pressed *at, const double *side) {
-    if (at->side_count < MOST_SIDES)
-        memcpy(at->sides[at->side_count], side, EDGE_SIZE * sizeof(double));
+    for (int k = 0; k < EDGE_SIZE && at->side_count < MOST_SIDES; ++k)
+        at->sides[k][at->side_count] = side[k];
     ++at->side_count;
 }
 
@@ -241,8 +255,59 @@ static double zero_between(double (*of)(const Around *, double, double),
     return t;
 }
 
+/* The first of Gauss's rules that serves an arc whose poles have this half axis. On parabolas,
+   whose poles are at infinity, sums are of degree 8: six nodes at least. */
+enum { LEAST_RULE = 1 };
+static int arc_rule(double axis, int digits) {
+    int rule = LEAST_RULE;
+    while (rule < BOUNDARY_RULE_COUNT && axis < POLE_REACH[digits][rule]) ++rule;
+    return rule;
+}
+
+static ALWAYS_INLINE Wide all(double x) { return (Wide){0.0} + x; }
+
+/* Nodes of a rule on the panel of an arc from low to high in 2 s - 1; whether there was room. */
+static WIDENED int put_nodes(Nodes *to, const Arc *arc, int rule, double low, double high) {
+    int first = BOUNDARY_FIRST[rule], count = BOUNDARY_FIRST[rule + 1] - first;
+    if (to->count + count + 2 * WIDTH > MOST_NODES) return 0;
+    const double *a = arc->a, *b = arc->b, *c = arc->c, twice = 2.0 * arc->weight;
+    double half = 0.5 * (high - low), middle = 0.5 + 0.25 * (low + high);
+    for (int j = 0; j < count; j += WIDTH) {
+        int at = to->count + j;
+        Wide node, share;
+        memcpy(&node, BOUNDARY_NODES + first + j, sizeof node);
+        memcpy(&share, BOUNDARY_WEIGHTS + first + j, sizeof share);
+        Wide s = middle + 0.5 * half * node, t = 1.0 - s, begun = t * t, ended = s * s, both = s * t;
+        both += both;
+        Wide bent = arc->weight * both, down = 1.0 / (begun + bent + ended);
+        Wide x = (begun * a[X] + bent * c[X] + ended * b[X]) * down;
+        Wide y = (begun * a[Y] + bent * c[Y] + ended * b[Y]) * down;
+        share *= half * (down * down);
+        begun *= twice;
+        ended *= twice;
+        Wide dx = begun * (c[X] - a[X]) + both * (b[X] - a[X]) + ended * (b[X] - c[X]);
+        Wide dy = begun * (c[Y] - a[Y]) + both * (b[Y] - a[Y]) + ended * (b[Y] - c[Y]);
+        dx *= share;
+        dy *= share;
+        memcpy(to->x + at, &x, sizeof x);
+        memcpy(to->y + at, &y, sizeof y);
+        memcpy(to->dx + at, &dx, sizeof dx);
+        memcpy(to->dy + at, &dy, sizeof dy);
+    }
+    to->count += count;
+    return 1;
+}
+
 static void put_arc(Pressed *at, const Arc *arc) {
-    if (at->arc_count < MOST_ARCS) at->arcs[at->arc_count] = *arc;
+    if (at->arc_count < MOST_ARCS) {
+        Arc *to = at->arcs + at->arc_count;
+        *to = *arc;
+        to->rule = arc_rule(arc->axis, at->digits);
+        to->first = at->nodes.count;
+        int rule = to->rule < BOUNDARY_RULE_COUNT ? to->rule : BOUNDARY_RULE_COUNT - 1;
+        /* without room for its nodes there are too many arcs */
+        if (!put_nodes(&at->nodes, to, rule, -1.0, 1.0)) at->arc_count = MOST_ARCS;
+    }
     ++at->arc_count;
 }
 
@@ -310,37 +375,6 @@ static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
         note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kinds[i]);
         if (kinds[i] == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
     }
-}
-
-static ALWAYS_INLINE Lanes all(double x) { return (Lanes){0.0} + x; }
-
-/* An arc as it is summed: its ends and middle, and by its cross products how it sweeps areas. */
-typedef struct {
-    Lanes weight, x[3], y[3], areas[3];
-} Sweep;
-
-static ALWAYS_INLINE Sweep sweep_of(double weight, const double *a, const double *c,
-                                    const double *b) {
-    double first = a[X] * (c[Y] - a[Y]) - a[Y] * (c[X] - a[X]);
-    double whole = a[X] * (b[Y] - a[Y]) - a[Y] * (b[X] - a[X]);
-    double last = c[X] * (b[Y] - c[Y]) - c[Y] * (b[X] - c[X]);
-    return (Sweep){
-        all(weight),
-        {all(a[X]), all(c[X]), all(b[X])},
-        {all(a[Y]), all(c[Y]), all(b[Y])},
-        {all(2.0 * weight * first), all(whole), all(2.0 * weight * last)},
-    };
-}
-
-/* Places on an arc, and cross products with how they go on, times `share`. */
-static ALWAYS_INLINE void arc_at(const Sweep *arc, Lanes s, Lanes share, Boundary *at) {
-    Lanes t = 1.0 - s, first = t * t, both = s * t, last = s * s;
-    both += both;
-    Lanes middle = arc->weight * both, down = 1.0 / (first + middle + last);
-    at->x = (first * arc->x[0] + middle * arc->x[1] + last * arc->x[2]) * down;
-    at->y = (first * arc->y[0] + middle * arc->y[1] + last * arc->y[2]) * down;
-    Lanes cross = first * arc->areas[0] + both * arc->areas[1] + last * arc->areas[2];
-    at->cross = share * cross * (down * down);
 }
 
 /* The arc of P = 0 from a to b, P > 0 on its left: the turn of P's gradient, at most a right angle,
@@ -521,7 +555,7 @@ static int cut(const Pressure *pressure, Pressed *at) {
     Places crossings;
     crossings.count = 0;
     const double *outline = pressure->outline;
-    at->has_moments = at->has_slopes = at->side_count = at->arc_count = 0;
+    at->has_moments = at->has_slopes = at->side_count = at->arc_count = at->nodes.count = 0;
     if (is_ellipse(pressure)) cut_rim(at, outline, &crossings);
     double first = pressure_at(at->pressure, outline[X], outline[Y]);
     for (int64_t i = 0; i < pressure->side_count; ++i) {
@@ -537,10 +571,10 @@ static int cut(const Pressure *pressure, Pressed *at) {
 }
 
 /* Integrals of monomials over cones from the centroid: cross x^i y^j / (i + j + 2). */
-static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
-    Lanes x = at->x, y = at->y, second = at->cross * (1.0 / 2.0), third = at->cross * (1.0 / 3.0);
-    Lanes fourth = at->cross * (1.0 / 4.0), fifth = at->cross * (1.0 / 5.0);
-    Lanes xx = x * x, xy = x * y, yy = y * y, fx = fifth * x, fy = fifth * y;
+static ALWAYS_INLINE void add_monomials(Wide *m, Wide x, Wide y, Wide cross) {
+    Wide second = cross * (1.0 / 2.0), third = cross * (1.0 / 3.0), fourth = cross * (1.0 / 4.0);
+    Wide fifth = cross * (1.0 / 5.0);
+    Wide xx = x * x, xy = x * y, yy = y * y, fx = fifth * x, fy = fifth * y;
     m[OF_1] += second;
     m[OF_X] += third * x;
     m[OF_Y] += third * y;
@@ -553,63 +587,39 @@ static ALWAYS_INLINE void add_monomials(Lanes *m, const Boundary *at) {
     m[OF_YYY] += fy * yy;
 }
 
-/* The first of Gauss's rules that serves an arc whose poles have this half axis. On parabolas,
-   whose poles are at infinity, sums are of degree 8: six nodes at least. */
-enum { LEAST_RULE = 1 };
-static int arc_rule(double axis, int digits) {
-    int rule = LEAST_RULE;
-    while (rule < BOUNDARY_RULE_COUNT && axis < POLE_REACH[digits][rule]) ++rule;
-    return rule;
+/* Up to WIDTH numbers of a column, zeros after them. */
+static ALWAYS_INLINE Wide taken(const double *from, int count) {
+    Wide x = {0.0};
+    if (count >= WIDTH)
+        memcpy(&x, from, sizeof x);
+    else
+        for (int k = 0; k < count; ++k) x[k] = from[k];
+    return x;
 }
 
-/* A panel of an arc, its middle and half its length in 2 s - 1, and one of Gauss's rules for
-   it. */
-typedef struct {
-    double middle, half;
-    int rule;
-} Panel;
-
-/* LANES places on it from the rule's node j on. */
-static ALWAYS_INLINE void panel_at(const Sweep *sweep, const Panel *panel, int j, Boundary *at) {
-    Lanes node, weight;
-    memcpy(&node, BOUNDARY_NODES + j, sizeof node);
-    memcpy(&weight, BOUNDARY_WEIGHTS + j, sizeof weight);
-    arc_at(sweep, 0.5 * (1.0 + panel->middle) + 0.5 * panel->half * node, panel->half * weight, at);
+static ALWAYS_INLINE double summed(const Wide *x) {
+    return ((*x)[0] + (*x)[1]) + ((*x)[2] + (*x)[3]);
 }
 
-static void arc_moments(const Arc *arc, Lanes *m) {
-    int rule = arc_rule(arc->axis, DIGIT_CLASSES - 1);
-    if (rule == BOUNDARY_RULE_COUNT) --rule;
-    Sweep sweep = sweep_of(arc->weight, arc->a, arc->c, arc->b);
-    Panel whole = {0.0, 1.0, rule};
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Boundary at;
-        panel_at(&sweep, &whole, j, &at);
-        add_monomials(m, &at);
+/* Of the contact. Along a side Gauss's rule of two nodes is exact. */
+static WIDENED void take_moments(Pressed *at) {
+    static const double places[] = {0.21132486540518711775, 0.78867513459481288225};
+    Wide m[MONOMIALS] = {{0.0}};
+    for (int i = 0; i < at->side_count; i += WIDTH) {
+        Wide ends[EDGE_SIZE];
+        for (int k = 0; k < EDGE_SIZE; ++k) ends[k] = taken(at->sides[k] + i, at->side_count - i);
+        Wide x = ends[EDGE_START_X], ex = ends[EDGE_END_X] - x;
+        Wide y = ends[EDGE_START_Y], ey = ends[EDGE_END_Y] - y, share = 0.5 * (x * ey - y * ex);
+        for (int j = 0; j < 2; ++j)
+            add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
-}
-
-/* Of the contact. Along a side Gauss's rule of four nodes is exact, two at a time. */
-static void take_moments(Pressed *at) {
-    static const double outer = 0.8611363115940526, outer_weight = 0.3478548451374538;
-    static const double inner = 0.3399810435848563;
-    const Lanes places[] = {
-        {0.5 - 0.5 * outer, 0.5 + 0.5 * outer},
-        {0.5 - 0.5 * inner, 0.5 + 0.5 * inner},
-    };
-    const double weights[] = {0.5 * outer_weight, 0.5 - 0.5 * outer_weight};
-    Lanes m[MONOMIALS] = {{0.0}};
-    for (int i = 0; i < at->side_count; ++i) {
-        const double *side = at->sides[i];
-        double x = side[EDGE_START_X], ex = side[EDGE_END_X] - x;
-        double y = side[EDGE_START_Y], ey = side[EDGE_END_Y] - y, cross = x * ey - y * ex;
-        for (int j = 0; j < 2; ++j) {
-            Boundary on = {x + places[j] * ex, y + places[j] * ey, all(weights[j] * cross)};
-            add_monomials(m, &on);
-        }
+    const Nodes *nodes = &at->nodes;
+    for (int i = 0; i < nodes->count; i += WIDTH) {
+        int count = nodes->count - i;
+        Wide x = taken(nodes->x + i, count), y = taken(nodes->y + i, count);
+        add_monomials(m, x, y, x * taken(nodes->dy + i, count) - y * taken(nodes->dx + i, count));
     }
-    for (int i = 0; i < at->arc_count; ++i) arc_moments(at->arcs + i, m);
-    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = total(m + k);
+    for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;
 }
 
@@ -652,7 +662,7 @@ static double lacking(const Pressure *pressure, const Pressed *at, double *step)
 
 /* Balances load and moments from the c and l at hand by Newton's method on a convex function;
    whether that came to an end. */
-static int balance(const Pressure *pressure, Pressed *at) {
+static int balance_fully(const Pressure *pressure, Pressed *at) {
     double step[BALANCE_SIZE], tried[BALANCE_SIZE], left;
     if (!cut(pressure, at)) return 0;
     take_moments(at);
@@ -675,6 +685,15 @@ static int balance(const Pressure *pressure, Pressed *at) {
         left = now;
     }
     return left <= NEARLY_BALANCED;
+}
+
+/* The same, with all digits. */
+static int balance(const Pressure *pressure, Pressed *at) {
+    int digits = at->digits;
+    at->digits = DIGIT_CLASSES - 1;
+    int is_balanced = balance_fully(pressure, at);
+    at->digits = digits;
+    return is_balanced;
 }
 
 /* Derivatives of c and l by what the shape's numbers add to P. */
@@ -760,6 +779,7 @@ static void lean_by_theta(const Pressure *pressure, const Pressed *at, double *t
    its address already. */
 EXPORT int64_t cm_balance(const Pressure *pressure, double *table) {
     Pressed at;
+    begin_pressed(&at, 0.0);
     double shape[SHAPE_SIZE];
     int64_t count = pressure->table_count;
     for (int64_t i = 0; i < count; ++i) {
@@ -791,21 +811,49 @@ static int settle(const Pressure *pressure, Pressed *at) {
     return 0;
 }
 
-/* The pressure at an orientation from that at the last one, or else anew. Not a number where the
+/* c and l as a polynomial through those of the last few orientations has them. */
+static void lean_ahead(const Past *past, double theta, double *to) {
+    for (int k = 0; k < BALANCE_SIZE; ++k) to[k] = 0.0;
+    for (int i = 0; i < past->count; ++i) {
+        double weight = 1.0;
+        for (int j = 0; j < past->count; ++j)
+            if (j != i) weight *= (theta - past->theta[j]) / (past->theta[i] - past->theta[j]);
+        for (int k = 0; k < BALANCE_SIZE; ++k) to[k] += weight * past->lean[i][k];
+    }
+}
+
+/* Between orientations closer than NEIGHBOURS differences are the corrections' digits: the new one
+   takes the place of such. */
+static void remember(Past *past, double theta, const double *lean) {
+    const Past before = *past;
+    past->count = 0;
+    for (int i = -1; i < before.count && past->count < REMEMBERED; ++i) {
+        if (i >= 0 && fabs(before.theta[i] - theta) <= NEIGHBOURS) continue;
+        past->theta[past->count] = i < 0 ? theta : before.theta[i];
+        memcpy(past->lean[past->count++], i < 0 ? lean : before.lean[i], sizeof before.lean[0]);
+    }
+}
+
+/* The pressure at an orientation from those at the last ones, or else anew. Not a number where the
    load cannot be balanced. */
 static void press_alone(const Pressure *pressure, double theta, Pressed *at) {
-    double shape[SHAPE_SIZE], slope[BALANCE_SIZE];
+    double shape[SHAPE_SIZE];
     shapes_at(pressure, theta, shape);
-    if (at->is_known) {
-        if (!at->has_slopes) slopes_of(at);
-        lean_by_theta(pressure, at, slope);
-        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] += (theta - at->theta) * slope[k];
+    int is_settled = 0;
+    if (at->past.count) {
+        lean_ahead(&at->past, theta, at->pressure);
         bend(at->pressure, shape);
         cut(pressure, at);
-        if (settle(pressure, at)) return;
+        is_settled = settle(pressure, at);
     }
-    if (!begin_balance(pressure, shape, at) || !balance(pressure, at))
-        for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+    if (!is_settled) {
+        at->past.count = 0;
+        if (!begin_balance(pressure, shape, at) || !balance(pressure, at)) {
+            for (int k = 0; k < BALANCE_SIZE; ++k) at->pressure[k] = NAN;
+            return;
+        }
+    }
+    remember(&at->past, theta, at->pressure);
 }
 
 /* The pressure at an orientation: from the table, corrected where that may be too far off. */
