@@ -98,9 +98,10 @@ static WIDENED void add_nodes(Cones *c, const Nodes *nodes, int from, int to) {
     memcpy(sums, c->sums, sizeof sums);
     for (int i = from; i < to; i += WIDTH) {
         Wide w[2], dw[2];
-        image_at(&c->plane, taken(nodes->x + i, to - i), taken(nodes->y + i, to - i), w);
-        turn_by(&c->plane, taken(nodes->dx + i, to - i), taken(nodes->dy + i, to - i), dw);
-        Wide x = w[X], y = w[Y], cross = x * dw[Y] - y * dw[X], square = x * x + y * y + 1e-300;
+        image_at(&c->plane, taken(nodes->x + i), taken(nodes->y + i), w);
+        turn_by(&c->plane, taken(nodes->dx + i), taken(nodes->dy + i), dw);
+        Wide x = w[X], y = w[Y], cross = ones(to - i) * (x * dw[Y] - y * dw[X]);
+        Wide square = x * x + y * y + 1e-300;
         Wide slowness = 1.0 / roots(square), ux = x * slowness, uy = y * slowness;
         Wide level = cross * image[Q_LEVEL];
         Wide first = cross * (image[Q_SLOPE_X] * x + image[Q_SLOPE_Y] * y);
@@ -132,8 +133,8 @@ static WIDENED void move_nodes(Cones *c, const Nodes *nodes, int from, int to) {
     give_image(&c->plane, given + CONE);
     give_image(&c->motion, motion + CONE);
     for (int i = from; i < to; i += WIDTH) {
-        Wide x = taken(nodes->x + i, to - i), y = taken(nodes->y + i, to - i), w[2], v[2];
-        Wide dx = taken(nodes->dx + i, to - i), dy = taken(nodes->dy + i, to - i);
+        Wide x = taken(nodes->x + i), y = taken(nodes->y + i), w[2], v[2];
+        Wide dx = ones(to - i) * taken(nodes->dx + i), dy = ones(to - i) * taken(nodes->dy + i);
         image_at(&c->plane, x, y, given);
         turn_by(&c->plane, dx, dy, w);
         image_at(&c->motion, x, y, motion);
@@ -203,24 +204,29 @@ static void sum_nodes(Cones *c, const Nodes *nodes, int from, int to) {
 
 /* Panels are halved towards what is singular; the poles' half axis grows at least by its distance
    from 1. */
-static void add_panels(Cones *c, const Arc *arc, double axis, int zero_count,
-                       const double complex *zeros, double low, double high) {
+static void add_panels(Cones *c, const Arc *arc, Axis axis, int zero_count,
+                       const double complex *zeros, double low, double high, Nodes *nodes) {
     int rule = panel_rule(arc_rule(axis, c->digits), zero_count, zeros, low, high, c->digits);
     double middle = 0.5 * (low + high);
     if (rule == BOUNDARY_RULE_COUNT && high - low > SHORTEST_PANEL) {
-        add_panels(c, arc, 2.0 * axis - 1.0, zero_count, zeros, low, middle);
-        add_panels(c, arc, 2.0 * axis - 1.0, zero_count, zeros, middle, high);
+        double farther = 2.0 * sqrt(axis.above / axis.below) - 1.0;
+        axis = (Axis){farther * farther, 1.0};
+        add_panels(c, arc, axis, zero_count, zeros, low, middle, nodes);
+        add_panels(c, arc, axis, zero_count, zeros, middle, high, nodes);
         return;
     }
-    Nodes nodes;
-    nodes.count = 0;
-    put_nodes(&nodes, arc, rule < BOUNDARY_RULE_COUNT ? rule : LEAST_RULE, low, high);
-    sum_nodes(c, &nodes, 0, nodes.count);
+    if (rule == BOUNDARY_RULE_COUNT) rule = LEAST_RULE;
+    if (put_nodes(nodes, arc, rule, low, high)) return;
+    sum_nodes(c, nodes, 0, nodes->count);
+    nodes->count = 0;
+    put_nodes(nodes, arc, rule, low, high);
 }
 
 /* Arcs by the nodes that they have, but for those near the centre of rotation. */
 static void add_arcs(Cones *c, const Pressed *at) {
     int from = 0;
+    Nodes finer;
+    finer.count = 0;
     for (int i = 0; i < at->arc_count; ++i) {
         const Arc *arc = at->arcs + i;
         const double *of[] = {arc->a, arc->c, arc->b};
@@ -233,14 +239,15 @@ static void add_arcs(Cones *c, const Pressed *at) {
         int rule = panel_rule(arc->rule, zero_count, zeros, -1.0, 1.0, c->digits);
         if (rule == arc->rule && rule < BOUNDARY_RULE_COUNT) continue;
         sum_nodes(c, &at->nodes, from, arc->first);
-        add_panels(c, arc, arc->axis, zero_count, zeros, -1.0, 1.0);
+        add_panels(c, arc, axis_of(arc->weight), zero_count, zeros, -1.0, 1.0, &finer);
         from = i + 1 < at->arc_count ? arc[1].first : at->nodes.count;
     }
     sum_nodes(c, &at->nodes, from, at->nodes.count);
+    sum_nodes(c, &finer, 0, finer.count);
 }
 
 static void add_far_arc(Cones *c, const Arc *arc) {
-    int rule = arc_rule(arc->axis, c->digits);
+    int rule = arc_rule(axis_of(arc->weight), c->digits);
     if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
     if (rule == BOUNDARY_RULE_COUNT) --rule;
     Nodes nodes;
@@ -252,7 +259,7 @@ static void add_far_arc(Cones *c, const Arc *arc) {
     }
 }
 
-/* Sides of the contact, some at once; the first one stands again where there are fewer. */
+/* Sides of the contact, some at once. */
 static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
     enum { ROOM = EDGE_SIZE + QUADRATIC_SIZE };
     Wide given[2 * ROOM], found[SUM_SIZE] = {{0.0}}, *motion = given + ROOM;
@@ -260,13 +267,8 @@ static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
     give_image(&c->plane, given + EDGE_SIZE);
     if (is_moved) give_image(&c->motion, motion + EDGE_SIZE);
     for (int i = 0; i < at->side_count; i += WIDTH) {
-        Wide ends[EDGE_SIZE], counts;
-        int count = at->side_count - i;
-        for (int j = 0; j < EDGE_SIZE; ++j) ends[j] = taken(at->sides[j] + i, count);
-        for (int k = 0; k < WIDTH; ++k) {
-            counts[k] = k < count;
-            for (int j = 0; j < EDGE_SIZE && k >= count; ++j) ends[j][k] = ends[j][0];
-        }
+        Wide ends[EDGE_SIZE], counts = ones(at->side_count - i);
+        for (int j = 0; j < EDGE_SIZE; ++j) ends[j] = taken(at->sides[j] + i);
         for (int j = 0; j < EDGE_SIZE; j += 2) {
             image_at(&c->plane, ends[j + X], ends[j + Y], given + j);
             if (is_moved) image_at(&c->motion, ends[j + X], ends[j + Y], motion + j);

@@ -42,14 +42,14 @@ static const double ABOVE[] = {1e-7, 1e-8, 2e-11, -INFINITY};
 
 /* An arc of a conic from a to b as a rational curve of Bezier's, c where the tangents at both ends
    meet, t = 1 - s: (t^2 a + 2 weight s t c + s^2 b) / (t^2 + 2 weight s t + s^2), 0 <= s <= 1.
-   axis: the larger half axis of Bernstein's ellipse, about -1 to 1, in which it is analytic in
-   2 s - 1; rule: Gauss's that this asks for; first: of its nodes. */
+   rule: Gauss's that its poles ask for; first: of its nodes. */
 typedef struct {
-    double a[2], b[2], c[2], weight, axis;
+    double a[2], b[2], c[2], weight;
     int rule, first;
 } Arc;
 
-/* Nodes of Gauss's rules on arcs, and how the arcs go on there, times the weights. */
+/* Nodes of Gauss's rules on arcs, and how the arcs go on there, times the weights; WIDTH of noughts
+   after them. */
 typedef struct {
     int count;
     double x[MOST_NODES], y[MOST_NODES], dx[MOST_NODES], dy[MOST_NODES];
@@ -63,14 +63,14 @@ typedef struct {
 } Past;
 
 /* The contact at an orientation: P, how it changes by each number of the shapes, and its boundary,
-   the contact on the left, sides by columns. is_alone: no table knows the pressure where the object
+   the contact on the left, sides by columns, WIDTH more as the first one. is_alone: no table knows the pressure where the object
    stands. */
 typedef struct Pressed {
     double theta, pressure[QUADRATIC_SIZE], by_shape[SHAPE_SIZE][QUADRATIC_SIZE];
     double moments[MONOMIALS];
     double tolerance;
     int is_alone, is_known, has_moments, has_slopes, digits, side_count, arc_count;
-    double sides[EDGE_SIZE][MOST_SIDES];
+    double sides[EDGE_SIZE][MOST_SIDES + WIDTH];
     Arc arcs[MOST_ARCS];
     Nodes nodes;
     Past past;
@@ -255,12 +255,23 @@ static double zero_between(double (*of)(const Around *, double, double),
     return t;
 }
 
-/* The first of Gauss's rules that serves an arc whose poles have this half axis. On parabolas,
-   whose poles are at infinity, sums are of degree 8: six nodes at least. */
+/* The larger half axis of Bernstein's ellipse, about -1 to 1, in which an arc is analytic in 2 s - 1,
+   as the square of a quotient. Its poles are on the imaginary axis, of a hyperbola on the real
+   one. */
+typedef struct {
+    double above, below;
+} Axis;
+
+static Axis axis_of(double weight) {
+    return (Axis){weight < 1.0 ? 2.0 : 1.0 + weight, fabs(1.0 - weight)};
+}
+
+/* The first of Gauss's rules that serves an arc with such poles. On parabolas, whose poles are at
+   infinity, sums are of degree 8: six nodes at least. */
 enum { LEAST_RULE = 1 };
-static int arc_rule(double axis, int digits) {
+static int arc_rule(Axis axis, int digits) {
     int rule = LEAST_RULE;
-    while (rule < BOUNDARY_RULE_COUNT && axis < POLE_REACH[digits][rule]) ++rule;
+    while (rule < BOUNDARY_RULE_COUNT && axis.above < axis.below * POLE_REACH[digits][rule]) ++rule;
     return rule;
 }
 
@@ -295,6 +306,8 @@ static WIDENED int put_nodes(Nodes *to, const Arc *arc, int rule, double low, do
         memcpy(to->dy + at, &dy, sizeof dy);
     }
     to->count += count;
+    double *columns[] = {to->x, to->y, to->dx, to->dy};
+    for (int k = 0; k < 4; ++k) memset(columns[k] + to->count, 0, sizeof(Wide));
     return 1;
 }
 
@@ -302,7 +315,7 @@ static void put_arc(Pressed *at, const Arc *arc) {
     if (at->arc_count < MOST_ARCS) {
         Arc *to = at->arcs + at->arc_count;
         *to = *arc;
-        to->rule = arc_rule(arc->axis, at->digits);
+        to->rule = arc_rule(axis_of(arc->weight), at->digits);
         to->first = at->nodes.count;
         int rule = to->rule < BOUNDARY_RULE_COUNT ? to->rule : BOUNDARY_RULE_COUNT - 1;
         /* without room for its nodes there are too many arcs */
@@ -311,15 +324,10 @@ static void put_arc(Pressed *at, const Arc *arc) {
     ++at->arc_count;
 }
 
-/* Its poles, in 2 s - 1, are on the imaginary axis, of a hyperbola on the real one. */
-static double axis_of(double weight) {
-    return sqrt((weight < 1.0 ? 2.0 : 1.0 + weight) / fabs(1.0 - weight));
-}
-
 /* Arcs of an ellipse's rim. */
 static void add_rims(Pressed *at, const double *semi, double from, double to) {
     int count = (int)ceil((to - from) / WIDEST_RIM);
-    double half = 0.5 * (to - from) / count, weight = cos(half), axis = axis_of(weight);
+    double half = 0.5 * (to - from) / count, weight = cos(half);
     for (int i = 0; i < count; ++i) {
         double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
         Arc arc = {
@@ -327,7 +335,6 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
             .b = {semi[X] * cos(high), semi[Y] * sin(high)},
             .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
             .weight = weight,
-            .axis = axis,
         };
         put_arc(at, &arc);
     }
@@ -385,10 +392,13 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     gradient_at(p, a[X], a[Y], first);
     gradient_at(p, b[X], b[Y], last);
     double turn = first[X] * last[Y] - first[Y] * last[X];
-    double start = size_of(first[X], first[Y]), end = size_of(last[X], last[Y]);
-    double bend = fabs(p[Q_XX]) + 2.0 * fabs(p[Q_XY]) + fabs(p[Q_YY]);
-    double least = NEARLY_DOUBLE * bend * size_of(ex, ey);
-    if (!(fabs(turn) > STRAIGHT_TURN * start * end) || start < least || end < least) {
+    /* all squared */
+    double start = first[X] * first[X] + first[Y] * first[Y];
+    double end = last[X] * last[X] + last[Y] * last[Y];
+    double bend = NEARLY_DOUBLE * (fabs(p[Q_XX]) + 2.0 * fabs(p[Q_XY]) + fabs(p[Q_YY]));
+    double least = bend * bend * (ex * ex + ey * ey);
+    int is_bent = turn * turn > STRAIGHT_TURN * STRAIGHT_TURN * start * end;
+    if (!is_bent || start < least || end < least) {
         const double side[] = {a[X], a[Y], b[X], b[Y]};
         put_side(at, side);
         return;
@@ -406,11 +416,12 @@ static void add_arc(Pressed *at, const double *a, const double *b) {
     };
     /* halves meet at s = 1/2 until poles are far */
     int halvings = 0;
-    double weight = whole.weight;
-    whole.axis = axis_of(weight);
-    for (; halvings < MOST_HALVINGS && whole.axis < LEAST_AXIS; ++halvings) {
+    Axis axis = axis_of(whole.weight);
+    for (double weight = whole.weight;
+         halvings < MOST_HALVINGS && axis.above < LEAST_AXIS * LEAST_AXIS * axis.below;
+         ++halvings) {
         weight = sqrt(0.5 * (1.0 + weight));
-        whole.axis = axis_of(weight);
+        axis = axis_of(weight);
     }
     if (!halvings) {
         put_arc(at, &whole);
@@ -567,6 +578,8 @@ static int cut(const Pressure *pressure, Pressed *at) {
     }
     if (crossings.count > MOST_PLACES - 4) return 0;
     cut_inside(pressure, at, &crossings);
+    for (int k = 0; k < EDGE_SIZE && at->side_count <= MOST_SIDES; ++k)
+        for (int i = 0; i < WIDTH; ++i) at->sides[k][at->side_count + i] = at->sides[k][0];
     return at->side_count <= MOST_SIDES && at->arc_count <= MOST_ARCS;
 }
 
@@ -587,14 +600,16 @@ static ALWAYS_INLINE void add_monomials(Wide *m, Wide x, Wide y, Wide cross) {
     m[OF_YYY] += fy * yy;
 }
 
-/* Up to WIDTH numbers of a column, zeros after them. */
-static ALWAYS_INLINE Wide taken(const double *from, int count) {
-    Wide x = {0.0};
-    if (count >= WIDTH)
-        memcpy(&x, from, sizeof x);
-    else
-        for (int k = 0; k < count; ++k) x[k] = from[k];
+static ALWAYS_INLINE Wide taken(const double *from) {
+    Wide x;
+    memcpy(&x, from, sizeof x);
     return x;
+}
+
+/* One for the first so many, nought after them. */
+static ALWAYS_INLINE Wide ones(int count) {
+    static const double of[2 * WIDTH] = {1.0, 1.0, 1.0, 1.0};
+    return taken(of + WIDTH - (count < WIDTH ? count : WIDTH));
 }
 
 static ALWAYS_INLINE double summed(const Wide *x) {
@@ -607,17 +622,17 @@ static WIDENED void take_moments(Pressed *at) {
     Wide m[MONOMIALS] = {{0.0}};
     for (int i = 0; i < at->side_count; i += WIDTH) {
         Wide ends[EDGE_SIZE];
-        for (int k = 0; k < EDGE_SIZE; ++k) ends[k] = taken(at->sides[k] + i, at->side_count - i);
+        for (int k = 0; k < EDGE_SIZE; ++k) ends[k] = taken(at->sides[k] + i);
         Wide x = ends[EDGE_START_X], ex = ends[EDGE_END_X] - x;
         Wide y = ends[EDGE_START_Y], ey = ends[EDGE_END_Y] - y, share = 0.5 * (x * ey - y * ex);
+        share *= ones(at->side_count - i);
         for (int j = 0; j < 2; ++j)
             add_monomials(m, x + places[j] * ex, y + places[j] * ey, share);
     }
     const Nodes *nodes = &at->nodes;
     for (int i = 0; i < nodes->count; i += WIDTH) {
-        int count = nodes->count - i;
-        Wide x = taken(nodes->x + i, count), y = taken(nodes->y + i, count);
-        add_monomials(m, x, y, x * taken(nodes->dy + i, count) - y * taken(nodes->dx + i, count));
+        Wide x = taken(nodes->x + i), y = taken(nodes->y + i);
+        add_monomials(m, x, y, x * taken(nodes->dy + i) - y * taken(nodes->dx + i));
     }
     for (int k = 0; k < MONOMIALS; ++k) at->moments[k] = summed(m + k);
     at->has_moments = 1;

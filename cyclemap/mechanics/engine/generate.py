@@ -294,7 +294,7 @@ def _tables() -> str:
         ("A", coefficients),
         ("BEND", bend_weights()),
         ("BOUNDARY_REACH", reach),
-        ("POLE_REACH", pole_reach),
+        ("POLE_REACH", pole_reach**2),
     ):
         rows = braced(braced(row) for row in table.tolist())
         lines.append(f"static const double {name}[{table.shape[0]}][{table.shape[1]}] = {rows};")
