@@ -57,24 +57,55 @@ static void begin_cones(Cones *c, Friction *f, const double *quadratic, int is_f
     }
 }
 
-/* From afar: places along the cone from the centroid to a place on the boundary. */
-static inline void add_far_cone(Cones *c, double end_x, double end_y, double cross) {
+/* From afar: places along the cones from the centroid to nodes on the boundary, as add_places
+   (pressure.c) has them. */
+static WIDENED void add_far_nodes(Cones *c, const Nodes *nodes) {
+    const double *p = c->quadratic, *turn = c->frame.spin, *still = c->frame.middle;
+    double omega = c->frame.omega;
+    Wide sums[FRICTION_SIZE] = {{0.0}};
     int rule = ALONG_CONE[c->digits];
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; j += LANES) {
-        Lanes x, y, share;
-        for (int k = 0; k < LANES; ++k) {
-            double s = 0.5 * (1.0 + BOUNDARY_NODES[j + k]);
-            x[k] = s * end_x;
-            y[k] = s * end_y;
-            share[k] = s * cross * BOUNDARY_WEIGHTS[j + k] * pressure_at(c->quadratic, x[k], y[k]);
+    for (int i = 0; i < nodes->count; i += WIDTH) {
+        Wide end_x = taken(nodes->x + i), end_y = taken(nodes->y + i);
+        Wide cross = end_x * taken(nodes->dy + i) - end_y * taken(nodes->dx + i);
+        Wide linear = p[Q_SLOPE_X] * end_x + p[Q_SLOPE_Y] * end_y;
+        Wide square = p[Q_XX] * end_x * end_x + p[Q_YY] * end_y * end_y;
+        square += 2.0 * p[Q_XY] * end_x * end_y;
+        Wide turn_x = turn[M_XX] * end_x + turn[M_XY] * end_y;
+        Wide turn_y = turn[M_YX] * end_x + turn[M_YY] * end_y;
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), weight = s * BOUNDARY_WEIGHTS[j];
+            Wide share = weight * cross * (p[Q_LEVEL] + s * (linear + s * square));
+            Wide px = s * turn_x, py = s * turn_y;
+            Wide wx = still[X] + omega * px, wy = still[Y] + omega * py;
+            Wide slowness = 1.0 / roots(wx * wx + wy * wy + 1e-300);
+            Wide ux = wx * slowness, uy = wy * slowness, k = share * slowness;
+            Wide spin = ux * py - uy * px, kx = -k * uy, ky = k * ux;
+            sums[FORCE_X] += share * ux;
+            sums[FORCE_Y] += share * uy;
+            sums[TORQUE] += share * (ux * px + uy * py);
+            sums[XX] -= kx * uy;
+            sums[XY] += kx * ux;
+            sums[YY] += ky * ux;
+            sums[XW] += kx * spin;
+            sums[YW] += ky * spin;
+            sums[WW] += k * spin * spin;
         }
-        if (!c->f->toward) add_places(&c->frame, &x, &y, &share, &c->places);
-        for (int k = 0; k < LANES && c->f->toward; ++k) {
-            double found[WRENCH], *results[] = {found};
-            const double place[] = {x[k], y[k]};
+    }
+    for (int k = 0; k < FRICTION_SIZE; ++k) c->places.of[k][0] += summed(sums + k);
+}
+
+/* How what they add moves. */
+static void move_far_nodes(Cones *c, const Nodes *nodes) {
+    int rule = ALONG_CONE[c->digits];
+    for (int i = 0; i < nodes->count; ++i) {
+        double x = nodes->x[i], y = nodes->y[i], cross = x * nodes->dy[i] - y * nodes->dx[i];
+        for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
+            double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), found[WRENCH], *results[] = {found};
+            const double place[] = {s * x, s * y};
             const double *given[] = {c->f->twist, c->f->matrix, place, c->f->toward};
             point_toward(given, results, 0, 0, 0);
-            add(c->moved, found, share[k], WRENCH);
+            double share = s * cross * BOUNDARY_WEIGHTS[j];
+            add(c->moved, found, share * pressure_at(c->quadratic, place[X], place[Y]), WRENCH);
         }
     }
 }
@@ -246,19 +277,6 @@ static void add_arcs(Cones *c, const Pressed *at) {
     sum_nodes(c, &finer, 0, finer.count);
 }
 
-static void add_far_arc(Cones *c, const Arc *arc) {
-    int rule = arc_rule(axis_of(arc->weight), c->digits);
-    if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
-    if (rule == BOUNDARY_RULE_COUNT) --rule;
-    Nodes nodes;
-    nodes.count = 0;
-    put_nodes(&nodes, arc, rule, -1.0, 1.0);
-    for (int i = 0; i < nodes.count; ++i) {
-        double x = nodes.x[i], y = nodes.y[i];
-        add_far_cone(c, x, y, x * nodes.dy[i] - y * nodes.dx[i]);
-    }
-}
-
 /* Sides of the contact, some at once. */
 static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
     enum { ROOM = EDGE_SIZE + QUADRATIC_SIZE };
@@ -281,14 +299,34 @@ static WIDENED void add_pressed_sides(Cones *c, const Pressed *at) {
     }
 }
 
-static void add_far_side(Cones *c, const double *side) {
-    double ex = side[EDGE_END_X] - side[EDGE_START_X], ey = side[EDGE_END_Y] - side[EDGE_START_Y];
-    double cross = side[EDGE_START_X] * ey - side[EDGE_START_Y] * ex;
-    int rule = ALONG_SIDE[c->digits];
-    for (int j = BOUNDARY_FIRST[rule]; j < BOUNDARY_FIRST[rule + 1]; ++j) {
-        double s = 0.5 * (1.0 + BOUNDARY_NODES[j]), share = BOUNDARY_WEIGHTS[j] * cross;
-        add_far_cone(c, side[EDGE_START_X] + s * ex, side[EDGE_START_Y] + s * ey, share);
+static void sum_far_nodes(Cones *c, Nodes *nodes) {
+    if (c->f->toward)
+        move_far_nodes(c, nodes);
+    else
+        add_far_nodes(c, nodes);
+    nodes->count = 0;
+}
+
+/* Friction from afar: a side is an arc that is a parabola's, straight. */
+static void sum_from_afar(Cones *c, const Pressed *at) {
+    Nodes nodes;
+    nodes.count = 0;
+    for (int i = 0; i < at->side_count + at->arc_count; ++i) {
+        Arc side = {.weight = 1.0};
+        for (int k = 0; k < 2 && i < at->side_count; ++k) {
+            side.a[k] = at->sides[EDGE_START_X + k][i];
+            side.b[k] = at->sides[EDGE_END_X + k][i];
+            side.c[k] = 0.5 * (side.a[k] + side.b[k]);
+        }
+        const Arc *arc = i < at->side_count ? &side : at->arcs + i - at->side_count;
+        int rule = arc_rule(axis_of(arc->weight), c->digits);
+        if (rule < ALONG_SIDE[c->digits]) rule = ALONG_SIDE[c->digits];
+        if (rule == BOUNDARY_RULE_COUNT) --rule;
+        if (put_nodes(&nodes, arc, rule, -1.0, 1.0)) continue;
+        sum_far_nodes(c, &nodes);
+        put_nodes(&nodes, arc, rule, -1.0, 1.0);
     }
+    sum_far_nodes(c, &nodes);
 }
 
 /* Sums in the velocity plane, by the velocity: M^T F and M^T H M. */
@@ -336,12 +374,7 @@ static void sum_pressed(const Pressure *pressure, const Pressed *at, const doubl
     begin_sums(&f, about, m, toward, 0);
     Cones c;
     begin_cones(&c, &f, quadratic, is_far, at->digits);
-    for (int i = 0; i < at->side_count && is_far; ++i) {
-        double side[EDGE_SIZE];
-        for (int k = 0; k < EDGE_SIZE; ++k) side[k] = at->sides[k][i];
-        add_far_side(&c, side);
-    }
-    for (int i = 0; i < at->arc_count && is_far; ++i) add_far_arc(&c, at->arcs + i);
+    if (is_far) sum_from_afar(&c, at);
     if (is_far && toward)
         memcpy(f.friction, c.moved, sizeof c.moved);
     else if (is_far)

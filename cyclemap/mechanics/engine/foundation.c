@@ -229,30 +229,40 @@ static double around_bend(const Around *e, double x, double y) {
     return 2.0 * bent - x * e->slope[X] - y * e->slope[Y];
 }
 
-/* Where a function along the rim, of the derivative `by`, changes its sign between two angles:
-   by Newton's method inside the bracket, which is halved where that gains little. */
+/* On the unit circle, where the half angle from a place has this tangent. */
+static void turn_half(const double *from, double tangent, double *to) {
+    double down = 1.0 / (1.0 + tangent * tangent);
+    double c = (1.0 - tangent * tangent) * down, s = 2.0 * tangent * down;
+    to[X] = c * from[X] - s * from[Y];
+    to[Y] = c * from[Y] + s * from[X];
+}
+
+/* Where a function along the rim, of the derivative `by`, changes its sign between two places less
+   than half a turn apart: by Newton's method on the tangent of the half angle inside the bracket,
+   which is halved where that gains little. Returns its angle from the first. */
 static double zero_between(double (*of)(const Around *, double, double),
                            double (*by)(const Around *, double, double), const Around *e,
-                           double low, double high) {
+                           const double *from, const double *end, double *at) {
     enum { MOST_TRIALS = 100 };
-    double x = cos(low), y = sin(low), t = 0.5 * (low + high), before = high - low;
-    int is_rising = !(of(e, x, y) > 0.0);
+    double across = from[X] * end[Y] - from[Y] * end[X], along = from[X] * end[X] + from[Y] * end[Y];
+    double low = 0.0, high = across / (1.0 + along), before = high;
+    double first = of(e, from[X], from[Y]), last = of(e, end[X], end[Y]);
+    double t = first == last ? 0.5 * high : high * first / (first - last);
     for (int i = 0; i < MOST_TRIALS; ++i) {
-        x = cos(t);
-        y = sin(t);
-        double value = of(e, x, y), step = -value / by(e, x, y);
-        if ((value > 0.0) == is_rising)
+        turn_half(from, t, at);
+        double value = of(e, at[X], at[Y]);
+        double step = -0.5 * (1.0 + t * t) * value / by(e, at[X], at[Y]);
+        if ((value > 0.0) == !(first > 0.0))
             high = t;
         else
             low = t;
         int is_less = fabs(step) < 0.5 * before;
-        if (fabs(step) <= 4e-16 * fmax(1.0, fabs(t)) || (!is_less && fabs(step) < ROUNDED))
-            return t;
+        if (fabs(step) <= 2e-16 || (!is_less && fabs(step) < ROUNDED)) break;
         if (!is_less || !(low < t + step && t + step < high)) step = 0.5 * (low + high) - t;
         t += step;
         before = fabs(step);
     }
-    return t;
+    return 2.0 * atan(t);
 }
 
 /* The larger half axis of Bernstein's ellipse, about -1 to 1, in which an arc is analytic in 2 s - 1,
@@ -324,18 +334,27 @@ static void put_arc(Pressed *at, const Arc *arc) {
     ++at->arc_count;
 }
 
-/* Arcs of an ellipse's rim. */
-static void add_rims(Pressed *at, const double *semi, double from, double to) {
-    int count = (int)ceil((to - from) / WIDEST_RIM);
-    double half = 0.5 * (to - from) / count, weight = cos(half);
+/* A place on the unit circle. */
+typedef struct {
+    double angle, at[2];
+} Stop;
+
+/* Arcs of an ellipse's rim from a stop to an angle. */
+static void add_rims(Pressed *at, const double *semi, const Stop *from, double to) {
+    int count = (int)ceil((to - from->angle) / WIDEST_RIM);
+    double half = 0.5 * (to - from->angle) / count, c = cos(half), s = sin(half);
+    double x = from->at[X], y = from->at[Y];
     for (int i = 0; i < count; ++i) {
-        double low = from + 2.0 * i * half, middle = low + half, high = middle + half;
+        double middle_x = c * x - s * y, middle_y = c * y + s * x;
         Arc arc = {
-            .a = {semi[X] * cos(low), semi[Y] * sin(low)},
-            .b = {semi[X] * cos(high), semi[Y] * sin(high)},
-            .c = {semi[X] * cos(middle) / weight, semi[Y] * sin(middle) / weight},
-            .weight = weight,
+            .a = {semi[X] * x, semi[Y] * y},
+            .c = {semi[X] * middle_x / c, semi[Y] * middle_y / c},
+            .weight = c,
         };
+        x = c * middle_x - s * middle_y;
+        y = c * middle_y + s * middle_x;
+        arc.b[X] = semi[X] * x;
+        arc.b[Y] = semi[Y] * y;
         put_arc(at, &arc);
     }
 }
@@ -344,43 +363,47 @@ static void add_rims(Pressed *at, const double *semi, double from, double to) {
    extremes. */
 static void cut_rim(Pressed *at, const double *semi, Places *crossings) {
     enum { MOST = 2 * RIM_SAMPLES, MOST_CUTS = 8 };
-    int kinds[MOST_CUTS];
+    int kinds[MOST_CUTS], count = 0, cut_count = 0;
     Around e = around_of(at->pressure, semi);
-    double stops[MOST + 1], values[MOST + 1], cuts[MOST_CUTS + 1], step = 2.0 * M_PI / RIM_SAMPLES;
+    Stop stops[MOST + 1], cuts[MOST_CUTS + 1];
+    double values[MOST + 1], step = 2.0 * M_PI / RIM_SAMPLES;
     double slope = around_slope(&e, 1.0, 0.0), value = around_at(&e, 1.0, 0.0);
     /* between samples of one sign P vanishes only where it is less than it can bend by */
     double most_bend = size_of(e.slope[X], e.slope[Y]) + 2.0 * fabs(e.yy - e.xx) + 4.0 * fabs(e.xy);
     double least = 0.125 * step * step * most_bend;
-    int count = 0, cut_count = 0;
-    for (int i = 0; i < RIM_SAMPLES; ++i) {
-        double x = RIM_COSINES[i + 1], y = RIM_SINES[i + 1];
-        double next = around_slope(&e, x, y), after = around_at(&e, x, y);
-        stops[count] = i * step;
+    for (int i = 0; i <= RIM_SAMPLES; ++i) {
+        Stop here = {i * step, {RIM_COSINES[i], RIM_SINES[i]}};
+        stops[count] = here;
         values[count++] = value;
+        if (i == RIM_SAMPLES) break;
+        const double there[] = {RIM_COSINES[i + 1], RIM_SINES[i + 1]};
+        double next = around_slope(&e, there[X], there[Y]), after = around_at(&e, there[X], there[Y]);
         int may_vanish = fmin(fabs(value), fabs(after)) <= least;
         if (may_vanish && (slope > 0.0) != (next > 0.0)) {
-            double t = zero_between(around_slope, around_bend, &e, i * step, (i + 1) * step);
-            stops[count] = t;
-            values[count++] = around_at(&e, cos(t), sin(t));
+            Stop *extreme = stops + count;
+            double t = zero_between(around_slope, around_bend, &e, here.at, there, extreme->at);
+            extreme->angle = here.angle + t;
+            values[count++] = around_at(&e, extreme->at[X], extreme->at[Y]);
         }
         slope = next;
         value = after;
     }
-    stops[count] = 2.0 * M_PI;
-    values[count] = values[0];
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i + 1 < count; ++i)
         if ((values[i] > 0.0) != (values[i + 1] > 0.0) && cut_count < MOST_CUTS) {
-            kinds[cut_count] = values[i + 1] > 0.0 ? IS_END : IS_START;
-            cuts[cut_count++] = zero_between(around_at, around_slope, &e, stops[i], stops[i + 1]);
+            const Stop *low = stops + i;
+            Stop *to = cuts + cut_count;
+            kinds[cut_count++] = values[i + 1] > 0.0 ? IS_END : IS_START;
+            double t = zero_between(around_at, around_slope, &e, low->at, low[1].at, to->at);
+            to->angle = low->angle + t;
         }
     if (!cut_count) {
-        if (values[0] > 0.0) add_rims(at, semi, 0.0, 2.0 * M_PI);
+        if (values[0] > 0.0) add_rims(at, semi, stops, 2.0 * M_PI);
         return;
     }
-    cuts[cut_count] = cuts[0] + 2.0 * M_PI;
     for (int i = 0; i < cut_count; ++i) {
-        note(crossings, semi[X] * cos(cuts[i]), semi[Y] * sin(cuts[i]), kinds[i]);
-        if (kinds[i] == IS_END) add_rims(at, semi, cuts[i], cuts[i + 1]);
+        double end = i + 1 < cut_count ? cuts[i + 1].angle : cuts[0].angle + 2.0 * M_PI;
+        note(crossings, semi[X] * cuts[i].at[X], semi[Y] * cuts[i].at[Y], kinds[i]);
+        if (kinds[i] == IS_END) add_rims(at, semi, cuts + i, end);
     }
 }
 
