@@ -200,7 +200,7 @@ class DynamicModel:
         radius, outline = self.pusher.radius, self.slider.outline
         pieces = contact_curve(outline, radius).pieces
         index, coordinate, _ = side_coordinate(outline, pieces, push.side, push.fraction)
-        contact, _ = pieces[index].contact(coordinate, radius)
+        contact = pieces[index].contact(coordinate, radius)
         direction = pose.theta + contact.normal + math.pi + push.angle
         touch = np.array(pose.to_world(*contact.rod_centre(radius)))
         places = [
