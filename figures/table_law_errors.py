@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cyclemap.evidence import SetLaws
 from cyclemap.evidence.laws.set_fit import MotionLaw
 from cyclemap.views.sentences import listed
 
@@ -27,7 +26,7 @@ _COLUMNS = [
 ]
 HEADER = ("material", "source", "pushes", *_COLUMNS)
 # A material's pushes, and of each of its sets source and laws.
-LawErrors = list[tuple[MaterialPushes, list[tuple[str, SetLaws]]]]
+LawErrors = list[tuple[MaterialPushes, list[tuple[str, tuple[MotionLaw, ...]]]]]
 
 
 def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> LawErrors:
@@ -54,11 +53,11 @@ def rows(result: LawErrors) -> list[tuple[str, ...]]:
         told.append((paper.material, "paper", str(PUBLISHED_CYCLES), *cells))
         for source, laws in sets:
             cells = []
-            for found, (_, _, factor) in zip(laws.laws, QUANTITIES, strict=True):
+            for found, (_, _, factor) in zip(laws, QUANTITIES, strict=True):
                 law = found.law
                 cells += [_error(found, factor)]
                 cells += ["", ""] if law is None else [f"{law.percent:.2f}", str(law.harmonics)]
-            told.append((paper.material, source, str(laws.count), *cells))
+            told.append((paper.material, source, str(laws[0].value.size), *cells))
     return told
 
 
@@ -72,7 +71,7 @@ def caption(result: LawErrors) -> str:
         errors = []
         for each, sets in result:
             # The last material simulated is the one that stands for the paper's.
-            law = sets[len(each.runs) - 1][1].laws[index]
+            law = sets[len(each.runs) - 1][1][index]
             paper = f"{abs(factor) * each.published.rmse[index]:.2f} on {each.published.material}"
             errors.append(f"{_error(law, factor)} of {paper}")
         sentences.append(f"{name} ({unit}): {listed(errors)}.")

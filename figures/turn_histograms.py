@@ -76,7 +76,7 @@ def compute(
     for surface, material in STANDS_FOR.items():
         found = measured_run(measured, surface)
         shown = sampled_run(material, sampling).pushes if found is None else found.pushes
-        laws.append((surface, found is not None, False, fitted_laws(shown).dtheta))
+        laws.append((surface, found is not None, False, fitted_laws(shown)[0]))
         if found is None:
             absent.append(surface)
             pairs = measured_theta0(measured, surface)

@@ -76,8 +76,8 @@ def compute(measured: MeasuredFolder, sampling: Sampling = PAPER) -> tuple[Mater
     panels = []
     for surface, material in STANDS_FOR.items():
         found, run = measured_run(measured, surface), sampled_run(material, sampling)
-        simulated = fitted_laws(run.pushes).dtheta
-        law = simulated if found is None else fitted_laws(found.pushes).dtheta
+        simulated = fitted_laws(run.pushes)[0]
+        law = simulated if found is None else fitted_laws(found.pushes)[0]
         shown = run.states[:: max(len(run.states) - 1, 1)]
         curves = np.array([state.motion(CIRCLE)[:, 0] for state in shown])
         arc = shortest_arc(run.pushes.theta, MOST)

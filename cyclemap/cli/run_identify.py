@@ -39,10 +39,8 @@ from cyclemap.evidence.identified_material import (
     derived_quantities,
     identified_curves,
     identified_material,
-    readable_kind,
-    readable_unit,
 )
-from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml

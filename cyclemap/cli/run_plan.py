@@ -34,8 +34,8 @@ from cyclemap.cli.output import (
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import recognise
+from cyclemap.evidence.identified_words import implausible
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
-from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill

@@ -90,14 +90,14 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     its own cycle.
     """
     from cyclemap.evidence import measured_overlay
+    from cyclemap.evidence.comparison.collection_null import CollectionModel
     from cyclemap.evidence.comparison.cycle_agreement import cycle_agreement
-    from cyclemap.evidence.comparison.prediction import Prediction
 
     overlay = measured_overlay(pairs, drawn.map.turn)
     if drawn.drifting is None or pairs.cycle is None:
         return overlay
-    prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
-    return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
+    model = CollectionModel(drawn.drifting, drawn.noise)
+    return replace(overlay, agreement=cycle_agreement(model, drawn.loop, pairs).agreement)
 
 
 def run_staircase(asked: RunOptions) -> None:

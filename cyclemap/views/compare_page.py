@@ -11,6 +11,7 @@ from cyclemap.collection.portrait_curves import TurnCurve
 from cyclemap.evidence import Theta0Pairs, turn_bins
 from cyclemap.evidence.comparison.compare import Comparison
 from cyclemap.evidence.comparison.push_agreement import mean_distances
+from cyclemap.maps import DriftingMap
 from cyclemap.views import map_panels, style
 from cyclemap.views.map_panels import OUTCOMES, draw_measured, draw_outcome
 from cyclemap.views.sentences import angle
@@ -33,7 +34,7 @@ def compare_page(name: str, found: Comparison, curve: TurnCurve) -> Figure:
     told = (data_sentence(found), summary_sentence(found))
     kinds = {"loop": "mechanics", "map": "map", "drifting map": "map that wears"}
     noise = "" if found.cycle is None else f" with {angle(found.cycle.noise)} of noise a cycle"
-    foot = f"predicted by the {kinds[found.prediction.kind]}{noise}{sets}{drawn}"
+    foot = f"predicted by the {kinds[found.kind]}{noise}{sets}{drawn}"
     layout = style.rows_of(*(3,) * ((found.cycle is not None) + bool(found.pushes)))
     figure, panels = style.page(layout, headline(name, found), told, foot)
     if found.cycle is not None:
@@ -80,7 +81,9 @@ def _draw_cycles(panels: list[Axes], found: Comparison, curve: TurnCurve) -> Non
     assert found.cycle is not None and found.data.pairs is not None
     map_panels.draw_turn(turn, curve)
     map_panels.draw_measured_turns(turn, found.data.pairs, found.cycle.bins)
-    style.entitle(turn, "Cycle map, midway" if found.prediction.is_drifting else "Cycle map")
+    style.entitle(
+        turn, "Cycle map, midway" if isinstance(found.prediction.map, DriftingMap) else "Cycle map"
+    )
     if found.orientations is None:
         style.say(histogram, "order of the pushes unknown")
     else:

@@ -44,7 +44,7 @@ def fit_page(fit: SetFit) -> Figure:
 
     Raises InvalidInput where nothing was fitted.
     """
-    laws = [law for law in fit.laws.laws if law.law is not None]
+    laws = [law for law in fit.laws if law.law is not None]
     pushes: list[style.Panel] = [
         (OUTCOMES[law.quantity][0], partial(draw_motion_law, law=law)) for law in laws
     ]
@@ -53,7 +53,7 @@ def fit_page(fit: SetFit) -> Figure:
     rows = [row for row in (pushes, _cycle_panels(fit.cycle_map)) if row]
     if not rows:
         raise InvalidInput(
-            f"nothing was fitted to {fit.pushes.name}: {fit.laws.problem or fit.map_problem}"
+            f"nothing was fitted to {fit.pushes.name}: {fit.law_problem or fit.map_problem}"
         )
     foot = (
         "laws are Fourier series of θ0, their order by cross-validation over blocks of "
@@ -141,7 +141,7 @@ LITTLE = 0.05
 def set_sentences(fit: SetFit) -> list[str]:
     """All that is to be said of a set, in order."""
     said = [count_sentence(fit)]
-    said += [law_sentence(law) for law in fit.laws.laws if law.law is not None]
+    said += [law_sentence(law) for law in fit.laws if law.law is not None]
     if (found := fit.histogram) is not None:
         chance = f"chance alone makes up to {_share(found.chance_total_variation)}"
         said.append(

@@ -19,10 +19,8 @@ from cyclemap.evidence.identified_material import (
     Derived,
     IdentifiedCurves,
     StrokeFit,
-    misfit_words,
-    readable_kind,
-    readable_unit,
 )
+from cyclemap.evidence.identified_words import misfit_words, readable_kind, readable_unit
 from cyclemap.mechanics import EllipseFriction, SurfaceShape
 from cyclemap.views import map_panels, style
 from cyclemap.views.sentences import angle

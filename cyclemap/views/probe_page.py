@@ -9,7 +9,7 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from cyclemap.evidence.plausibility import MOST_RATIO
+from cyclemap.evidence.identified_words import MOST_RATIO
 from cyclemap.evidence.push_probe import ALARM_RATE, OUTCOMES, Probe
 from cyclemap.views import map_panels, style
 from cyclemap.views.map_panels import CIRCLE, draw_outcome

@@ -116,7 +116,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{CONTACTS} tests/mechanics",
         [
             ("self.x + radius * math.cos(self.normal)", "self.x - radius * math.cos(self.normal)"),
-            ("speed + radius * a * b / speed**2", "speed + radius * a * b / speed"),
+            ("speed + radius * turning", "speed + radius * turning * speed"),
             ("fraction * length, length", "(1.0 - fraction) * length, length"),
             ("if gap >= radius - rounding", "if gap >= 0.5 * radius - rounding"),
             ("math.atan2(-x, y), 0.0, length", "math.atan2(x, -y), 0.0, length"),
@@ -567,8 +567,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "return PValue(reached / (null.size + 1)",
             ),
             (
-                "found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
-                "found = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "distances = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
             ),
             (
                 "median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]",
@@ -579,7 +579,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/comparison/collection_null.py": (
         ORIENTATIONS,
         [
-            ("seed + _APART * (number + 1)", "seed"),
+            ("seed + _APART * (index + 1)", "seed"),
             ("self.map.cycles - self.first", "self.map.cycles"),
             (
                 "np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI",
@@ -631,8 +631,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("read_only(np.where(blind, np.inf, error * scale))", "read_only(error * scale)"),
             (
-                "covariance = told + by_weights + believed.T @ believed",
-                "covariance = told + by_weights",
+                "covariance = sandwich + by_weights + believed.T @ believed",
+                "covariance = sandwich + by_weights",
             ),
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
         ],
@@ -674,8 +674,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))",
                 "math.sqrt(stats.f.ppf(CONFIDENCE, 2, free))",
             ),
-            ("count, extra = len(moved), 2 * order", "count, extra = len(moved), order"),
-            ("math.exp(2.0 * part)", "math.exp(part)"),
+            ("extra = 2 * order", "extra = order"),
+            ("math.exp(2.0 * length)", "math.exp(length)"),
             ("free = moved.size - 7", "free = moved.size"),
         ],
     ),
@@ -709,7 +709,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/motion_check.py": (
         f"{PUSHES}/test_conventions.py",
         [
-            ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
+            ("_BEATEN = 0.5", "_BEATEN = 0.005"),
             (
                 "(_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length",
                 "_EXPLAINS * other.length",
