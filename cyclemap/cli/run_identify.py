@@ -50,7 +50,7 @@ from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.written import Json, Unit, json_of, written
 
 _SIZES = (

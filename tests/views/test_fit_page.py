@@ -10,7 +10,7 @@ from cyclemap.errors import InvalidInput
 from cyclemap.evidence import PushSet, SetFit, Theta0Pairs, fit_set
 from cyclemap.views import fit_page as sentences
 from cyclemap.views.fit_page import fit_page
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 
 pytestmark = pytest.mark.slow
 
