@@ -116,7 +116,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{CONTACTS} tests/mechanics",
         [
             ("self.x + radius * math.cos(self.normal)", "self.x - radius * math.cos(self.normal)"),
-            ("speed + radius * a * b / speed**2", "speed + radius * a * b / speed"),
+            ("speed + radius * turning", "speed + radius * turning * speed"),
             ("fraction * length, length", "(1.0 - fraction) * length, length"),
             ("if gap >= radius - rounding", "if gap >= 0.5 * radius - rounding"),
             ("math.atan2(-x, y), 0.0, length", "math.atan2(x, -y), 0.0, length"),
