@@ -243,15 +243,14 @@ def _by_set_up(model: QuasiStaticModel, strokes: Strokes, theta: float) -> Array
     path (m) and a turn of the object about its origin (rad) while the rod goes as it goes, (3, 3).
     """
     piece = model.curve.pieces[strokes.start_piece]
-    coordinate = strokes.start_coordinate
-    contact, speed = piece.contact(coordinate, model.radius)
+    contact = piece.contact(strokes.start_coordinate, model.radius)
     c = math.cos(contact.normal + theta)
     s = math.sin(contact.normal + theta)
     normal = np.array((c, s))
     tangent = np.array((-s, c))
     toward = np.array((math.cos(strokes.direction + theta), math.sin(strokes.direction + theta)))
     longer = normal / (normal @ toward)
-    along = (tangent - (tangent @ toward) * longer) / speed
+    along = (tangent - (tangent @ toward) * longer) / contact.travel
     # The rod keeps its direction where the normal turns.
     by_shift = np.array((along, -contact.turning * along, longer)) / model.unit
     # Seen from the object its turn takes the rod the other way around the origin.

@@ -116,7 +116,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         f"{CONTACTS} tests/mechanics",
         [
             ("self.x + radius * math.cos(self.normal)", "self.x - radius * math.cos(self.normal)"),
-            ("speed + radius * a * b / speed**2", "speed + radius * a * b / speed"),
+            ("speed + radius * turning", "speed + radius * turning * speed"),
             ("fraction * length, length", "(1.0 - fraction) * length, length"),
             ("if gap >= radius - rounding", "if gap >= 0.5 * radius - rounding"),
             ("math.atan2(-x, y), 0.0, length", "math.atan2(x, -y), 0.0, length"),
@@ -645,7 +645,11 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("predicted += weights[:, index] * turns", "predicted += 0.2 * turns"),
+            ("predicted += weights[:, index] * turns", "predicted += turns"),
+            (
+                "weights[:, index, np.newaxis] * (self.between @ by_unknowns)",
+                "self.between @ by_unknowns",
+            ),
             ("by_worn += worn * by_surface", "by_worn += 0.5 * by_surface"),
         ],
     ),

@@ -40,7 +40,7 @@ from cyclemap.maps import CircleMap, DriftingMap, Noise, StaircaseSummary, predi
 from cyclemap.progress import Progress, part_of
 
 # A collection shorter than this has no steps or modes worth a test.
-FEWEST_CYCLES = 10
+SHORTEST_COLLECTION = 10
 # Collections of the ensemble that gives the predicted law.
 ENSEMBLE = 200
 # Simulated collections whose steps and modes are found: they take some 60 ms each for 1500 cycles.
@@ -228,7 +228,7 @@ def _cycles_asked(
     if pairs is None:
         return empty
     path = pairs.path
-    if path is None or pairs.path_cycle is None or path.size < FEWEST_CYCLES:
+    if path is None or pairs.path_cycle is None or path.size < SHORTEST_COLLECTION:
         return replace(empty, cycle=cycle_agreement(model, data.loop, pairs))
     first = int(pairs.path_cycle[0])
     start = float(path[0])

@@ -324,8 +324,9 @@ class _Collected:
         """Note where pushes are at too few contacts to be grouped by them."""
         if contacts < min(_FEWEST_CONTACTS, count):
             self._note(
-                f"{count} pushes at {contacts} places of contact alone: what the model misses at a "
-                "place counts as evidence of every push there, so that intervals are too narrow"
+                f"{count} pushes at {contacts} contact{'s' * (contacts > 1)} alone: what the model "
+                "misses at a contact counts as evidence of every push there, so that intervals are "
+                "too narrow"
             )
 
     def _add(

@@ -61,6 +61,18 @@ class MotionLaw:
         inf where the others do not fix the law.
     problem : str or None
         Why there is no law; None where there is.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> from cyclemap.evidence import PushSet, set_laws
+    >>> theta = np.linspace(0.0, 6.0, 30)
+    >>> turn, dx, dy = 1.2 + 0.1 * np.cos(theta), np.sin(theta), np.cos(theta)
+    >>> pushes = PushSet("slate", Path("slate.csv"), {}, 1, theta, turn, dx, dy, pairs=None)
+    >>> dtheta = set_laws(pushes, harmonics=1)[0]
+    >>> dtheta.quantity, round(dtheta.explained, 6)
+    ('dtheta', 1.0)
     """
 
     quantity: str

@@ -390,3 +390,13 @@ def test_pushes_at_one_contact_are_one_group_whether_or_not_the_rods_places_are_
     path = write(tmp_path / "ends.csv", header, rows)
     (block,) = collected_blocks([path], LOOP, push_length=0.05).blocks
     assert len(block.motions) == 36 and len(np.unique(block.groups)) == 12
+
+
+def test_pushes_at_few_contacts_are_said_to_make_narrow_intervals(tmp_path) -> None:
+    rows = [push_row(place) for place in range(12)]
+    path = write(tmp_path / "ends.csv", ENDS, rows)
+    assert any(
+        "12 pushes at 4 contacts alone" in note for note in collected_blocks([path], LOOP).notes
+    )
+    path = write(tmp_path / "each.csv", ENDS, rows[:4])
+    assert not any("alone" in note for note in collected_blocks([path], LOOP).notes)
