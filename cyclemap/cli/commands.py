@@ -479,7 +479,7 @@ command(
         multiple=True,
         help="Hold a parameter (SI units); repeatable.",
     ),
-    option("--wear", is_flag=True, help="Let the friction change over the cycles."),
+    option("--wear", is_flag=True, help="Let friction and floor change over the cycles."),
     option("--no-priors", is_flag=True, help="Believe nothing beforehand: the data alone speak."),
     option("--folds", type=Whole(min=0), help="Parts for cross-validation; 0: none. [default: 5]"),
     option("--student", type=RealRange(min=1.0, min_open=True), default=4.0, help=_STUDENT),

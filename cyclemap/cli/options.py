@@ -465,8 +465,8 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
 def _pictured(seen: Segments, path: Path) -> Path:
     """Draw how a stream of poses was cut, and return where."""
     from cyclemap.text_files import write_whole
-    from cyclemap.views.stream_page import stream_page
-    from cyclemap.views.style import render
+    from cyclemap.views.panels.layout import render
+    from cyclemap.views.push_pages import stream_page
 
     write_whole(path, render(stream_page(seen), "png"))
     return path

@@ -105,7 +105,7 @@ def publish(
 
 def write_result(report: Json, figure: Figure, stem: Path, picture_format: str) -> Path:
     """Write stem.json and the picture beside it, and return the picture's path."""
-    from cyclemap.views.style import render
+    from cyclemap.views.panels.layout import render
 
     write_json(stem.with_name(f"{stem.name}.json"), report)
     picture = stem.with_name(f"{stem.name}.{picture_format}")

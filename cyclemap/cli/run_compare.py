@@ -133,7 +133,7 @@ def compare_report(material: str, found: Comparison) -> Json:
     return {
         "prediction": {
             "material": material,
-            "kind": found.prediction.kind,
+            "kind": found.kind,
             "noise_deg": degrees(math.sqrt(found.prediction.noise.variance)),
             "posterior_samples": len(found.prediction.samples),
             "refitted": False,  # a loop follows from its settings: nothing was fitted to these data

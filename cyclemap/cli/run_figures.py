@@ -113,20 +113,20 @@ def _make(entry: Entry, folder: MeasuredFolder, results: ResultOptions) -> tuple
     exhibit, data = load_exhibit(entry.name), WatchedFolder(folder.path)
     result = exhibit.compute(data)
     table: Told = ""
-    if hasattr(exhibit, "draw"):
-        from cyclemap.views.style import render
+    if exhibit.draw is not None:
+        from cyclemap.views.panels.layout import render
 
         suffix = results.picture_format
         content = render(exhibit.draw(result), suffix)
-    elif hasattr(exhibit, "frames"):
+    elif exhibit.frames is not None:
         from cyclemap.figures.locking_in import animated_gif
 
         suffix, content = "gif", animated_gif(exhibit.frames(result))
     else:
-        rows, text = list(exhibit.rows(result)), io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([exhibit.HEADER, *rows])
+        rows, text = exhibit.rows(result), io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([exhibit.header, *rows])
         suffix, content = "csv", text.getvalue().encode()
-        table = people_table("", exhibit.HEADER, rows, words=range(len(exhibit.HEADER)))
+        table = people_table("", exhibit.header, rows, words=range(len(exhibit.header)))
     path = results.out / f"{entry.name}.{suffix}"
     write_whole(path, content)
     line: Json = {

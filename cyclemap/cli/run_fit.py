@@ -3,10 +3,9 @@ picture of each set.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from itertools import chain
+from collections.abc import Sequence
+from itertools import chain, starmap
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -30,8 +29,8 @@ from cyclemap.evidence.laws.measured_cycle_map import (
     TurnPlace,
     WornForecast,
 )
-from cyclemap.evidence.laws.push_sets import MotionStatistics, PushStatistics, push_sets
-from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, SetLaws, TurnHistogram, fit_set
+from cyclemap.evidence.laws.push_sets import MotionStatistics, push_sets
+from cyclemap.evidence.laws.set_fit import MotionLaw, SetFit, TurnHistogram, fit_set
 from cyclemap.evidence.motion_check import check_pushes
 from cyclemap.evidence.pushes.theta0_pairs import AngleHistogram, covered_arcs
 from cyclemap.plain_text import plain_number
@@ -107,10 +106,21 @@ def _tell(pushes: PushTable, fits: Sequence[SetFit], pictures: Sequence[Path]) -
         unreadable.append(f"{len(pushes.unreadable)} files in all")
     tables = []
     if any(fit.pushes.has_motion for fit in fits):
-        statistics, laws = [fit.statistics for fit in fits], [fit.laws for fit in fits]
+        statistics = []
+        laws = []
+        for fit in fits:
+            row = fit.statistics
+            name = fit.pushes.name
+            count = str(fit.pushes.count)
+            moments = zip((row.dtheta, row.dx, row.dy), UNITS.values(), strict=True)
+            cells = chain.from_iterable(starmap(_statistic_fields, moments))
+            statistics.append((name, count, *cells, row.problem or ""))
+            of_laws = zip(fit.laws, UNITS.values(), strict=True)
+            cells = chain.from_iterable(starmap(_law_fields, of_laws))
+            laws.append((name, count, *cells, fit.law_problem or ""))
         tables = [
-            _table(STATISTICS, statistics, _statistic_fields, "mean", "σ", "%"),
-            _table(LAWS, laws, _law_fields, "RMSE", "%", "cv", "K"),
+            _table(STATISTICS, statistics, "mean", "σ", "%"),
+            _table(LAWS, laws, "RMSE", "%", "cv", "K"),
         ]
     told = ["\n".join(set_sentences(fit)) for fit in fits if not fit.is_empty]
     PeopleConsole().tell(
@@ -177,7 +187,7 @@ def set_report(fit: SetFit) -> Json:
             "problem": statistics.problem,
             **{name: _statistics(getattr(statistics, name), UNITS[name]) for name in UNITS},
         },
-        "laws": {law.quantity: _law(law) for law in fit.laws.laws},
+        "laws": {law.quantity: _law(law) for law in fit.laws},
         "dtheta_histogram": None if fit.histogram is None else _histogram(fit.histogram),
         "last_cycles": written(fit.rest),
         "cycle_map": {"problem": fit.map_problem}
@@ -291,25 +301,19 @@ def _peak(histogram: AngleHistogram) -> list[float]:
     return [round(float(edge), 9) for edge in np.degrees(histogram.edges[highest : highest + 2])]
 
 
-def _table(
-    title: str,
-    parts: Sequence[PushStatistics | SetLaws],
-    fields: Callable[[Any, Unit], list[str]],
-    *columns: str,
-) -> Table:
-    notes, lines = any(part.problem for part in parts), []
-    for part in parts:
-        told = chain.from_iterable(
-            fields(getattr(part, name), unit) for name, unit in UNITS.items()
-        )
-        lines.append((part.name, str(part.count), *told, *([part.problem or ""] if notes else [])))
+def _table(title: str, lines: Sequence[tuple[str, ...]], *columns: str) -> Table:
+    """A row a set, its last cell a note; without notes no column of them."""
+    notes = any(line[-1] for line in lines)
     named = [
         f"{label if column == columns[0] else ''}\n{column}"
         for label in QUANTITIES.values()
         for column in columns
     ]
     table = people_table(
-        title, ("set", "pushes", *named, *["note"] * notes), lines, words=(0, 2 + len(named))
+        title,
+        ("set", "pushes", *named, *["note"] * notes),
+        lines if notes else [line[:-1] for line in lines],
+        words=(0, 2 + len(named)),
     )
     if notes:
         table.columns[-1].max_width = NOTE_LETTERS

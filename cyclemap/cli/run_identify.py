@@ -39,10 +39,8 @@ from cyclemap.evidence.identified_material import (
     derived_quantities,
     identified_curves,
     identified_material,
-    readable_kind,
-    readable_unit,
 )
-from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.identified_words import implausible, readable_kind, readable_unit
 from cyclemap.mechanics import Material, load_material
 from cyclemap.mechanics.material import FLOOR_SHAPE_KEYS, SPREAD_KEYS, shape_numbers
 from cyclemap.mechanics.material_text import load_plates, material_toml
@@ -52,7 +50,7 @@ from cyclemap.protocol.collection_file import collection_tables, collection_text
 from cyclemap.protocol.setting_table import NOISE_KEY
 from cyclemap.text_files import write_whole
 from cyclemap.views.identify_page import headline, identify_page, note_sentences, page_sentences
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.written import Json, Unit, json_of, written
 
 _SIZES = (

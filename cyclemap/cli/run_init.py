@@ -23,7 +23,7 @@ from cyclemap.protocol.setting_table import SETTINGS, without_noise
 from cyclemap.protocol.settings import layered, loop_from_settings
 from cyclemap.text_files import write_whole
 from cyclemap.views.object_page import object_page
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.written import Json
 
 COMMENTS = (

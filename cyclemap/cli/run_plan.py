@@ -34,8 +34,8 @@ from cyclemap.cli.output import (
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import recognise
+from cyclemap.evidence.identified_words import implausible
 from cyclemap.evidence.measured_plan import MeasuredPlan, measured_plan
-from cyclemap.evidence.plausibility import implausible
 from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.evidence.push_plan.plan_table import robot_schedule, table_to_fill
@@ -43,7 +43,7 @@ from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
 from cyclemap.protocol.collection_file import collection_text
 from cyclemap.text_files import write_whole
-from cyclemap.views.plan_page import known_parts, measured_sentences, plan_page, plan_sentences
+from cyclemap.views.object_page import known_parts, measured_sentences, plan_page, plan_sentences
 from cyclemap.written import Json, degrees, json_of
 
 FREE = "free"

@@ -23,8 +23,7 @@ from cyclemap.collection.portrait import Portrait, portrait, staircase_forecast
 from cyclemap.collection.portrait_curves import portrait_curves
 from cyclemap.errors import InvalidInput
 from cyclemap.protocol.chosen_loop import chosen_collection
-from cyclemap.views import sentences
-from cyclemap.views.portrait_page import portrait_page
+from cyclemap.views import portrait_page, sentences
 
 if TYPE_CHECKING:
     from cyclemap.evidence import MeasuredOverlay, Theta0Pairs
@@ -48,7 +47,7 @@ def run_portrait(asked: RunOptions, margin: bool) -> None:
     with progress_bar(f"cycle map of {loop.material.name}") as done:
         found = portrait(loop, sigma=chosen.sigma, progress=done, **run)
     measured = None if pairs is None else _overlay(pairs, found)
-    page = portrait_page(found, portrait_curves(found), measured)
+    page = portrait_page.portrait_page(found, portrait_curves(found), measured)
     stem = result_stem(asked.results.out, "portrait", loop)
     report, margins = portrait_report(found, measured), list[Told]()
     if margin:
@@ -90,14 +89,14 @@ def _overlay(pairs: Theta0Pairs, drawn: Portrait) -> MeasuredOverlay:
     its own cycle.
     """
     from cyclemap.evidence import measured_overlay
+    from cyclemap.evidence.comparison.collection_null import CollectionModel
     from cyclemap.evidence.comparison.cycle_agreement import cycle_agreement
-    from cyclemap.evidence.comparison.prediction import Prediction
 
     overlay = measured_overlay(pairs, drawn.map.turn)
     if drawn.drifting is None or pairs.cycle is None:
         return overlay
-    prediction = Prediction(drawn.drifting, drawn.noise, "loop", drawn.loop)
-    return replace(overlay, agreement=cycle_agreement(prediction, pairs).agreement)
+    model = CollectionModel(drawn.drifting, drawn.noise)
+    return replace(overlay, agreement=cycle_agreement(model, drawn.loop, pairs).agreement)
 
 
 def run_staircase(asked: RunOptions) -> None:
@@ -105,7 +104,6 @@ def run_staircase(asked: RunOptions) -> None:
     or as JSON.
     """
     from cyclemap.evidence import measured_staircase
-    from cyclemap.views import staircase_page
 
     pairs, chosen = asked.pairs(), chosen_collection(asked.options, asked.data).simplified()
     loop = chosen.loop
@@ -119,17 +117,17 @@ def run_staircase(asked: RunOptions) -> None:
     with progress_bar(f"staircase of {loop.material.name}") as report:
         forecast = staircase_forecast(loop, sigma=chosen.sigma, progress=report, **run)
     stem = result_stem(asked.results.out, "staircase", loop)
-    page = staircase_page.staircase_page(forecast, measured)
+    page = portrait_page.staircase_page(forecast, measured)
     publish(
         staircase_report(forecast, measured),
         page,
         stem,
         asked.results,
-        staircase_page.forecast_sentence(forecast),
-        staircase_page.worn_sentence(forecast),
-        staircase_page.run_sentence(forecast),
+        portrait_page.forecast_sentence(forecast),
+        portrait_page.worn_sentence(forecast),
+        portrait_page.run_sentence(forecast),
         sentences.uncertainty_sentence(loop.material.name, forecast.uncertainty),
         sentences.ahead_sentence(forecast.forecast),
-        "" if measured is None else staircase_page.measured_sentence(measured),
-        "" if measured is None else staircase_page.fitted_sentence(measured),
+        "" if measured is None else portrait_page.measured_sentence(measured),
+        "" if measured is None else portrait_page.fitted_sentence(measured),
     )

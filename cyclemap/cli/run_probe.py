@@ -29,7 +29,7 @@ from cyclemap.evidence.push_probe import (
 from cyclemap.evidence.pushes.measured_strokes import told
 from cyclemap.mechanics import load_material
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.probe_page import probe_page, probe_sentences
+from cyclemap.views.push_pages import probe_page, probe_sentences
 from cyclemap.written import Json, degrees, json_of
 
 

@@ -26,7 +26,7 @@ from cyclemap.evidence.comparison.replay_table import (
 )
 from cyclemap.mechanics.plate_footprint import plate_note
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop
-from cyclemap.views.replay_page import replay_headline, replay_page
+from cyclemap.views.push_pages import replay_headline, replay_page
 from cyclemap.written import DEGREES, MILLIMETRES, NUMBER, Json, degrees, rows, written
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from cyclemap.protocol.protocol_file import protocol_text
 from cyclemap.resets import design_reset
 from cyclemap.views import compare_page, sentences
 from cyclemap.views.explorer.page import Download, Section, page_html, provenance_of
+from cyclemap.views.panels.layout import render
 from cyclemap.views.reset_page import design_sentences
-from cyclemap.views.style import render
 from cyclemap.views.verdicts import verdicts
 
 METHODS = (

@@ -19,12 +19,11 @@ from cyclemap.protocol.setting_table import SETTINGS
 from cyclemap.protocol.settings import layered, loop_from_settings, warn_of_defaults
 from cyclemap.sweeps.point_sets import MATERIAL_KEY, Grid, Sample, parse_over
 from cyclemap.sweeps.portrait_numbers import PortraitNumbers
-from cyclemap.sweeps.sweep_curves import sweep_curves
 from cyclemap.sweeps.sweep_plan import SweepPlan
 from cyclemap.sweeps.sweep_results import Sweep, load_sweep, write_csv, write_netcdf
 from cyclemap.sweeps.sweep_store import SweepStatus
 from cyclemap.text_files import write_whole
-from cyclemap.views.style import render
+from cyclemap.views.panels.layout import render
 from cyclemap.views.sweep_page import sweep_headline, sweep_page, sweep_sentences
 from cyclemap.written import Json, json_of, rows
 
@@ -109,7 +108,7 @@ def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
         keys == _MOST_DRAWN_KEYS and (sweep.axes or all(map(sweep.is_numeric, sweep.keys)))
     ):
         files.append(store.with_suffix(f".{results.picture_format}"))
-        page = sweep_page(sweep, sweep_curves(sweep, _words(asked.draw)))
+        page = sweep_page(sweep, _words(asked.draw))
         write_whole(files[-1], render(page, results.picture_format))
     if publish_json(sweep_report(sweep, store), results.json_target):
         return
@@ -179,11 +178,10 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
     """The whole sweep, one entry a point."""
     status = SweepStatus(int(sweep.description["count"]), len(sweep), int(sweep.refused.sum()))
     plan = sweep.description["plan"]
-    columns: dict[str, object] = {key: sweep.swept[key] for key in sweep.keys}
+    columns: dict[str, object] = {key: sweep.table[key] for key in sweep.keys}
     for quantity in sweep.quantities:
-        values = (sweep.lists if quantity.many else sweep.columns)[quantity.name]
-        columns[quantity.written_name] = map(quantity.written, values)
-    refusals = [refusal or None for refusal in sweep.refusals]
+        columns[quantity.written_name] = map(quantity.written, sweep.table[quantity.name])
+    refusals = [refusal or None for refusal in sweep.table["refusal"]]
     return {
         **_status_report(status, store),
         "over": plan["points"],

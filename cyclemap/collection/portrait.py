@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from cyclemap.arrays import shorter_way
+from cyclemap.arrays import TWO_PI, shorter_way
 from cyclemap.checks import positive_number
 from cyclemap.collection.lock_forecast import REST_CYCLES, LockForecast, lock_forecast
 from cyclemap.collection.loop import CollectionLoop, Cycle
@@ -40,7 +40,7 @@ from cyclemap.maps import (
     shifted,
     transfer_operator,
 )
-from cyclemap.maps.quadrature import circle_rule, gauss_rule
+from cyclemap.maps.quadrature import arc_rule, gauss_rule
 from cyclemap.progress import Progress
 from cyclemap.written import ANGLE
 
@@ -344,7 +344,7 @@ def turn_statistics(cycle_map: CircleMap) -> TurnStatistics:
     thousands of nodes.
     """
     if cycle_map.pieces is None:
-        theta, weight = circle_rule(cycle_map, _BANDWIDTH)
+        theta, weight = arc_rule(cycle_map, 0.0, TWO_PI, _BANDWIDTH)
     else:
         # For the map itself: waves of it would need more nodes, the steeper it is.
         knots = cycle_map.pieces.knots

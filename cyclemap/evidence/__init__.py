@@ -13,7 +13,7 @@ Fitting
 fit_map, FittedMap : a cycle map from pairs
 fit_periodic_law, PeriodicLaw, fit_worn_law, WornLaw : a periodic function of θ with its bands, one
     that wears
-fit_set, SetFit, set_laws, SetLaws : a set with all its laws, as in the paper's tables
+fit_set, SetFit, set_laws, MotionLaw : a set with all its laws, as in the paper's tables
 push_statistics, PushStatistics : mean and deviation of what pushes did
 measured_cycle_map, MeasuredCycleMap, measured_staircase, MeasuredStaircase : map and steps of a
     measured path
@@ -129,8 +129,8 @@ if TYPE_CHECKING:
         push_statistics as push_statistics,
     )
     from cyclemap.evidence.laws.set_fit import (
+        MotionLaw as MotionLaw,
         SetFit as SetFit,
-        SetLaws as SetLaws,
         TurnHistogram as TurnHistogram,
         fit_set as fit_set,
         set_laws as set_laws,

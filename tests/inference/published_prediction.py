@@ -16,7 +16,7 @@ from cyclemap.checks import finite_array, positive_number, whole_number
 from cyclemap.collection import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.errors import InvalidInput
-from cyclemap.figures.published_statistics import (
+from cyclemap.figures.materials.paper_pushes import (
     PUBLISHED_CYCLES,
     PublishedStatistics,
     published_statistics,

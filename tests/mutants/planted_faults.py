@@ -156,7 +156,6 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("lambda x: 1.0 - strength * np.cos(x)", "lambda x: 1.0 + strength * np.cos(x)"),
             ("return self._lift(angles) - angles", "return self._lift(angles)"),
-            ("LIFT * (1.0 + np.abs(slope))", "LIFT * 0.0 * (1.0 + np.abs(slope))"),
             (
                 "jumping = np.abs(right - left) > JUMP",
                 "jumping = np.abs(right - left) > 1e6 * JUMP",
@@ -167,15 +166,19 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
         ],
     ),
+    "maps/lifts/lift_checks.py": (
+        LIFTS,
+        [("LIFT * (1.0 + np.abs(slope))", "LIFT * 0.0 * (1.0 + np.abs(slope))")],
+    ),
     "maps/lifts/map_algebra.py": (
         LIFTS,
         [
             ("error + np.max([np.abs(side - slope) for side in sides], axis=0)", "error"),
-            ("+ error * (np.abs(steepness) + off)\n", "\n"),
+            ("+ error * (np.abs(slope) + off)\n", "\n"),
             ("return min(outer.max_error + steepest * error", "return min(outer.max_error + error"),
             (
-                "turns = turns * float(one.degree)",
-                "turns = 1.0 * turns",
+                "turns = (turns + whole) * float(circle_map.degree)",
+                "turns = 1.0 * (turns + whole)",
             ),
             (
                 "lowest > 0.0, error / (np.abs(slope) * lowest), np.inf",
@@ -198,8 +201,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("if np.any(steps < 0.0):", "if np.any(steps < -1.0):"),
             ("if abs(gap) > SNAP:", "if abs(gap) > 1e6 * SNAP:"),
             (
-                "y = np.concatenate([lifted[-1 - reach : -1] - shift",
-                "y = np.concatenate([lifted[-1 - reach : -1]",
+                "np.concatenate([lifted[:-1] - climb, lifted, lifted[1:] + climb])",
+                "np.concatenate([lifted[:-1], lifted, lifted[1:] + climb])",
             ),
         ],
     ),
@@ -223,8 +226,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ("growth = 1.0 + self._growth", "growth = 1.0"),
             ("correction = defect + once + fine.cycle(resolved)", "correction = defect + once"),
             (
-                "found = 0.5 * correlated + basis.noise.variance",
-                "found = correlated + basis.noise.variance",
+                "spread = 0.5 * correlated + basis.noise.variance",
+                "spread = correlated + basis.noise.variance",
             ),
             (
                 "epsilon * float(np.dot(mass, np.abs(direct + basis.expected_slope(dual))))",
@@ -243,7 +246,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "self.map.turn(theta) / TWO_PI, direct=1.0 / TWO_PI",
                 "self.map.turn(theta), direct=1.0 / TWO_PI",
             ),
-            ("abs(self._finer.diffusion() - found) + found.error_bound", "found.error_bound"),
+            ("abs(self._finer.diffusion() - plain) + plain.error_bound", "plain.error_bound"),
             ("max(0.0, 1.0 - second), second.error_bound", "max(0.0, second), second.error_bound"),
         ],
     ),
@@ -256,8 +259,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("if self.work > MAX_WORK:", "if self.work > 1e9 * MAX_WORK:"),
             (
-                "np.concatenate([0.0 * rows[:1], -m * sines, m * cosines])",
-                "np.concatenate([0.0 * rows[:1], m * sines, -m * cosines])",
+                "np.concatenate([constant, sines, -cosines])",
+                "np.concatenate([constant, -sines, cosines])",
             ),
         ],
     ),
@@ -308,18 +311,15 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         ORBITS,
         [
             (
-                "float(n * np.pi / np.sqrt(curvature * least))",
-                "float(np.pi / np.sqrt(curvature * least))",
+                "float(n * np.pi / np.sqrt(bend * least))",
+                "float(np.pi / np.sqrt(bend * least))",
             ),
             ("unknown = 0.5 * float(np.max(rounding)) / abs(gap)", "unknown = 0.0"),
             (
                 "true = float(np.dot(stretch, (1.0 - bend[:-2] ** 2 / 12.0) / g[:-2]))",
                 "true = float(np.dot(stretch, 1.0 / g[:-2]))",
             ),
-            (
-                "slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (24.0 * step)",
-                "slope @ np.array([1.0, -8.0, 8.0, -1.0])) / (12.0 * step)",
-            ),
+            ("lambda x: 0.5 * displacement", "lambda x: displacement"),
         ],
     ),
     "maps/families/tongues.py": (
@@ -566,8 +566,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "return PValue(reached / (null.size + 1)",
             ),
             (
-                "found = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
-                "found = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "distances = 0.5 * np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
+                "distances = np.sum(np.abs(shares - law.bin_probabilities(bins)), axis=1)",
             ),
             (
                 "median = levels[order[np.argmax(np.cumsum(gaps[order]) >= np.pi)]]",
@@ -578,7 +578,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/comparison/collection_null.py": (
         ORIENTATIONS,
         [
-            ("seed + _APART * (number + 1)", "seed"),
+            ("seed + _APART * (index + 1)", "seed"),
             ("self.map.cycles - self.first", "self.map.cycles"),
             (
                 "np.abs(climb(paths) - np.mean(climb(ensemble.paths))) / TWO_PI",
@@ -630,8 +630,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("read_only(np.where(blind, np.inf, error * scale))", "read_only(error * scale)"),
             (
-                "covariance = told + by_weights + believed.T @ believed",
-                "covariance = told + by_weights",
+                "covariance = sandwich + by_weights + believed.T @ believed",
+                "covariance = sandwich + by_weights",
             ),
             ("if visible and value >= OPEN**-2:", "if visible and value >= 1e9 * OPEN**-2:"),
         ],
@@ -673,8 +673,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "math.sqrt(2.0 * stats.f.ppf(CONFIDENCE, 2, free))",
                 "math.sqrt(stats.f.ppf(CONFIDENCE, 2, free))",
             ),
-            ("count, extra = len(moved), 2 * order", "count, extra = len(moved), order"),
-            ("math.exp(2.0 * part)", "math.exp(part)"),
+            ("extra = 2 * order", "extra = order"),
+            ("math.exp(2.0 * length)", "math.exp(length)"),
             ("free = moved.size - 7", "free = moved.size"),
         ],
     ),
@@ -708,7 +708,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/motion_check.py": (
         f"{PUSHES}/test_conventions.py",
         [
-            ("_BEATEN, _BEATEN_UNIT = 0.5, 0.3", "_BEATEN, _BEATEN_UNIT = 0.005, 0.003"),
+            ("_BEATEN = 0.5", "_BEATEN = 0.005"),
             (
                 "(_EXPLAINS_TURNED if self.is_turned else _EXPLAINS) * other.length",
                 "_EXPLAINS * other.length",

@@ -193,8 +193,9 @@ class ReplayedPushes:
         groups = self.table.assign(**self.table[[*turns]].abs()).groupby(
             list(columns), dropna=False
         )
-        mean, median = groups.mean(numeric_only=True), groups.median(numeric_only=True)
-        found = {
+        mean = groups.mean(numeric_only=True)
+        median = groups.median(numeric_only=True)
+        gathered = {
             "count": groups.size(),
             "mean_error": mean["error"],
             "median_error": median["error"],
@@ -210,7 +211,7 @@ class ReplayedPushes:
             "isotropic_mean_error": mean["isotropic_error"],
             "isotropic_mean_turn_error": mean["isotropic_turn_error"],
         }
-        return self.table.__class__(found).reset_index()
+        return self.table.__class__(gathered).reset_index()
 
 
 def replay_pushes(
@@ -319,7 +320,8 @@ class _Replayer:
         """Return the row of a push, a row of `PushTable.table`, and its replay; raises
         CycleMapError where there is none.
         """
-        own, material = file_stem(self.loop.slider.name), self.loop.material
+        own = file_stem(self.loop.slider.name)
+        material = self.loop.material
         is_table = str(push["path"]).lower().endswith(CSV_SUFFIX)
         if is_table and not isinstance(push["object"], str) and own not in dataset_sliders():
             # A table of one's own object need not name it.
@@ -346,8 +348,8 @@ class _Replayer:
             "isotropic_error": float(beside.error[-1]),
             "isotropic_turn_error": float(beside.turn_error[-1]),
         }
-        told = {column: push[column] for column in (*_FACTS, "path")}
-        return {**told, **replay.summary(), **isotropic}, replay
+        facts = {column: push[column] for column in (*_FACTS, "path")}
+        return {**facts, **replay.summary(), **isotropic}, replay
 
 
 def _record(push: Row, origin: Place) -> PushRecord:
@@ -360,8 +362,10 @@ def _record(push: Row, origin: Place) -> PushRecord:
         series = record.object_pose, record.tip_pose, record.ft_wrench
     else:
         if push["tip_error"] > LARGEST_TIP_ERROR:
-            astray = f"the robot was {1e3 * push['tip_error']:.3g} mm off its way"
-            raise InvalidInput(f"line {push['line']:.0f}: {astray}")
+            raise InvalidInput(
+                f"line {push['line']:.0f}: the robot was {1e3 * push['tip_error']:.3g} mm off its "
+                "way"
+            )
         before, after = ([push[name] for name in names] for names in (ENDS[:3], ENDS[3:]))
         tips = np.reshape([push[name] for name in RODS], (2, 2))
         times = np.array([[0.0], [1.0]])

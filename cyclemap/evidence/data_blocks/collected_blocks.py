@@ -7,8 +7,9 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -64,7 +65,6 @@ from cyclemap.evidence.pushes.measured_strokes import (
     measured_drags,
     measured_pushes,
     push_noise,
-    pushes_of,
     select_pushes,
     selected,
     session_name,
@@ -91,13 +91,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MOST_STROKES = 2000
-PUSH_ENDS, DRAG_BACKS, WRENCHES, CYCLES, RECORDS = (
-    "push ends",
-    "drag-backs",
-    "wrenches",
-    "cycles",
-    "records",
-)
+PUSH_ENDS = "push ends"
+DRAG_BACKS = "drag-backs"
+WRENCHES = "wrenches"
+CYCLES = "cycles"
+RECORDS = "records"
 
 _COLUMNS = {
     PUSH_ENDS: (*ENDS, *RODS),
@@ -116,18 +114,21 @@ LAYOUTS = (
 
 # Cycles that follow each other have errors alike: they form groups of this many, or smaller ones
 # where data are few.
-_LONGEST_GROUP, _FEWEST_GROUPS = 25, 20
+_LONGEST_GROUP = 25
+_FEWEST_GROUPS = 20
 # With pushes at fewer contacts than this each push is a group of its own.
 _FEWEST_CONTACTS = 8
 # Pushes of rods that were set by marks, at most: each has two unknowns of its own. Pushes of a
 # session that are asked, at most, how far they turn.
-_MOST_SET, _MOST_TURNS = 200, 200
+_MOST_SET = 200
+_MOST_TURNS = 200
 # So many sessions tell how the floor's shape varies with the place.
 _SESSIONS_OF_A_FIELD = 4
 # A push whose tip strays further from a straight line (m) is another experiment.
 _STRAIGHT = 2e-3
 # Pieces of sliding pushes, and cycles of a set, below which nothing can be told of their noise.
-_FEWEST_PIECES, _FEWEST_CYCLES = 3, 5
+_FEWEST_PIECES = 3
+_FEWEST_CYCLES = 5
 # Files of which the same is told are named one by one up to so many.
 _MOST_NAMED = 3
 
@@ -142,23 +143,23 @@ def recognise(path: str | Path) -> tuple[list[tuple[Path, str]], list[Unreadable
     place = Path(path)
     if not place.exists():
         raise InvalidInput(f"{place}: there is nothing there; give a file or a folder of data")
-    found: list[tuple[Path, str]] = []
+    files: list[tuple[Path, str]] = []
     unused: list[UnreadableFile] = []
     tables = [place]
     if place.is_dir():
         below = sorted(place.rglob("*"))
         tables = [file for file in below if file.suffix.lower() == CSV_SUFFIX]
     if any(file.suffix.lower() in SUFFIXES for file in (below if place.is_dir() else [place])):
-        found.append((place, RECORDS))
+        files.append((place, RECORDS))
         tables = [file for file in tables if file != place]
     for file in tables:
         sorts, reason = _sorts_of_table(file)
-        found += [(file, sort) for sort in sorts]
+        files += [(file, sort) for sort in sorts]
         if reason:
             unused.append(UnreadableFile(file, reason))
-    if not found and not unused:
+    if not files and not unused:
         unused.append(UnreadableFile(place, "the folder holds no .h5, .json or .csv file"))
-    return found, unused
+    return files, unused
 
 
 def _sorts_of_table(file: Path) -> tuple[list[str], str]:
@@ -235,18 +236,18 @@ class _Collected:
         is_table = sort not in (RECORDS, CYCLES)
         if is_table:
             table = convention_of(path).table(read_csv_table(path))
-            told_rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
-            facts = told_rows.to_dict("records")
+            rows, left_out = selected(known_columns(table, _COLUMNS[sort]), selection)
+            frames = [rows]
         else:
             reading = part_of(progress, 0, 2)
             pushes, left_out = select_pushes(path, selection, sort == CYCLES, reading)
-            frames = (pushes.table, pushes.scans)
-            facts = [row for frame in frames for row in frame.to_dict("records")]
+            frames = [pushes.table, pushes.scans]
             if pushes.unreadable:
                 bad = pushes.unreadable[0]
                 reason = f"unreadable, the first {bad.path.name}: {bad.reason}"
                 self._leave_out(reason, len(pushes.unreadable))
-        surfaces, objects = (told(row.get(name) for row in facts) for name in ("surface", "object"))
+        surfaces = frozenset[str]().union(*(told(frame["surface"]) for frame in frames))
+        objects = frozenset[str]().union(*(told(frame["object"]) for frame in frames))
         for reason, count in left_out.items():
             self._leave_out(reason, count)
         if sort in (RECORDS, CYCLES, PUSH_ENDS):
@@ -255,25 +256,31 @@ class _Collected:
                 # A table that was planned tells its axes and angles.
                 if not by_marks:
                     self._note(words)
-        sessions = [] if len(surfaces) > 1 else _plates_and_speeds(facts, self.given.slider.name)
-        for index, (plate, speed) in enumerate(sessions):
-            self.plate, self.loop = plate, loop_of_plate(self.given, plate)
+        owners = [_plates_and_speeds(frame, self.given.slider.name) for frame in frames]
+        sessions = [] if len(surfaces) > 1 else sorted({*chain(*owners)})
+        for index, session in enumerate(sessions):
+            self.plate, speed = session
+            self.loop = loop_of_plate(self.given, self.plate)
             self.session = self._session(sort, speed)
-            chosen = {**selection.chosen, **({} if speed is None else {"speed": speed})}
-            own = RowSelection((plate,) if len(objects) > 1 else selection.objects, chosen)
+            own = []
+            for frame, of_rows in zip(frames, owners, strict=True):
+                kept = [of_row == session for of_row in of_rows]
+                own.append(frame[np.array(kept, dtype=bool)].reset_index(drop=True))
             if is_table:
-                self._add_table(sort, selected(told_rows, own)[0])
+                self._add_table(sort, own[0])
             else:
                 done = part_of(part_of(progress, 1, 2), index, len(sessions))
-                self._add_pushes(pushes_of(pushes, own), sort, done)
+                self._add_pushes(replace(pushes, table=own[0], scans=own[1]), sort, done)
         return surfaces, objects
 
-    def _session(self, sort: str, speed: float | None) -> str:
+    def _session(self, sort: str, speed: float) -> str:
         """The name of a session: its plate and speed, of orientations alone its file; empty where
         nothing tells.
         """
-        if speed is None and sort != CYCLES:
-            return ""
+        if math.isinf(speed):
+            if sort != CYCLES:
+                return ""
+            speed = math.nan
         session = session_name(self.plate, speed, self.path.stem)
         if self.known_sessions.setdefault((session, sort), self.path) != self.path:
             session += f", {self.path.stem}"
@@ -286,6 +293,14 @@ class _Collected:
         """Note how many rows of the file stay out, and why."""
         if count > 0:
             self._note(f"{count} left out: {reason}")
+
+    def _doubt_few(self, contacts: int, count: int) -> None:
+        """Note where pushes are at too few contacts to be grouped by them."""
+        if contacts < min(_FEWEST_CONTACTS, count):
+            self._note(
+                f"{count} pushes at {contacts} places of contact alone: what the model misses at a "
+                "place counts as evidence of every push there, so that intervals are too narrow"
+            )
 
     def _add(
         self,
@@ -345,9 +360,9 @@ class _Collected:
         place = {key: rows.facts[key] for key in ("side", "fraction", "angle") if key in rows.facts}
         loop = replace(self.loop, push=replace(self.loop.push, **place))
         since = pairs.numbers[late] - self.first
-        share = since / np.max(since) if self.wear else None
+        elapsed = since / np.max(since) if self.wear else None
         groups = _cycle_groups(count)
-        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, share)
+        block = cycle_pair_block(loop, pairs.theta[late], pairs.turn[late], groups, elapsed)
         self.last_cycle = max(self.last_cycle, float(np.max(since)))
         self._add(block, f"{count} cycles of {rows.name}" + (", wearing" if self.wear else ""))
 
@@ -359,14 +374,17 @@ class _Collected:
         rows = table[posed].fillna({"length": self.push_length})
         known = rows[rows["length"].notna()]
         pushes: list[MeasuredPush] = []
+        places: list[tuple[float, float]] = []
         for row in known.to_dict("records"):
             push = told_push(self.loop.push, row, row["length"])
             start = Pose(row["x0"], row["y0"], row["theta0"])
             end = Pose(row["x1"], row["y1"], row["theta1"])
-            slider, radius = self.loop.slider, self.loop.pusher.radius
-            pushes.append(push_from_contact(slider, radius, push, start, end, len(pushes)))
+            radius = self.loop.pusher.radius
+            pushes.append(push_from_contact(self.loop.slider, radius, push, start, end))
+            places.append((push.side, push.fraction))
         self._leave_out(f"ends of pushes: {NO_LENGTH}", len(rows) - len(known))
-        self._add_push_ends(pushes)
+        self._doubt_few(len({*places}), len(pushes))
+        self._add_push_ends(_by_contact(pushes, places))
 
     def _add_records(self, table: pandas.DataFrame, progress: Progress) -> None:
         """Add ends and forces of recorded pushes."""
@@ -391,15 +409,15 @@ class _Collected:
             part_of(progress, index, len(chosen))(1.0)
         self._leave_out("pushes whose tip did not go straight", len(chosen) - len(records))
         if records:
-            groups = _contact_groups(places)
-            both = zip(pushes, groups.tolist(), strict=True)
-            self._add_push_ends([replace(push, contact=group) for push, group in both])
+            self._doubt_few(len({*places}), len(pushes))
+            self._add_push_ends(_by_contact(pushes, places))
             self._add_forces(records)
 
     def _add_forces(self, records: Sequence[PushRecord]) -> None:
         outline = self.loop.slider.outline_points(360)
         sliding = sliding_forces([(record, outline) for record in records], self.loop.pusher.radius)
-        pieces, count = sliding.ratio.size, len(np.unique(sliding.push))
+        pieces = sliding.ratio.size
+        count = len(np.unique(sliding.push))
         if pieces < _FEWEST_PIECES:
             self._note(f"forces not used: the rod slides in {pieces} pieces of pushes")
             return
@@ -441,11 +459,10 @@ class _Collected:
             readings = tuple(row[name] for name in (*ENDS, *RODS))
             here = f"{row['path']}, line {row['line']}"
             if readings in self.filled:
-                again = (
-                    f"the push of {self.filled[readings]}, again, all readings the same, "
-                    "would count twice"
+                raise DataFileError(
+                    f"{here}: the push of {self.filled[readings]}, again, all readings the same, "
+                    "would count twice: leave one of them out"
                 )
-                raise DataFileError(f"{here}: {again}: leave one of them out")
             self.filled[readings] = here
 
     def _add_table(self, sort: str, rows: pandas.DataFrame) -> None:
@@ -457,7 +474,9 @@ class _Collected:
             small = errors[errors <= LARGEST_TIP_ERROR]
             strayed = float(small.mean()) if len(small) else 0.0
             self._leave_out("the tip was not where it was sent", len(rows) - len(pushes))
-            if len({push.contact for push in pushes}) < _FEWEST_CONTACTS:
+            contacts = len({push.contact for push in pushes})
+            self._doubt_few(contacts, len(pushes))
+            if contacts < _FEWEST_CONTACTS:
                 pushes = tuple(replace(push, contact=index) for index, push in enumerate(pushes))
             by_marks = bool(rows[FRAMES_AGREE].notna().any())
             self._add_push_ends(pushes, _told_errors(rows), by_marks, strayed)
@@ -473,8 +492,10 @@ class _Collected:
     def _add_wrenches(self, rows: pandas.DataFrame) -> None:
         extent = self.loop.slider.outline.extent
         data = read_wrench_twists(rows, extent)
-        scaled = f"torque and turning rate scaled by {1e3 * extent:.2f} mm"
-        words = f"{len(data.twist)} pairs of wrench and twist, {scaled}"
+        words = (
+            f"{len(data.twist)} pairs of wrench and twist, torque and turning rate scaled by "
+            f"{1e3 * extent:.2f} mm"
+        )
         self._add(wrench_twist_block(data, self.loop.slider), words)
         sources = told(rows["source"])
         if len(sources) > 1:
@@ -505,12 +526,17 @@ def _straight_push(record: PushRecord) -> MeasuredPush | None:
     return MeasuredPush(Pose(*record.start), Pose(*record.end), first, last)
 
 
-def _contact_groups(places: Sequence[tuple[float, float]]) -> Labels:
-    """Groups of pushes: by contact where there are many contacts, else by runs of repetitions."""
-    known = sorted(set(places))
-    if len(known) < _FEWEST_CONTACTS or np.isnan(known).any():
-        return _cycle_groups(len(places))
-    return np.array([known.index(place) for place in places])
+def _by_contact(
+    pushes: Sequence[MeasuredPush], places: Sequence[tuple[float, float]]
+) -> list[MeasuredPush]:
+    """Pushes labelled by side and fraction where there are many such places, else by runs of
+    repetitions.
+    """
+    labels = _cycle_groups(len(places))
+    if len({*places}) >= _FEWEST_CONTACTS and not np.isnan(places).any():
+        labels = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    both = zip(pushes, labels.tolist(), strict=True)
+    return [replace(push, contact=label) for push, label in both]
 
 
 def _told_errors(rows: pandas.DataFrame) -> tuple[float, float] | None:
@@ -533,21 +559,13 @@ def _told_noise(
     return {"push place (m)": along, "push turn (rad)": turned, "drag turn (rad)": dragged}
 
 
-def _plates_and_speeds(
-    facts: Sequence[Mapping[str, Any]], plate: str
-) -> list[tuple[str, float | None]]:
-    """The plates that rows tell of, else the one given, each with every speed that they tell,
-    m/s."""
-    speeds: dict[str, set[float]] = {}
-    for row in facts:
-        known, speed = row.get("object"), row.get("speed")
-        own = speeds.setdefault(known if isinstance(known, str) and known else plate, set())
-        if speed is not None and not math.isnan(speed):
-            own.add(float(speed))
-    pairs = list[tuple[str, float | None]]()
-    for name in sorted(speeds):
-        pairs += [(name, speed) for speed in sorted(speeds[name])] or [(name, None)]
-    return pairs
+def _plates_and_speeds(rows: pandas.DataFrame, plate: str) -> list[tuple[str, float]]:
+    """The plate and the speed, m/s, of each row: the plate given where it names none, and no end of
+    speed where it tells none.
+    """
+    speeds = rows["speed"].astype(float).fillna(math.inf).round(9)
+    names = [name if isinstance(name, str) and name else plate for name in rows["object"]]
+    return list(zip(names, speeds.tolist(), strict=True))
 
 
 def _cycle_groups(count: int) -> Labels:
@@ -697,7 +715,8 @@ def collected_blocks(
     recognised = [recognise(path) for path in paths]
     files = list(dict.fromkeys(file for known, _ in recognised for file in known))
     unused = list(dict.fromkeys(file for _, others in recognised for file in others))
-    surfaces, shapes = set[str](), set[str]()
+    surfaces = set[str]()
+    shapes = set[str]()
     for index, (path, sort) in enumerate(files):
         on, of = collected.add_file(path, sort, selection, part_of(progress, index, len(files)))
         surfaces |= on
@@ -777,11 +796,11 @@ def telling_parameters(
     }
     by_motions = asked & {*SURFACE.names[1:5]} & {*(asked if believed is None else believed)}
     free = [name for name in SURFACE.names[:5] if name in of_ellipse | by_motions]
-    owned = {one.name for one in (*PLATE_OWNED, *SESSION_OWNED)}
-    told = asked & {"pusher_friction", *by_cycles, *(believed or ())}
-    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in told]
+    owned = {row.name for row in (*PLATE_OWNED, *SESSION_OWNED)}
+    beside = asked & {"pusher_friction", *by_cycles, *(believed or ())}
+    free += [name for name in ("pusher_friction", "pin_friction_radius") if name in beside]
     free += sorted(name for name in asked if name.partition("[")[0] in owned)
     free += [name for block in blocks for name in block.parameters if name.startswith(ROD_OFF)]
     if len([name for name in asked if name.startswith("floor_dome[")]) >= _SESSIONS_OF_A_FIELD:
         free += [name for name in FIELD_NAMES if name in asked]
-    return (*free, *sorted(name for name in asked if name.startswith("worn_")))
+    return (*free, *sorted(name for name in asked if name.startswith(("worn_", "wear_pace_"))))

@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 # The fewest pushes to which a law is fitted with an order of its own choice: two a fold.
 FEWEST = 20
-SURROUNDINGS, CONTACT, _TEXT = SET_FACTS[:4], SET_FACTS[4:], SET_FACTS[:2]
+SURROUNDINGS = SET_FACTS[:4]
+CONTACT = SET_FACTS[4:]
+_TEXT = SET_FACTS[:2]
 _LETTERS = {
     "acceleration": ("a", 1e3),
     "speed": ("v", 1e3),
@@ -143,7 +145,7 @@ def push_sets(pushes: PushTable, select: Selection | None = None) -> tuple[PushS
                 break
         gathered += [(Path(home), _shared(own), own) for own in sets]
     names = _names([(home, facts) for home, facts, _ in gathered])
-    return tuple(_push_set(name, *one) for name, one in zip(names, gathered, strict=True))
+    return tuple(_push_set(name, *row) for name, row in zip(names, gathered, strict=True))
 
 
 def _shared(rows: pandas.DataFrame) -> Row:
@@ -208,12 +210,12 @@ def _pairs(theta: Array, theta_next: Array, repetition: pandas.Series | None) ->
     if repetition is None:
         return Theta0Pairs(theta[known], theta_next[known])
     # Across a missing repetition the shorter way is taken; else the turn is the cycle's own.
-    number = repetition.to_numpy()
+    numbers = repetition.to_numpy()
     turn = theta_next - theta
-    follows = known[:-1] & (np.diff(number) == 1.0)
+    follows = known[:-1] & (np.diff(numbers) == 1.0)
     steps = np.where(follows, turn[:-1], shorter_way(np.diff(theta)))
     path = theta[0] + np.concatenate([[0.0], np.cumsum(steps)])
-    return Theta0Pairs.along(path, turn, known, number)
+    return Theta0Pairs.along(path, turn, known, numbers)
 
 
 def _names(sets: list[tuple[Path, Row]]) -> list[str]:
@@ -223,15 +225,15 @@ def _names(sets: list[tuple[Path, Row]]) -> list[str]:
     Facts are told in the letters of the MIT file names: v=20 i=0 s=0.7.
     """
     known = []
-    for number, (home, facts) in enumerate(sets, 1):
+    for index, (home, facts) in enumerate(sets, 1):
         short = " ".join(facts[key] for key in _TEXT if key in facts) or home.stem
-        told = [
+        letters = [
             f"{letter}={facts[key] * unit:g}"
             for key, (letter, unit) in _LETTERS.items()
             if key in facts and (letter != "a" or facts[key])
         ]
-        long = " ".join([short, *told])
-        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {number}"))
+        long = " ".join([short, *letters])
+        known.append((short, long, f"{home.stem} {long}", f"{home.stem} {long} {index}"))
     alike = [Counter(names) for names in zip(*known, strict=True)]
     return [
         next(name for name, counts in zip(names, alike, strict=True) if counts[name] == 1)
@@ -330,7 +332,7 @@ def push_statistics(pushes: PushSet) -> PushStatistics:
         reason = f"too few pushes with a known end for a spread: {count} of {_FEWEST_FOR_SPREAD}"
         return PushStatistics(pushes.name, pushes.count, None, None, None, reason)
     dtheta, dx, dy = (
-        MotionStatistics(count, float(np.mean(one[known])), float(np.std(one[known], ddof=1)))
-        for one in (pushes.dtheta, pushes.dx, pushes.dy)
+        MotionStatistics(count, float(np.mean(column[known])), float(np.std(column[known], ddof=1)))
+        for column in (pushes.dtheta, pushes.dx, pushes.dy)
     )
     return PushStatistics(pushes.name, pushes.count, dtheta, dx, dy)

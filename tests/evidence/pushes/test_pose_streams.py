@@ -73,7 +73,7 @@ def test_a_stream_whose_motions_are_of_no_kind_is_refused_and_can_be_drawn(tmp_p
     }
     with pytest.raises(UnclearStream, match="give a column episode") as caught:
         cut_stream(tmp_path / "walk.csv", stream)
-    from cyclemap.views.stream_page import stream_page
+    from cyclemap.views.push_pages import stream_page
 
     assert len(caught.value.seen.rests) > 25 and stream_page(caught.value.seen).axes
 

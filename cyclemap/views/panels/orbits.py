@@ -19,25 +19,34 @@ from cyclemap.maps import (
     OrbitDiagram,
     TransferOperator,
 )
-from cyclemap.views import map_panels, style
-from cyclemap.views.rotation_panels import cell_edges, draw_shades, runs
-from cyclemap.views.style import (
+from cyclemap.views.panels import orientation
+from cyclemap.views.panels.layout import legend_above
+from cyclemap.views.panels.rotation import cell_edges, draw_shades, runs
+from cyclemap.views.panels.style import (
     INK,
+    LINE,
     MEASURED,
     PREDICTED,
     PREDICTED_FILL,
     QUIET,
+    SECOND,
     THETA,
     UNSTABLE,
     Look,
+    degree_axis,
+    orbit_marker,
+    say,
+    small,
+    stability,
+    whole_turn_ticks,
 )
 
 HALF_ROW = 0.28
 # A smaller share of the circle is what rounding leaves between neighbouring arcs.
 TOLD_SHARE = 1e-6
 Curve = tuple[Array, Array]
-STABLE: Look = {**style.LINE, "label": "stable"}
-LOST: Look = {**style.SECOND, "color": QUIET, "label": "unstable"}
+STABLE: Look = {**LINE, "label": "stable"}
+LOST: Look = {**SECOND, "color": QUIET, "label": "unstable"}
 BASIN: Look = {
     "facecolor": PREDICTED_FILL,
     "linewidth": 0,
@@ -84,7 +93,7 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, fixed_points
-    >>> from cyclemap.views.orbit_panels import draw_map
+    >>> from cyclemap.views.panels.orbits import draw_map
     >>> axes, sine = Figure().subplots(), CircleMap.arnold(0.1, 0.9)
     >>> draw_map(axes, sine, fixed_points(sine))
     >>> axes.has_data()
@@ -95,12 +104,12 @@ def draw_map(axes: Axes, circle_map: CircleMap, orbits: Sequence[Orbit] = ()) ->
         for theta_deg, image_deg in cut_at_turns(np.degrees(theta), theta + turn):
             axes.plot(theta_deg, image_deg, color=PREDICTED, linewidth=1.8, zorder=3)
     for orbit in orbits:
-        points_deg, kind = np.degrees(orbit.points), style.stability(orbit)
-        axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **style.orbit_marker(kind))
-    style.degree_axis(axes, THETA)
-    style.whole_turn_ticks(axes)
+        points_deg, kind = np.degrees(orbit.points), stability(orbit)
+        axes.plot(points_deg, np.roll(points_deg, -1), label=kind, **orbit_marker(kind))
+    degree_axis(axes, THETA)
+    whole_turn_ticks(axes)
     axes.set(ylabel="next θ (°)", aspect="equal")
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def cut_at_turns(x: Array, angle: Array) -> list[Curve]:
@@ -137,7 +146,7 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, WrappedNormal, transfer_operator
-    >>> from cyclemap.views.orbit_panels import draw_density
+    >>> from cyclemap.views.panels.orbits import draw_density
     >>> axes = Figure().subplots()
     >>> draw_density(axes, transfer_operator(CircleMap.arnold(0.1, 0.9), WrappedNormal(0.3)))
     >>> axes.has_data()
@@ -145,13 +154,13 @@ def draw_density(axes: Axes, operator: TransferOperator) -> None:
     """
     theta = np.linspace(0.0, TWO_PI, 1441)
     bound = (
-        f"± {style.small(np.radians(operator.error_bound))}"
+        f"± {small(np.radians(operator.error_bound))}"
         if operator.is_certain
         else "shares of its parts unknown"
     )
-    map_panels.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
+    orientation.draw_density(axes, theta, operator.density(theta), f"stationary density, {bound}")
     axes.set_xlabel(THETA)
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
@@ -169,17 +178,17 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, basins
-    >>> from cyclemap.views.orbit_panels import draw_basins
+    >>> from cyclemap.views.panels.orbits import draw_basins
     >>> axes = Figure().subplots()
     >>> draw_basins(axes, basins(CircleMap.arnold(0.1, 0.9), max_period=1))
     >>> axes.has_data()
     True
     """
-    style.degree_axis(axes, THETA)
+    degree_axis(axes, THETA)
     axes.set_yticks([])
     axes.set_ylim(max(len(basins), 1) - 0.6, -0.5)
     if not basins:
-        style.say(axes, "no stable orbit")
+        say(axes, "no stable orbit")
         return
     for row, basin in enumerate(basins):
         height, orbit = (row - HALF_ROW, 2 * HALF_ROW), basin.orbit
@@ -190,12 +199,12 @@ def draw_basins(axes: Axes, basins: Sequence[Basin]) -> None:
             "the circle"
         )
         axes.annotate(name, (0.0, row - HALF_ROW), (0, 4), textcoords="offset points", fontsize=8)
-        level, marker = np.full(orbit.points.size, row), style.orbit_marker("stable")
+        level, marker = np.full(orbit.points.size, row), orbit_marker("stable")
         axes.plot(np.degrees(orbit.points), level, label="stable orbit", **marker)
     undecided = basins[0].undecided
     share = f"{100 * undecided:.2g} %" if undecided > TOLD_SHARE else "nothing"
     axes.plot([], [], label=f"undecided: {share}", linestyle="none")
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def _bars(arcs: Array) -> list[tuple[float, float]]:
@@ -215,7 +224,7 @@ def branch_curves(branch: OrbitBranch) -> list[tuple[bool, Curve]]:
     of the orbits.
     """
     # An orbit between two neighbouring ones is as stable as the one that is no bifurcation.
-    special = np.array([float(found.parameter) for found in branch.special])
+    special = np.array([float(bifurcation.parameter) for bifurcation in branch.special])
     distance = np.abs(branch.parameter[:, None] - special).min(axis=1, initial=np.inf)
     bifurcates = distance <= 1e-9 * max(float(np.ptp(branch.parameter)), 1e-300)
     stable = np.where(bifurcates[:-1], branch.stable[1:], branch.stable[:-1])
@@ -250,7 +259,7 @@ def draw_orbit_branches(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, orbit_branches
-    >>> from cyclemap.views.orbit_panels import draw_orbit_branches
+    >>> from cyclemap.views.panels.orbits import draw_orbit_branches
     >>> axes = Figure().subplots()
     >>> branches = orbit_branches(lambda K: CircleMap.arnold(0.1, K), (0.7, 0.9), resolution=4)
     >>> draw_orbit_branches(axes, branches, parameter_label="K")
@@ -258,18 +267,20 @@ def draw_orbit_branches(
     'K'
     """
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    style.whole_turn_ticks(axes)
+    whole_turn_ticks(axes)
     if not branches:
-        style.say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
     curves = [curve for branch in branches for curve in branch_curves(branch)]
     for stable, (parameter, theta_deg) in sorted(curves, key=lambda curve: not curve[0]):
         axes.plot(parameter, theta_deg, **(STABLE if stable else LOST))
-    for found in sorted(bifurcations, key=lambda found: list(MARKERS).index(found.kind)):
-        parameter = np.full(found.points.size, float(found.parameter))
-        marker = {**BIFURCATION, **MARKERS[found.kind], "label": found.kind}
-        axes.plot(parameter, np.degrees(found.points), **marker)
+    for bifurcation in sorted(
+        bifurcations, key=lambda bifurcation: list(MARKERS).index(bifurcation.kind)
+    ):
+        parameter = np.full(bifurcation.points.size, float(bifurcation.parameter))
+        marker = {**BIFURCATION, **MARKERS[bifurcation.kind], "label": bifurcation.kind}
+        axes.plot(parameter, np.degrees(bifurcation.points), **marker)
     axes.margins(x=0.02)
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 def draw_orbit_diagram(
@@ -290,7 +301,7 @@ def draw_orbit_diagram(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, orbit_diagram
-    >>> from cyclemap.views.orbit_panels import draw_orbit_diagram
+    >>> from cyclemap.views.panels.orbits import draw_orbit_diagram
     >>> axes = Figure().subplots()
     >>> diagram = orbit_diagram(lambda K: CircleMap.arnold(0.1, K), [0.5, 0.9], cycles=10)
     >>> draw_orbit_diagram(axes, diagram, "K")
@@ -302,7 +313,7 @@ def draw_orbit_diagram(
         parameter, np.degrees(diagram.theta).ravel(), ",", color=INK, alpha=0.5, rasterized=True
     )
     axes.set(xlabel=parameter_label, ylabel="θ of the orbit (°)")
-    style.whole_turn_ticks(axes)
+    whole_turn_ticks(axes)
     axes.margins(x=0.0)
 
 
@@ -330,7 +341,7 @@ def draw_lyapunov_exponents(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, lyapunov_exponents
-    >>> from cyclemap.views.orbit_panels import draw_lyapunov_exponents
+    >>> from cyclemap.views.panels.orbits import draw_lyapunov_exponents
     >>> axes = Figure().subplots()
     >>> draw_lyapunov_exponents(axes, lyapunov_exponents(CircleMap.arnold, 0.1, [0.5, 0.9]), "K")
     >>> axes.get_xlabel()
@@ -350,6 +361,5 @@ def draw_lyapunov_exponents(
         float(np.max(finite, initial=0.0)), float(np.quantile(np.append(np.abs(finite), 1e-3), 0.9))
     )
     first, second = map(cell_edges, varying)
-    look = {"cmap": "RdBu_r", "vmin": -reach, "vmax": reach}
-    draw_shades(axes, first, second, exponents.value, label, **look)
+    draw_shades(axes, first, second, exponents.value, label, cmap="RdBu_r", vmin=-reach, vmax=reach)
     axes.set(xlabel=first_label, ylabel=second_label)

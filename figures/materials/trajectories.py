@@ -1,5 +1,5 @@
-"""Paths of the pushed object's centre in the robot's frame, on the paper's four surfaces: they
-seldom cross.
+"""Figs. 3 and 4: paths of the pushed object's centre on the paper's four surfaces, in the object's
+own frame before the push, and in the robot's, where they seldom cross.
 """
 
 from dataclasses import dataclass
@@ -10,14 +10,16 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array, evenly_spread, shorter_way
 from cyclemap.evidence.pushes.theta0_pairs import angle_histogram
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import FORCE, picture_style, show_window
 from cyclemap.views.sentences import angle
 
-from .catalogue import MeasuredFolder
+from ..catalogue import Exhibit, MeasuredFolder
+from .paper_pushes import published_statistics
 from .pushed_paths import (
-    CYCLES,
     DRAWN,
+    RECORDED,
     PushedPaths,
     crossing_pairs,
     draw_paths,
@@ -26,6 +28,53 @@ from .pushed_paths import (
     shade_bar,
     shades_of,
 )
+from .simulated_collections import PAPER, Sampling
+
+
+@picture_style()
+def draw_object_frame(result: list[PushedPaths]) -> Figure:
+    """Draw four panels on one scale, y down the push, a darker shade for a larger turn."""
+    ends = MM * np.concatenate([paths.object_frame.reshape(-1, 2) for paths in result])
+    low, high = ends.min(axis=0) - 4.0, ends.max(axis=0) + 4.0
+    figure, panels = page(rows_of(len(result)), size=(11.6, 5.5))
+    shades = shades_of(result)
+    for axes, paths in zip(panels, result, strict=True):
+        draw_paths(axes, paths.object_frame, paths.turn, shades)
+        show_window(axes, low, high)
+        axes.set(xlabel="x (mm)", ylabel="y (mm), object's frame before the push")
+        axes.label_outer()
+        axes.set_title(f"{paths.surface},\n{paths.origin}")
+        turn, dx, dy = paths.spread
+        words = f"σ(Δθ) {angle(turn)}\nσ(Δx) {MM * dx:.1f} mm\nσ(Δy) {MM * dy:.1f} mm"
+        axes.text(0.97, 0.97, words, transform=axes.transAxes, ha="right", va="top", fontsize=8)
+    shade_bar(figure, panels, shades)
+    return figure
+
+
+def object_frame_caption(result: list[PushedPaths]) -> str:
+    """What is shown, how far the ends spread, and what is published of that."""
+    spreads, units = [], ((float(np.degrees(1.0)), "°"), (MM, " mm"), (MM, " mm"))
+    for paths in result:
+        both = zip(paths.spread, published_statistics(paths.surface).std, units, strict=True)
+        words = ", ".join(
+            f"{unit * here:.1f}{name} ({unit * there:.1f})" for here, there, (unit, name) in both
+        )
+        spreads.append(f"{paths.surface} {words}")
+    # A simulated push has no scatter about the law that Table III tells of.
+    scatter = (
+        "Simulated pushes are exact functions of θ0 and wear; recorded ones scatter about "
+        "it too (Table III). "
+    )
+    return (
+        "Paths of the object's centre in equal pushes, in the object's frame before each push (it "
+        "starts at the origin and is pushed along -y); a darker shade is a larger turn. In this "
+        "frame isotropic friction would give a single path. σ is the standard deviation of (Δθ, "
+        "Δx, Δy) over the pushes drawn, in brackets the published one (Table II): "
+        f"{'; '.join(spreads)}. "
+        f"{'' if all(paths.origin == RECORDED for paths in result) else scatter}"
+        f"{material_sentence(result)}"
+    )
+
 
 Arc = tuple[float, float]
 
@@ -53,11 +102,13 @@ class RobotFramePaths:
     crossed: list[tuple[int, int, int]]
 
 
-def compute(measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN) -> RobotFramePaths:
-    """Run or read the pushes on the four surfaces, `drawn` of a run of `cycles`, and count their
+def robot_frame(
+    measured: MeasuredFolder, sampling: Sampling = PAPER, drawn: int = DRAWN
+) -> RobotFramePaths:
+    """Run or read the pushes on the four surfaces, `drawn` of a run, and count their
     crossings.
     """
-    surfaces = paths_on_four_surfaces(measured, cycles, drawn)
+    surfaces = paths_on_four_surfaces(measured, sampling, drawn)
     crossed = []
     for paths in surfaces:
         chosen = evenly_spread(len(paths.theta0), COUNTED)
@@ -92,20 +143,20 @@ def crowded_arcs(orientations: Array) -> list[Arc]:
     ]
 
 
-@style.picture_style()
-def draw(result: RobotFramePaths) -> Figure:
+@picture_style()
+def draw_robot_frame(result: RobotFramePaths) -> Figure:
     """Draw four panels on one scale, the crowded directions marked outside the ends
     of the paths."""
     reach = max(float(np.abs(paths.robot_frame).max()) for paths in result.surfaces)
     window = MM * reach + 2.5 * _MARK_GAP
-    figure, panels = style.page("ab;cd", size=(8.8, 8.6))
+    figure, panels = page("ab;cd", size=(8.8, 8.6))
     shades = shades_of(result.surfaces)
     for axes, paths, arcs in zip(panels, result.surfaces, result.arcs, strict=True):
         draw_paths(axes, paths.robot_frame, paths.turn, shades)
         for arc in arcs:
             _mark(axes, paths, arc)
         axes.set(xlim=(-window, window), ylim=(-window, window), xlabel="x (mm)", ylabel="y (mm)")
-        style.entitle(axes, f"{paths.surface}, {paths.origin}")
+        entitle(axes, f"{paths.surface}, {paths.origin}")
     shade_bar(figure, panels, shades)
     return figure
 
@@ -121,17 +172,23 @@ def _mark(axes: Axes, paths: PushedPaths, arc: Arc) -> None:
     middle = float(np.angle(np.mean(np.exp(1j * ahead))))
     radius = MM * float(np.hypot(*end[inside].T).max()) + _MARK_GAP
     angle = np.linspace(*arc, 60) + middle
-    look: style.Look = {"color": style.FORCE, "linewidth": 4.0, "solid_capstyle": "butt"}
     label = "where pushes from crowded θ0 end"
-    axes.plot(radius * np.cos(angle), radius * np.sin(angle), label=label, **look)
+    axes.plot(
+        radius * np.cos(angle),
+        radius * np.sin(angle),
+        label=label,
+        color=FORCE,
+        linewidth=4.0,
+        solid_capstyle="butt",
+    )
 
 
-def caption(result: RobotFramePaths) -> str:
+def robot_frame_caption(result: RobotFramePaths) -> str:
     """What is shown, where it is crowded, and how many paths cross."""
     marked = []
     for paths, arcs in zip(result.surfaces, result.arcs, strict=True):
-        told = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
-        marked.append(f"{paths.surface} {told or 'nowhere'}")
+        places = ", ".join(f"{angle(begin, 0)} to {angle(end, 0)}" for begin, end in arcs)
+        marked.append(f"{paths.surface} {places or 'nowhere'}")
     here, there, pairs = (sum(column) for column in zip(*result.crossed, strict=True))
     return (
         "Paths of the object's centre in equal pushes, in the robot's frame about the reset's "
@@ -142,3 +199,11 @@ def caption(result: RobotFramePaths) -> str:
         "frame: seen from the floor the pushes are told apart. "
         f"{material_sentence(result.surfaces)}"
     )
+
+
+EXHIBITS = {
+    "trajectories-object-frame": Exhibit(
+        paths_on_four_surfaces, object_frame_caption, draw_object_frame
+    ),
+    "trajectories-robot-frame": Exhibit(robot_frame, robot_frame_caption, draw_robot_frame),
+}

@@ -14,8 +14,23 @@ from matplotlib.ticker import MaxNLocator
 from cyclemap.arrays import TWO_PI, Array, Mask
 from cyclemap.collection.portrait_curves import Cobweb, TurnCurve
 from cyclemap.maps import Orbit
-from cyclemap.views import style
-from cyclemap.views.style import INK, LINE, LINES, PREDICTED, Look
+from cyclemap.views.panels.style import (
+    BAND,
+    BARS,
+    DOTS,
+    EVEN,
+    INK,
+    LINE,
+    LINES,
+    MARKS,
+    PREDICTED,
+    ZERO,
+    Look,
+    degree_axis,
+    name_beside,
+    orbit_marker,
+    stability,
+)
 
 if TYPE_CHECKING:
     from cyclemap.collection.uncertain_directions import DirectionInterval
@@ -24,11 +39,11 @@ if TYPE_CHECKING:
 PER_DEGREE = np.pi / 180
 TURN = "turn of one cycle, f(θ0) - θ0 (°)"
 CIRCLE = np.linspace(0.0, TWO_PI, 721)
-# An outcome of a push: its sign, its label, and the factor from SI units.
+# An outcome of a push: its sign, its label, the factor from SI units, and the unit behind a number.
 OUTCOMES = {
-    "dtheta": ("Δθ", "turn of the push, Δθ (°)", 1.0 / PER_DEGREE),
-    "dx": ("Δx", "displacement, Δx (mm)", 1e3),
-    "dy": ("Δy", "displacement, Δy (mm)", 1e3),
+    "dtheta": ("Δθ", "turn of the push, Δθ (°)", 1.0 / PER_DEGREE, "°"),
+    "dx": ("Δx", "displacement, Δx (mm)", 1e3, " mm"),
+    "dy": ("Δy", "displacement, Δy (mm)", 1e3, " mm"),
 }
 
 
@@ -50,8 +65,8 @@ def draw_curves(
 
 def turn_axes(axes: Axes) -> None:
     """Axes of a turn over the orientation, with the line of none."""
-    axes.axhline(0.0, **style.ZERO)
-    style.degree_axis(axes)
+    axes.axhline(0.0, **ZERO)
+    degree_axis(axes)
     axes.set_ylabel(TURN)
 
 
@@ -70,12 +85,12 @@ def draw_turn(axes: Axes, curve: TurnCurve, name: str = "predicted", **look: obj
 def mark_fixed_points(axes: Axes, orbits: Sequence[Orbit]) -> None:
     """Fixed points on the line of no turn, each with its name where the turn does not run."""
     for orbit in orbits:
-        place, kind = float(np.degrees(orbit.points[0])), style.stability(orbit)
-        axes.plot(place, 0.0, **style.orbit_marker(kind))
+        place, kind = float(np.degrees(orbit.points[0])), stability(orbit)
+        axes.plot(place, 0.0, **orbit_marker(kind))
         # A turn falls through a stable direction and rises through an unstable one.
         left = place > 290.0
         offset = (-8 if left else 8, 9 if orbit.stable != left else -16)
-        style.name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", offset)
+        name_beside(axes, place, 0.0, f"{place:.1f}° {kind}", offset)
 
 
 def draw_intervals(axes: Axes, known: Sequence[DirectionInterval]) -> None:
@@ -85,21 +100,21 @@ def draw_intervals(axes: Axes, known: Sequence[DirectionInterval]) -> None:
             low, high = np.degrees([interval.lower, interval.upper]) - back
             if high > 0.0:
                 band = max(low, 0.0), min(high, 360.0)
-                axes.axvspan(*band, label="may lie here", **{**style.BAND, "zorder": 0})
+                axes.axvspan(*band, label="may lie here", **{**BAND, "zorder": 0})
 
 
 def draw_measured(axes: Axes, theta: Array, value: Array, name: str = "measured") -> None:
     """Measured values over orientations (rad), a light dot each."""
-    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, label=name, **style.DOTS)
+    axes.plot(np.degrees(np.mod(theta, TWO_PI)), value, label=name, **DOTS)
 
 
 def draw_outcome(
     axes: Axes, theta: Array, values: Array, outcome: str, name: str = "measured"
 ) -> None:
     """Measured values (SI) of an outcome of pushes over orientations (rad)."""
-    _, label, scale = OUTCOMES[outcome]
+    _, label, scale, _ = OUTCOMES[outcome]
     draw_measured(axes, theta, scale * values, name)
-    style.degree_axis(axes)
+    degree_axis(axes)
     axes.set_ylabel(label)
 
 
@@ -111,7 +126,7 @@ def draw_measured_turns(axes: Axes, pairs: Theta0Pairs, bins: TurnBins) -> None:
 
 def draw_medians(axes: Axes, bins: TurnBins, name: str) -> None:
     """Medians of measured turns in bins of the orientation."""
-    axes.plot(*np.degrees([bins.centre, bins.median]), "s", label=name, **style.MARKS)
+    axes.plot(*np.degrees([bins.centre, bins.median]), "s", label=name, **MARKS)
 
 
 def draw_law(
@@ -121,7 +136,7 @@ def draw_law(
     covered: Mask | None = None,
     name: str = "law, 95 % band",
     look: Look = LINE,
-    fill: Look = style.BAND,
+    fill: Look = BAND,
 ) -> tuple[float, float]:
     """A law over the orientation with its bands of pushes and of the mean, with gaps where it is
     not `covered`; returns the ends of the wider band.
@@ -130,8 +145,15 @@ def draw_law(
     centre = scale * law(CIRCLE)
     mean, single = (scale * half for half in law.half_bands(CIRCLE))
     axes.fill_between(around, centre - single, centre + single, label="95 % of pushes", **fill)
-    band = {"color": look["color"], "alpha": 0.35, "linewidth": 0.0, "zorder": 3}
-    axes.fill_between(around, centre - mean, centre + mean, **band)
+    axes.fill_between(
+        around,
+        centre - mean,
+        centre + mean,
+        color=look["color"],
+        alpha=0.35,
+        linewidth=0.0,
+        zorder=3,
+    )
     seen = centre if covered is None else np.where(covered, centre, np.nan)
     axes.plot(around, seen, label=name, **{**look, "linewidth": 1.4})
     return float(np.nanmin(centre - single)), float(np.nanmax(centre + single))
@@ -150,21 +172,21 @@ def keep_to(axes: Axes, values: Array, low: float, high: float) -> None:
 def draw_agreement(axes: Axes, measured: Array, predicted: Array, what: str, name: str) -> None:
     """Predicted over measured values of the same, and the line where both are equal."""
     axes.axline((0.0, 0.0), slope=1.0, label="equal", **{**LINE, "zorder": 1})
-    axes.plot(measured, predicted, label=name, **style.DOTS)
+    axes.plot(measured, predicted, label=name, **DOTS)
     axes.set(xlabel=f"measured {what}", ylabel=f"predicted {what}")
 
 
 def draw_cobweb(axes: Axes, cobweb: Cobweb, fixed_points: Sequence[Orbit]) -> None:
     """The graph of the map about its most telling place, and paths walking up its stairs."""
     window = np.degrees([cobweb.low, cobweb.high])
-    axes.plot(window, window, **style.ZERO)
+    axes.plot(window, window, **ZERO)
     for theta, image in cobweb.pieces:
         axes.plot(np.degrees(theta), np.degrees(image), **LINE)
     for path in cobweb.paths:
         axes.plot(*np.degrees(path).T, color=INK, linewidth=0.7)
         axes.plot(*np.degrees(path[0]), marker="|", color=INK, markersize=7)
     for orbit in fixed_points:
-        marker = {**style.orbit_marker(style.stability(orbit)), "clip_on": True}
+        marker = {**orbit_marker(stability(orbit)), "clip_on": True}
         for lift in float(np.degrees(orbit.points[0])) + 360.0 * np.arange(-2, 3):
             axes.plot(lift, lift, **marker)
     axes.set(xlim=window, ylim=window, aspect="equal", anchor="W")
@@ -179,7 +201,7 @@ def draw_recorded(
     """How often each orientation was recorded, and is predicted to be, in bins."""
     density_axes(axes)
     if measured is not None:
-        draw_histogram(axes, measured, "measured", fill=True, **style.BARS)
+        draw_histogram(axes, measured, "measured", fill=True, **BARS)
     if predicted is not None:
         draw_histogram(axes, predicted, "predicted", **LINE)
 
@@ -192,7 +214,7 @@ def draw_histogram(axes: Axes, histogram: AngleHistogram, name: str, **look: Any
 def draw_density(axes: Axes, theta: Array, density: Array, name: str = "predicted") -> None:
     """A density (per rad) of the orientation."""
     density_axes(axes)
-    axes.fill_between(np.degrees(theta), PER_DEGREE * density, **style.BAND)
+    axes.fill_between(np.degrees(theta), PER_DEGREE * density, **BAND)
     axes.plot(np.degrees(theta), PER_DEGREE * density, label=name, **LINE)
 
 
@@ -200,6 +222,6 @@ def density_axes(axes: Axes) -> None:
     """Axes of a density over the orientation, which begin at none, with the line of the uniform
     one.
     """
-    axes.axhline(1.0 / 360.0, label="uniform", **style.EVEN).sticky_edges.y.append(0.0)
-    style.degree_axis(axes)
+    axes.axhline(1.0 / 360.0, label="uniform", **EVEN).sticky_edges.y.append(0.0)
+    degree_axis(axes)
     axes.set_ylabel("probability per degree")

@@ -30,12 +30,12 @@ from cyclemap.maps import (
     sample_staircase,
     transfer_operator,
 )
-from cyclemap.views import style
-from cyclemap.views.style import QUIET
+from cyclemap.views.panels.layout import entitle, page, rows_of
+from cyclemap.views.panels.orientation import OUTCOMES
+from cyclemap.views.panels.style import QUIET, picture_style
 
-from .catalogue import MeasuredFolder
-from .measured_sets import measured_run
-from .published_statistics import PUBLISHED_CYCLES, PublishedStatistics, published_statistics
+from ..catalogue import MeasuredFolder
+from .paper_pushes import PUBLISHED_CYCLES, PublishedStatistics, measured_run, published_statistics
 
 # The material that stands for each of the paper's: for plywood the one inferred from the measured
 # staircase, since it alone wears and climbs as the robot saw it; Table I's plywood locks in and
@@ -57,7 +57,10 @@ SIMULATED = {
 }
 # Names and units of Δθ, Δx and Δy in the paper's convention, and the factors from radians, m and
 # this package's signs.
-QUANTITIES = (("Δθ", "°", 57.29577951308232), ("Δx", "mm", 1e3), ("Δy", "mm", -1e3))
+QUANTITIES = [
+    (name, unit.strip(), sign * factor)
+    for (name, _, factor, unit), sign in zip(OUTCOMES.values(), (1.0, 1.0, -1.0), strict=True)
+]
 # The laws of Δθ, Δx and Δy over θ0 of a set; one and the same set is fitted once.
 fitted_laws = lru_cache(maxsize=32)(set_laws)
 
@@ -118,7 +121,7 @@ def surface_states(
     """
     from scipy.interpolate import BSpline, CubicSpline, make_interp_spline
 
-    loop, found = CollectionLoop.mit(material), []
+    loop, states = CollectionLoop.mit(material), []
     wear = loop.material.wear
     for cycle in [0.0] if wear is None else np.linspace(0.0, wear.cycles, count).tolist():
         worn = replace(worn_loop(loop, cycle), accuracy=_ACCURACY)
@@ -137,12 +140,12 @@ def surface_states(
                 [[tangent.by(parameter, output) for parameter in _OFFSET] for output in _OUTPUTS]
             )
         linear = make_interp_spline(places, [*slopes, slopes[0]], k=1)
-        found.append(
+        states.append(
             SurfaceState(
                 cycle, cycle_map, spline, BSpline(linear.t, linear.c, 1, extrapolate="periodic")
             )
         )
-    return tuple(found)
+    return tuple(states)
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +215,7 @@ def sampled_run(material: str, sampling: Sampling = PAPER) -> SampledRun:
     cycle_map = (
         states[0].map
         if len(states) == 1
-        else DriftingMap.between([(one.cycle, one.map) for one in states])
+        else DriftingMap.between([(stage.cycle, stage.map) for stage in states])
     )
     run = sample_staircase(cycle_map, NOISE, sampling.pushes, start)
     theta, ahead, cycle = run.theta[:-1], run.theta[1:], np.arange(sampling.pushes + 1.0)
@@ -256,7 +259,7 @@ class MaterialPushes:
 
 def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> list[MaterialPushes]:
     """Simulate pushes on every material and look for recorded ones, in the paper's order."""
-    found = []
+    result = []
     for surface, materials in SIMULATED.items():
         runs, recorded = (
             [sampled_run(material, sampling) for material in materials],
@@ -264,10 +267,10 @@ def material_pushes(measured: MeasuredFolder, sampling: Sampling = PAPER) -> lis
         )
         sets = [(f"simulated, {run.material}", run.pushes) for run in runs]
         sets += [] if recorded is None else [("recorded", recorded.pushes)]
-        found.append(
+        result.append(
             MaterialPushes(published_statistics(surface), runs, sets, recorded is not None)
         )
-    return found
+    return result
 
 
 One = TypeVar("One")
@@ -276,7 +279,7 @@ PANEL_INCHES = (5.2, 3.7)
 SIMULATED_FILL = "#c4c4c4"
 
 
-@style.picture_style()
+@picture_style()
 def draw_materials(
     names: Sequence[str], panels: Sequence[One], draw_panel: Callable[[Axes, One], None]
 ) -> Figure:
@@ -286,11 +289,11 @@ def draw_materials(
     columns = 2 if len(names) <= 4 else 3
     rows = -(-len(names) // columns)
     width, height = PANEL_INCHES
-    size, layout = (width * columns, height * rows), style.rows_of(*(columns,) * rows)
-    figure, places = style.page(layout, size=size, keys=2)
+    size, layout = (width * columns, height * rows), rows_of(*(columns,) * rows)
+    figure, places = page(layout, size=size, keys=2)
     for axes, name, panel in zip(places, names, panels, strict=False):
         draw_panel(axes, panel)
-        style.entitle(axes, name)
+        entitle(axes, name)
     for axes in places[len(names) :]:
         axes.remove()
     return figure

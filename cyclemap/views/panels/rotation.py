@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array
 from cyclemap.maps import BifurcationCurve, RotationNumbers, RotationPlane, TongueBoundaries
-from cyclemap.views.style import (
+from cyclemap.views.panels.layout import legend_above
+from cyclemap.views.panels.style import (
     INK,
     MEASURED,
     PREDICTED,
     PREDICTED_FILL,
     UNSTABLE,
     Look,
-    legend_above,
     name_beside_path,
     name_tag,
     show_window,
@@ -88,7 +88,7 @@ def draw_rotation_plane(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, rotation_plane
-    >>> from cyclemap.views.rotation_panels import draw_rotation_plane
+    >>> from cyclemap.views.panels.rotation import draw_rotation_plane
     >>> axes = Figure().subplots()
     >>> draw_rotation_plane(axes, rotation_plane(CircleMap.arnold, [0.0, 0.5], [0.3, 0.9]))
     >>> axes.has_data()
@@ -99,8 +99,18 @@ def draw_rotation_plane(
     folded = "folded: an interval of rotation numbers, one orbit's shown"
     # White dots show on dark colours, dark lines on light ones.
     for color, hatch in ((INK, "//"), ("white", "..")):
-        look = {"facecolor": "none", "edgecolor": color, "hatch": hatch, "linewidth": 0.0}
-        mark_cells(axes, first, second, plane.folded, label=folded, zorder=3, **look)
+        mark_cells(
+            axes,
+            first,
+            second,
+            plane.folded,
+            label=folded,
+            zorder=3,
+            facecolor="none",
+            edgecolor=color,
+            hatch=hatch,
+            linewidth=0.0,
+        )
     _mark_tongues(axes, plane, first, second)
     axes.set(xlabel=first_label, ylabel=second_label)
     legend_above(axes)
@@ -208,7 +218,7 @@ def draw_rotation_numbers(
     >>> import numpy as np
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import ARNOLD_FAMILY, rotation_numbers
-    >>> from cyclemap.views.rotation_panels import draw_rotation_numbers
+    >>> from cyclemap.views.panels.rotation import draw_rotation_numbers
     >>> axes, omega = Figure().subplots(), np.linspace(0.0, 1.0, 9)
     >>> draw_rotation_numbers(axes, omega, rotation_numbers(ARNOLD_FAMILY, omega, 0.5), "omega")
     >>> axes.get_xlabel()
@@ -219,18 +229,25 @@ def draw_rotation_numbers(
     axes.fill_between(
         parameter, numbers.lower, numbers.upper, color=PREDICTED_FILL, label=band, zorder=2
     )
-    middle: Look = {"color": PREDICTED, "label": "middle of the enclosure", "zorder": 3}
-    axes.plot(parameter, numbers.value, linewidth=1.0, **middle)
+    axes.plot(
+        parameter,
+        numbers.value,
+        linewidth=1.0,
+        color=PREDICTED,
+        label="middle of the enclosure",
+        zorder=3,
+    )
     axes.set(xlabel=label, ylabel=ROTATION)
     axes.margins(x=0.0, y=0.08)
-    locked: Look = {"color": INK, "linewidth": 3.0, "label": "locked at p/q", "zorder": 4}
     rises = bool(numbers.value[-1] >= numbers.value[0])
     for start, end in runs(numbers.winding + 1j * numbers.period):
         if not numbers.period[start] or end - start < 2:
             continue
         low, high = float(parameter[start]), float(parameter[end - 1])
         value = float(numbers.value[start])
-        axes.plot([low, high], [value, value], **locked)
+        axes.plot(
+            [low, high], [value, value], color=INK, linewidth=3.0, label="locked at p/q", zorder=4
+        )
         if abs(high - low) >= NAMED_WIDTH * float(np.ptp(parameter)):
             ratio = Fraction(int(numbers.winding[start]), int(numbers.period[start]))
             name_beside_path(axes, low, high, value, ratio_name(ratio), rises)
@@ -261,7 +278,7 @@ def draw_tongues(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, tongues
-    >>> from cyclemap.views.rotation_panels import draw_tongues
+    >>> from cyclemap.views.panels.rotation import draw_tongues
     >>> axes = Figure().subplots()
     >>> draw_tongues(axes, tongues(CircleMap.arnold, [0], [0.4, 0.8], (-0.5, 0.5)))
     >>> axes.has_data()
@@ -321,7 +338,7 @@ def draw_bifurcation_curves(
     --------
     >>> from matplotlib.figure import Figure
     >>> from cyclemap.maps import CircleMap, follow_bifurcation, saddle_nodes
-    >>> from cyclemap.views.rotation_panels import draw_bifurcation_curves
+    >>> from cyclemap.views.panels.rotation import draw_bifurcation_curves
     >>> (born,) = saddle_nodes(lambda p: CircleMap.arnold(p, 0.9), (0.0, 0.5))
     >>> edge = follow_bifurcation(CircleMap.arnold, born, 0.9, (0.0, 0.5), (0.5, 1.0))
     >>> axes = Figure().subplots()

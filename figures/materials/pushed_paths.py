@@ -5,7 +5,6 @@ simulated where not.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from matplotlib import colormaps
@@ -18,34 +17,29 @@ from numpy.typing import NDArray
 
 from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import read_only
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.wearing_loop import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
-from cyclemap.maps import DriftingMap, sample_staircase
-from cyclemap.views import style
-from cyclemap.views.object_page import MM
+from cyclemap.views.panels.scene import MM
+from cyclemap.views.panels.style import cross
 from cyclemap.views.sentences import angle, listed
 
-from .catalogue import MeasuredFolder
-from .measured_sets import (
+from ..catalogue import MeasuredFolder
+from .paper_pushes import (
     measured_run,
     measured_theta0,
     not_found,
     push_file_names,
     readable_pushes,
 )
-from .published_statistics import published_statistics
-from .simulated_collections import NOISE, STANDS_FOR
+from .simulated_collections import NOISE, PAPER, STANDS_FOR, Sampling, sampled_run
 
-CYCLES, DRAWN = 2000, 250
+DRAWN = 250
 RECORDED, MEASURED_THETA0, SIMULATED = "recorded", "from measured θ0", "simulated"
 STATIONS = 41
-# Radians: error of the sampled maps, well below the noise of a cycle.
-MAP_TOLERANCE = 1e-3
 _ACCURACY = 1e-6
-# Parts of the wear at whose ends maps are made: between them they are blended.
-_WEAR_STAGES = 2
 ORIGINS = (RECORDED, MEASURED_THETA0, SIMULATED)
 # From a blue that still shows on white to nearly black: a darker shade is a larger turn, in a grey
 # print too.
@@ -85,19 +79,19 @@ class PushedPaths:
 
 
 def paths_on_four_surfaces(
-    measured: MeasuredFolder, cycles: int = CYCLES, drawn: int = DRAWN
+    measured: MeasuredFolder, sampling: Sampling = PAPER, drawn: int = DRAWN
 ) -> list[PushedPaths]:
     """Return the paths on the paper's four surfaces: of recorded pushes, else from measured θ0,
     else of a run.
 
-    cycles : of a simulated run.
+    sampling : of a simulated run.
     drawn : how many of all these pushes, at equal distances. Recorded pushes are looked for by the
         names of the MIT dataset, as `measured_run` does, θ0 as `measured_theta0` does.
     """
     return [
         recorded_paths(measured, surface, drawn)
         or paths_from_measured_theta0(measured, surface, drawn)
-        or simulated_paths(surface, cycles, drawn)
+        or simulated_paths(surface, sampling, drawn)
         for surface in STANDS_FOR
     ]
 
@@ -128,9 +122,8 @@ def recorded_paths(
     for _, record in records:
         # At equal times.
         clock = record.object_pose[:, 0]
-        times = np.linspace(clock[0], clock[-1], STATIONS)
-        columns = (*record.object_pose[:, 1:3].T, record.object_angle)
-        courses.append(np.stack([np.interp(times, clock, column) for column in columns], axis=-1))
+        pose = np.column_stack([record.object_pose[:, 1:3], record.object_angle])
+        courses.append(_at(np.linspace(clock[0], clock[-1], STATIONS), clock, pose))
     poses = np.array(courses)
     poses[..., :2] -= MIT_TARGET
     return _paths(surface, "", RECORDED, poses, run.pushes.theta)
@@ -151,27 +144,13 @@ def paths_from_measured_theta0(
     return _simulated(surface, loop, MEASURED_THETA0, pairs.path, pairs.path_cycle, drawn)
 
 
-@lru_cache(maxsize=16)
-def simulated_paths(surface: str, cycles: int = CYCLES, drawn: int = DRAWN) -> PushedPaths:
-    """Return paths of pushes of a noisy simulated run on `surface`; the noise of a cycle is 1.1
-    degrees.
-
-    The run starts at the direction that the paper names first, else at 0; where the material wears
-    it goes from fresh to worn within the run, whatever its length.
-    """
-    loop = CollectionLoop.mit(STANDS_FOR[surface], accuracy=_ACCURACY)
-    wear, start = loop.material.wear, (*published_statistics(surface).directions, 0.0)[0]
-    worn, stages = (
-        (wear.cycles, np.linspace(0.0, 1.0, _WEAR_STAGES + 1)) if wear else (0.0, np.zeros(1))
-    )
-    states = [
-        (cycles * share, worn_loop(loop, share * worn).circle_map(MAP_TOLERANCE))
-        for share in stages
-    ]
-    run = sample_staircase(DriftingMap.between(states), NOISE, cycles, start, seed=1)
-    return _simulated(
-        surface, loop, SIMULATED, run.theta[:-1], worn * np.arange(cycles) / cycles, drawn
-    )
+def simulated_paths(surface: str, sampling: Sampling = PAPER, drawn: int = DRAWN) -> PushedPaths:
+    """Return paths of pushes of a noisy simulated run on `surface`, a `sampled_run`."""
+    run = sampled_run(STANDS_FOR[surface], sampling)
+    pairs = run.pushes.pairs
+    assert pairs is not None and pairs.path_cycle is not None
+    loop = CollectionLoop.mit(run.material, accuracy=_ACCURACY)
+    return _simulated(surface, loop, SIMULATED, pairs.theta, pairs.path_cycle[:-1], drawn)
 
 
 def _simulated(
@@ -181,33 +160,29 @@ def _simulated(
 
     At equal distances of the rod's stroke; the object rests where the rod has left it.
     """
-    chosen, travel, found = (
-        evenly_spread(theta.size, drawn),
-        np.linspace(0.0, loop.push.distance, STATIONS),
-        [],
-    )
+    chosen = evenly_spread(theta.size, drawn)
+    travel, poses = np.linspace(0.0, loop.push.distance, STATIONS), []
     for start, now in zip(theta[chosen].tolist(), cycle[chosen].tolist(), strict=True):
         worn = worn_loop(loop, now)
-        course = worn.model.push(
-            worn.start_pose(start), worn.push, worn.push.distance / (STATIONS - 1)
-        ).trajectory
-        found.append(
-            np.stack([np.interp(travel, course.path, column) for column in course.pose.T], axis=-1)
-        )
-    return _paths(surface, loop.material.name, origin, np.array(found), theta)
+        course = worn.model.push(worn.start_pose(start), worn.push, float(travel[1])).trajectory
+        poses.append(_at(travel, course.path, course.pose))
+    return _paths(surface, loop.material.name, origin, np.array(poses), theta)
+
+
+def _at(places: Array, along: Array, values: Array) -> Array:
+    """Values (n, k), known along a way (n,), at some places of it (m,): (m, k)."""
+    return np.stack([np.interp(places, along, column) for column in values.T], axis=-1)
 
 
 def _paths(
     surface: str, material: str, origin: str, poses: Array, orientations: Array
 ) -> PushedPaths:
     """Paths of pushes with poses (k, m, 3)."""
-    theta0 = poses[:, 0, 2]
-    offset = poses[..., :2] - poses[:, :1, :2]
-    c, s = np.cos(theta0)[:, None], np.sin(theta0)[:, None]
-    x, y = offset[..., 0], offset[..., 1]
-    turned = np.stack([c * x + s * y, -s * x + c * y], axis=-1)
+    theta0, robot_frame = poses[:, 0, 2], poses[..., :2]
+    back = np.stack([np.zeros_like(theta0), np.zeros_like(theta0), -theta0])
+    object_frame = placed(back[:, :, None], robot_frame - robot_frame[:, :1])
     turn = poses[:, -1, 2] - theta0
-    arrays = (read_only(array) for array in (theta0, turn, turned, poses[..., :2], orientations))
+    arrays = map(read_only, (theta0, turn, object_frame, robot_frame, orientations))
     return PushedPaths(surface, material, origin, *arrays)
 
 
@@ -236,8 +211,8 @@ def crossing_pairs(paths: Array, apart: NDArray[np.bool_]) -> tuple[int, int]:
     for path, row in zip(paths, later, strict=True):
         a, b = path[:-1, None], path[1:, None]
         c, d = paths[row][:, None, :-1], paths[row][:, None, 1:]
-        found = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
-        crossed += int(np.sum(np.any(found, axis=(1, 2))))
+        crossings = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
+        crossed += int(np.sum(np.any(crossings, axis=(1, 2))))
     return crossed, int(np.sum(later))
 
 
@@ -263,7 +238,7 @@ def draw_paths(axes: Axes, lines: Array, turn: Array, shades: ScalarMappable) ->
         list(MM * lines), colors=shades.to_rgba(np.degrees(turn)), linewidths=0.7, alpha=0.75
     )
     axes.add_collection(collection)
-    style.cross(axes)
+    cross(axes)
     axes.set_aspect("equal")
 
 

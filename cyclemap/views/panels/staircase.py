@@ -11,9 +11,25 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, ScalarForm
 
 from cyclemap.arrays import TWO_PI, Array
 from cyclemap.maps import StepComparison, Steps
-from cyclemap.views import style
+from cyclemap.views.panels.layout import legend_above
+from cyclemap.views.panels.style import (
+    BAND,
+    INK,
+    LINE,
+    MARKS,
+    MEASURED,
+    MEASURED_EDGE,
+    PATH,
+    PREDICTED,
+    QUIET,
+    UNSTABLE,
+    Look,
+    count_axis,
+    name_beside_path,
+    say,
+    unwrapped_axis,
+)
 from cyclemap.views.sentences import angle, number
-from cyclemap.views.style import INK, LINE, MEASURED, MEASURED_EDGE, PREDICTED, QUIET, UNSTABLE
 
 if TYPE_CHECKING:
     from cyclemap.evidence.laws.measured_cycle_map import TurnPace
@@ -38,13 +54,13 @@ def draw_staircase(
     longest = len(predicted)
     if band is not None:
         lower, upper = np.degrees(band)
-        axes.fill_between(np.arange(lower.size), lower, upper, label="95 % of runs", **style.BAND)
+        axes.fill_between(np.arange(lower.size), lower, upper, label="95 % of runs", **BAND)
     if measured is not None:
-        axes.plot(np.degrees(measured), label="measured", **style.PATH)
+        axes.plot(np.degrees(measured), label="measured", **PATH)
         longest = max(longest, len(measured))
     axes.plot(np.degrees(predicted), label="predicted", **{**LINE, "linewidth": 1.2})
-    style.count_axis(axes, count, longest - 1)
-    style.unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)
+    count_axis(axes, count, longest - 1)
+    unwrapped_axis(axes, "θ0, unwrapped", LEAST_SPAN_DEG)
 
 
 def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
@@ -56,24 +72,31 @@ def draw_steps(axes: Axes, path: Array, steps: Steps) -> None:
     """
     winding = steps.zones[0].winding if steps.zones else 0
     straight = path - TWO_PI * winding * np.arange(path.size)
-    axes.plot(np.degrees(straight), label="path", **{**style.PATH, "linewidth": 1.2})
+    axes.plot(np.degrees(straight), label="path", **{**PATH, "linewidth": 1.2})
     for start, end, level, censored in zip(
         steps.start, steps.end, steps.levels, steps.censored, strict=True
     ):
         height = float(np.degrees(level))
         label = "dwell not seen whole" if censored else "dwell"
-        look: style.Look = {"solid_capstyle": "butt", "zorder": 4, "label": label}
-        (bar,) = axes.plot([start, end], [height, height], color=INK, linewidth=5.0, **look)
+        (bar,) = axes.plot(
+            [start, end],
+            [height, height],
+            color=INK,
+            linewidth=5.0,
+            solid_capstyle="butt",
+            zorder=4,
+            label=label,
+        )
         if censored:
             bar.set(color=UNSTABLE, linewidth=2.2)
             bar.set_path_effects([Stroke(linewidth=5.0, foreground=INK), Normal()])
         if steps.levels.size <= MOST_NAMED:
-            style.name_beside_path(axes, start, end, height, angle(level), steps.climb >= 0.0)
+            name_beside_path(axes, start, end, height, angle(level), steps.climb >= 0.0)
     turning = f" less {360 * winding}° a cycle" if winding else ""
-    style.count_axis(axes, "cycle", path.size - 1)
+    count_axis(axes, "cycle", path.size - 1)
     axes.margins(y=0.08)
-    style.unwrapped_axis(axes, f"θ, unwrapped{turning}")
-    style.legend_above(axes)
+    unwrapped_axis(axes, f"θ, unwrapped{turning}")
+    legend_above(axes)
 
 
 def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | None = None) -> None:
@@ -82,9 +105,9 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     """
     places = np.arange(1, steps.lengths.size + 1)
     if not steps.lengths.size:
-        style.say(axes, "no dwell")
-    cut_marks = {**style.MARKS, "markerfacecolor": UNSTABLE}
-    kinds = (("dwell", "o", ~steps.censored, style.MARKS), (_CUT, "^", steps.censored, cut_marks))
+        say(axes, "no dwell")
+    cut_marks = {**MARKS, "markerfacecolor": UNSTABLE}
+    kinds = (("dwell", "o", ~steps.censored, MARKS), (_CUT, "^", steps.censored, cut_marks))
     for label, marker, chosen, look in kinds:
         if chosen.any():
             axes.plot(places[chosen], steps.lengths[chosen], marker, label=label, **look)
@@ -93,7 +116,7 @@ def draw_step_lengths(axes: Axes, steps: Steps, comparison: StepComparison | Non
     axes.set(xlabel="dwell", ylabel="length (cycles)", xlim=(0.5, max(steps.lengths.size, 1) + 0.5))
     axes.set_ylim(bottom=0.0)
     axes.xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
-    style.legend_above(axes)
+    legend_above(axes)
 
 
 _CUT = "lasted longer than seen"
@@ -111,7 +134,7 @@ def _mark_means(axes: Axes, comparison: StepComparison) -> None:
     if mean is not None:
         label = f"mean {mean:.1f}" if error is None else f"mean {mean:.1f} ± {error:.1f}"
         spread = error or 0.0
-        look: style.Look = {"color": MEASURED, "alpha": 0.25, "linewidth": 0.0, "zorder": 1}
+        look: Look = {"color": MEASURED, "alpha": 0.25, "linewidth": 0.0, "zorder": 1}
         axes.axhspan(mean - spread, mean + spread, **look)
         axes.axhline(mean, color=MEASURED_EDGE, linewidth=1.0, label=label, zorder=2)
     if predicted is not None:
@@ -130,9 +153,17 @@ def draw_pace(axes: Axes, pace: TurnPace) -> None:
     top = 1.4 * float(np.max(pushes[np.isfinite(pushes)]))
     low, middle, high = np.minimum(pushes[1:], 2.0 * top)
     ends = [middle - low, high - middle]
-    look: style.Look = {"fmt": "_", "color": PREDICTED, "ecolor": QUIET, "zorder": 3}
-    axes.errorbar(pace.start, middle, yerr=ends, label="fitted map, 95 %", **look)
-    axes.plot(pace.start, pace.measured, "s", label="measured", **style.MARKS)
+    axes.errorbar(
+        pace.start,
+        middle,
+        yerr=ends,
+        label="fitted map, 95 %",
+        fmt="_",
+        color=PREDICTED,
+        ecolor=QUIET,
+        zorder=3,
+    )
+    axes.plot(pace.start, pace.measured, "s", label="measured", **MARKS)
     axes.set(yscale="log", xlabel="cycle in which the turn began", ylabel="pushes a full turn")
     axes.set_ylim(top=top)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -1,14 +1,17 @@
-"""What inertia changes: the dynamic simulation less the quasi-static model over θ0, and as the rod
-slows down.
+"""The dynamic simulation: paths on plywood and on isotropic friction (Figs. 11 and 12), and what
+inertia changes against the quasi-static model.
 """
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
+from cyclemap.collection.batch_experiment import BATCHES, CYCLES, BatchExperiment, batch_experiment
 from cyclemap.collection.dynamic_loop import (
     DynamicLoop,
     DynamicsComparison,
@@ -16,10 +19,63 @@ from cyclemap.collection.dynamic_loop import (
     isotropic_twin,
 )
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.views import style
-from cyclemap.views.experiment_page import draw_place_differences, draw_turn_differences, largest
+from cyclemap.views.experiment_page import (
+    draw_paths,
+    draw_place_differences,
+    draw_turn_differences,
+    experiment_headline,
+    isotropic_sentence,
+    largest,
+    method_line,
+    named_runs,
+    spread_sentence,
+)
+from cyclemap.views.panels.layout import Panel, entitle, page, picture
+from cyclemap.views.panels.style import (
+    FOURTH,
+    LINE,
+    THIRD,
+    picture_style,
+    plain_ticks,
+    square_window,
+)
 
-from .catalogue import MeasuredFolder
+from .catalogue import Exhibit, MeasuredFolder
+
+
+def paper_experiment(
+    measured: MeasuredFolder, batches: int = BATCHES, cycles: int = CYCLES
+) -> BatchExperiment:
+    """Run the paper's numerical experiment by the dynamic simulation; it uses no measured data."""
+    return batch_experiment(DynamicLoop(CollectionLoop.mit(material="plywood")), batches, cycles)
+
+
+@picture_style()
+def draw_experiment(experiment: BatchExperiment) -> Figure:
+    """Draw the paths in the robot's frame above, in the object's frame below."""
+    figure, panels = page("ab;cd", size=(7.5, 7.5))
+    for column, (run, name) in enumerate(named_runs(experiment)):
+        draw_paths(panels[column], run)
+        entitle(panels[column], f"{name}, robot's frame")
+        draw_paths(panels[2 + column], run, in_object=True)
+        entitle(panels[2 + column], f"{name}, object's frame")
+    for row in (panels[:2], panels[2:]):
+        corners = np.vstack([axes.dataLim.get_points() for axes in row])
+        for axes in row:
+            square_window(axes, corners)
+    return figure
+
+
+def experiment_caption(experiment: BatchExperiment) -> str:
+    """What the experiment shows, with its numbers."""
+    loop = experiment.loop
+    return (
+        f"Paths of the centre of mass in simulated pushes on {loop.material.name} (left) and on "
+        f"isotropic friction (right; {method_line(experiment)}); thick: the last push of each "
+        f"batch. {experiment_headline(experiment)} {spread_sentence(experiment)} "
+        f"{isotropic_sentence(experiment)}"
+    )
+
 
 ORIENTATIONS = 12
 # Of the rod, m/s.
@@ -54,7 +110,7 @@ class InertiaStudy:
         return float(first), float(second)
 
 
-def compute(
+def inertia_study(
     measured: MeasuredFolder,
     orientations: int = ORIENTATIONS,
     speeds: tuple[float, ...] = SPEEDS,
@@ -66,37 +122,45 @@ def compute(
     loop = DynamicLoop(CollectionLoop.mit(material="plywood"))
     twin = replace(loop, loop=isotropic_twin(loop.loop))
     theta, some = (2.0 * np.pi * np.arange(count) / count for count in (orientations, fewer))
-    sharp = {"regularisation": _REGULARISATION, "tolerance": _TOLERANCE}
     differences = np.empty((2, len(speeds)))
     for row, each in zip(differences, (loop, twin), strict=True):
-        slower = (DynamicLoop(each.loop, speed, _STIFFNESS, **sharp) for speed in speeds)
+        slower = (
+            DynamicLoop(
+                each.loop, speed, _STIFFNESS, regularisation=_REGULARISATION, tolerance=_TOLERANCE
+            )
+            for speed in speeds
+        )
         row[:] = [largest(compare_dynamics(slow, some).difference("theta_next")) for slow in slower]
     return InertiaStudy(
         compare_dynamics(loop, theta), compare_dynamics(twin, theta), np.array(speeds), differences
     )
 
 
-@style.picture_style()
-def draw(study: InertiaStudy) -> Figure:
+def draw_inertia(study: InertiaStudy) -> Figure:
     """Draw the differences over θ0, and their fall with the speed."""
+    both = study.material, study.isotropic
+    panels: list[Panel] = [
+        ("Difference of the turns", partial(draw_turn_differences, both=both)),
+        ("Difference of the displacement", partial(draw_place_differences, both=both)),
+        ("Its fall with the speed", partial(_draw_fall, study=study)),
+    ]
     foot = "left and middle at 20 mm/s: solid, filled: plywood; dashed, open: isotropic friction"
-    figure, (turns, places, fall) = style.page("abc", foot=foot, size=(11.0, 4.5), keys=2)
-    draw_turn_differences(turns, study.material, study.isotropic)
-    draw_place_differences(places, study.material, study.isotropic)
+    return picture("abc", panels, foot=foot, size=(11.0, 4.5), keys=2)
+
+
+def _draw_fall(axes: Axes, study: InertiaStudy) -> None:
     speeds = 1e3 * study.speeds
-    looks = (("plywood", "o", style.LINE), ("isotropic", "s", style.THIRD))
+    looks = (("plywood", "o", LINE), ("isotropic", "s", THIRD))
     for values, (name, marker, look) in zip(np.degrees(study.differences), looks, strict=True):
-        fall.plot(speeds, values, marker=marker, label=name, **look)
+        axes.plot(speeds, values, marker=marker, label=name, **look)
     guide = np.degrees(study.differences[0, -1]) * (speeds / speeds[-1]) ** 2
-    fall.plot(speeds, 0.5 * guide, label="speed squared", **style.FOURTH)
-    fall.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
-    fall.set(xscale="log", yscale="log")
-    style.plain_ticks(fall.xaxis, speeds.tolist())
-    style.entitle(fall, "Its fall with the speed")
-    return figure
+    axes.plot(speeds, 0.5 * guide, label="speed squared", **FOURTH)
+    axes.set(xlabel="speed of the rod (mm/s)", ylabel="largest difference of a cycle (°)")
+    axes.set(xscale="log", yscale="log")
+    plain_ticks(axes.xaxis, speeds.tolist())
 
 
-def caption(study: InertiaStudy) -> str:
+def inertia_caption(study: InertiaStudy) -> str:
     """How far inertia matters, with the numbers of the study."""
     speed = 1e3 * study.material.loop.speed
     first, second = study.orders
@@ -121,3 +185,9 @@ def _at_most(comparison: DynamicsComparison) -> str:
         f"at most {push:.2f}° in the push, {drag:.2f}° in the drag, {cycle:.2f}° in the cycle "
         f"and {place:.2f} mm"
     )
+
+
+EXHIBITS = {
+    "anisotropic-against-isotropic": Exhibit(paper_experiment, experiment_caption, draw_experiment),
+    "dynamic-against-quasi-static": Exhibit(inertia_study, inertia_caption, draw_inertia),
+}
