@@ -16,7 +16,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import read_only, whole_number
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.pushes.theta0_pairs import (
     MeasuredOverlay,
     Theta0Pairs,

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 
 from cyclemap.arrays import Array
 from cyclemap.collection.loop import CollectionLoop
+from cyclemap.collection.loop_surfaces import drifting_map
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.wearing_loop import drifting_map
 from cyclemap.evidence import MeasuredCycleMap, measured_cycle_map, read_theta0_pairs
 from cyclemap.evidence.laws.measured_cycle_map import TurnPace
 from cyclemap.maps import WrappedNormal, transfer_operator

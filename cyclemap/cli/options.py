@@ -61,6 +61,11 @@ def seed_option(of: str) -> Decorator:
     return click.option("--seed", type=Whole(min=0), default=0, help=of)
 
 
+def out_option(of: str) -> Decorator:
+    """The option of the folder where results go; `of` says which."""
+    return click.option("--out", metavar="DIR", type=PATH, default="out", help=of)
+
+
 def decorated(command: Command, *decorators: Decorator) -> Command:
     """Give `command` arguments and options, in this order."""
     for decorate in reversed(decorators):
@@ -90,10 +95,8 @@ def loop_options(command: Command, needs_material: bool = True) -> Command:
 
         command(options=LoopOptions(material or material_file, protocol, settings), **others)
 
-    file, tables = (
-        "A material file, in place of MATERIAL.",
-        "The --set keys in TOML tables, and a [strategy].",
-    )
+    file = "A material file, in place of MATERIAL."
+    tables = "The --set keys in TOML tables, and a [strategy]."
     return decorated(
         chosen,
         click.argument("material", required=False),
@@ -174,7 +177,8 @@ def said_command(*left_out: str, files_by_name: bool = False) -> list[str]:
         is_said = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         if not is_said or name in left_out or name not in context.params:
             continue
-        given, option = context.params[name], parameter.opts[:1]
+        given = context.params[name]
+        option = parameter.opts[:1]
         if isinstance(parameter, click.Argument):
             option = []
         if given is True:
@@ -195,7 +199,7 @@ def pair_in_metres(option: str, text: str) -> tuple[float, float]:
     (0.25, -0.03)
     """
     try:
-        x, y = (1e-3 * plain_number(part.strip()) for part in text.split(","))
+        x, y = (1e-3 * plain_number(length.strip()) for length in text.split(","))
     except ValueError as cause:
         raise InvalidInput(f"{option} {text!r} is not of the form x,y, such as 350,-30") from cause
     return x, y
@@ -228,7 +232,7 @@ def result_options(files: str) -> Decorator:
     formats = click.Choice(["png", "pdf", "svg"])
     return lambda command: decorated(
         gathered(command, "results", ResultOptions),
-        click.option("--out", metavar="DIR", type=PATH, default="out", help=f"Where {files} go."),
+        out_option(f"Where {files} go."),
         click.option(
             "--format", "picture_format", type=formats, default="png", help="Format of the picture."
         ),
@@ -242,8 +246,8 @@ def quiet_option() -> click.Option:
     def keep(context: click.Context, _: click.Parameter, value: bool) -> None:
         context.meta[_QUIET] = value
 
-    told = "Say nothing but errors, warnings and --json."
-    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+    words = "Say nothing but errors, warnings and --json."
+    return click.Option(["--quiet"], is_flag=True, expose_value=False, callback=keep, help=words)
 
 
 def is_quiet() -> bool:
@@ -289,10 +293,10 @@ class RealRange(_PlainDigits, click.FloatRange):
         self, value: object, param: click.Parameter | None, ctx: click.Context | None
     ) -> Any:
         """Return the number."""
-        found = super().convert(value, param, ctx)
-        if math.isnan(found):
+        converted = super().convert(value, param, ctx)
+        if math.isnan(converted):
             self.fail("nan is in no range", param, ctx)
-        return found
+        return converted
 
 
 @dataclass(frozen=True)
@@ -349,13 +353,13 @@ def table_options(command: Command) -> Command:
 
 def told_columns(columns: str | None, units: str | None) -> tuple[dict[str, str], list[str]]:
     """What --columns and --units say; InvalidInput where they cannot be read."""
-    told = {}
-    for part in filter(str.strip, (columns or "").split(",")):
-        name, _, column = (word.strip() for word in part.partition("="))
+    named = {}
+    for pair in filter(str.strip, (columns or "").split(",")):
+        name, _, column = (word.strip() for word in pair.partition("="))
         if not (name and column):
             raise InvalidInput(f"--columns {columns}: give it as theta0=yaw,theta_next=yaw_after")
-        told[name] = column
-    return told, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
+        named[name] = column
+    return named, [unit.strip() for unit in (units or "").split(",") if unit.strip()]
 
 
 def tell_what_was_read(words: Sequence[str], guessed: bool) -> None:
@@ -417,14 +421,14 @@ def _own_text(data: Path, table: TableOptions, out: Path) -> tuple[str, Sequence
     motions = out / f"{file_stem(data.stem)}_motions.png"
     columns, units = told_columns(table.columns, table.units)
     try:
-        found = read_own_table(data, columns, units, **table.convention)
+        own = read_own_table(data, columns, units, **table.convention)
     except UnclearStream as error:
         picture = _pictured(error.seen, motions)
         raise UnclearStream(f"{error}; picture: {picture}", error.seen) from error
-    words = list(found.words)
-    if found.segments is not None:
-        words.append(f"picture: {_pictured(found.segments, motions)}")
-    return found.csv_text(), words, found.guessed
+    words = list(own.words)
+    if own.segments is not None:
+        words.append(f"picture: {_pictured(own.segments, motions)}")
+    return own.csv_text(), words, own.guessed
 
 
 def readable_tables(paths: Sequence[Path], table: TableOptions, out: Path) -> list[Path]:
@@ -458,8 +462,8 @@ def _in_our_convention(data: Path, convention: Convention) -> str:
     pushes = load_pushes(
         data, angles=convention.angles, frame=convention.frame, offset_deg=offset
     ).table
-    told = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
-    return str(told.to_csv(index=False, lineterminator="\n"))
+    ours = pushes.drop(columns=["path", "line", "samples", "dx", "dy"])
+    return str(ours.to_csv(index=False, lineterminator="\n"))
 
 
 def _pictured(seen: Segments, path: Path) -> Path:

@@ -72,9 +72,9 @@ def run_sweep(asked: SweepOptions) -> None:
     store = stem.with_name(f"{stem.name}.sqlite")
     if asked.status:
         now = sweeps.sweep_status(store, plan)
-        told = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
+        done = "complete" if now.complete else f"{100.0 * now.stored / now.points:.0f} %"
         if not publish_json(_status_report(now, store), asked.results.json_target):
-            stored = f"{now.stored} of {now.points} points stored ({told}), {now.refused} refused"
+            stored = f"{now.stored} of {now.points} points stored ({done}), {now.refused} refused"
             PeopleConsole().print(f"{store}: {stored}")
         return
     begun = time.monotonic()
@@ -98,7 +98,9 @@ def run_sweep(asked: SweepOptions) -> None:
 
 
 def _publish(sweep: Sweep, store: Path, asked: SweepOptions) -> None:
-    files, keys, results = [store], len(sweep.keys), asked.results
+    files = [store]
+    keys = len(sweep.keys)
+    results = asked.results
     for name in _words(asked.export):
         ending, write = _EXPORTS[name]
         files.append(store.with_suffix(ending))
@@ -139,7 +141,7 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
     as --set does."""
     ranges = tuple(map(parse_over, asked.over))
     swept = {over.key for over in ranges}
-    material, told, strategy = told_settings(asked.options)
+    material, given, strategy = told_settings(asked.options)
     if strategy is not None:
         raise InvalidInput(
             f"{asked.options.protocol or material}: a sweep is about one push and one drag back: "
@@ -147,7 +149,9 @@ def sweep_plan(asked: SweepOptions) -> SweepPlan:
         )
     # What is swept takes the place of what a file says, as --set does.
     settings = {
-        key: value for key, value in layered(told, dict.fromkeys(swept)).items() if key not in swept
+        key: value
+        for key, value in layered(given, dict.fromkeys(swept)).items()
+        if key not in swept
     }
     settings |= set_settings(asked.options.settings)
     warn_of_defaults({**dict.fromkeys(swept), **settings})
@@ -187,7 +191,7 @@ def sweep_report(sweep: Sweep, store: Path) -> Json:
         "over": plan["points"],
         "settings": plan["settings"],
         "quantities": plan["quantities"],
-        "units": {one.written_name: one.written_unit for one in sweep.quantities},
+        "units": {column.written_name: column.written_unit for column in sweep.quantities},
         "results": rows(**columns, refusal=refusals),
     }
 

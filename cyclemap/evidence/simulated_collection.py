@@ -16,7 +16,7 @@ import numpy as np
 
 from cyclemap.checks import finite_number, whole_number
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.errors import CycleMapError, InvalidInput
 from cyclemap.evidence.pushes.mit_names import PushFacts, push_name, scan_name
 from cyclemap.evidence.pushes.push_files import SUFFIXES, write_push_file

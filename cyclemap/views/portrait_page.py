@@ -120,7 +120,7 @@ def staircase_page(
         "alone, without a model"
     )
     figure, (runs, dwells, lengths) = page("ab;ac", f"Staircase of {name}", words, foot)
-    path, steps = forecast.run.theta, forecast.steps
+    path, steps = forecast.staircase.theta, forecast.steps
     comparison: StepComparison | None = forecast.comparison
     if measured is None:
         draw_staircase(runs, path)
@@ -184,7 +184,7 @@ def worn_sentence(forecast: StaircaseForecast) -> str:
 def run_sentence(forecast: StaircaseForecast) -> str:
     """What was found in the one run that is drawn."""
     return (
-        f"In one run of {forecast.run.cycles} cycles (seed {forecast.run.seed}) it "
+        f"In one run of {forecast.staircase.cycles} cycles (seed {forecast.staircase.seed}) it "
         f"{_found(forecast.steps)}."
     )
 

@@ -19,7 +19,7 @@ from cyclemap.arrays import Array, evenly_spread
 from cyclemap.checks import read_only
 from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
-from cyclemap.collection.wearing_loop import worn_loop
+from cyclemap.collection.loop_surfaces import worn_loop
 from cyclemap.evidence.pushes.mit_names import push_facts
 from cyclemap.evidence.recorded_push import MIT_TARGET
 from cyclemap.views.panels.scene import MM

@@ -421,8 +421,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         [
             ("+ _LOCATED * tolerance + sample_error", "+ _LOCATED * tolerance"),
             (
-                "waiting, checked = [*by_error[:_CHECKED], *spread]",
-                "waiting, checked = list[_Interval]()",
+                "waiting = [*by_error[:_CHECKED], *spread]",
+                "waiting = list[_Interval]()",
             ),
             (
                 "_resolve(sampler, [_Interval(low, high, math.inf) for low, high in "
@@ -457,8 +457,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
             ),
             ("stable = (low - high) / step > -2.0", "stable = (low - high) / step < -2.0"),
             (
-                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (share - 1.0)",
-                "h10, h11 = share * (1.0 - share) ** 2, share**2 * (1.0 - share)",
+                "h11 = share**2 * (share - 1.0)",
+                "h11 = share**2 * (1.0 - share)",
             ),
         ],
     ),
@@ -478,13 +478,12 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "axis = friction.phi",
             ),
             (
-                "first, second = self.offset_direction - angle, 2.0 * (self.ellipse_direction - "
-                "angle)",
-                "first, second = self.offset_direction - angle, self.ellipse_direction - angle",
+                "second = 2.0 * (self.ellipse_direction - angle)",
+                "second = self.ellipse_direction - angle",
             ),
         ],
     ),
-    "collection/wearing_loop.py": (
+    "collection/loop_surfaces.py": (
         "tests/collection",
         [
             (
@@ -646,11 +645,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "evidence/data_blocks/stroke_block.py": (
         "tests/evidence/data_blocks/test_stroke_block.py tests/evidence/data_blocks",
         [
-            ("predicted += weight * (between @ turned)", "predicted += between @ turned"),
-            (
-                "jacobian[:, columns] += weight[:, np.newaxis] * (between @ by_names)",
-                "jacobian[:, columns] += between @ by_names",
-            ),
+            ("predicted += weights[:, index] * turns", "predicted += 0.2 * turns"),
+            ("by_worn += worn * by_surface", "by_worn += 0.5 * by_surface"),
         ],
     ),
     "evidence/laws/measured_cycle_map.py": (
@@ -791,7 +787,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         DESIGN,
         [
             (
-                "share = chance * (most - so_far[number]) / left",
+                "share = chance * (most - so_far[index]) / left",
                 "share = chance / sum(1 for k, m in enumerate(counts) if so_far[k] < m)",
             ),
             ("np.exp(-0.5 * (orders * sigma) ** 2)", "np.exp(-(orders * sigma) ** 2)"),
@@ -800,7 +796,10 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "total_variation(ends, samples).max(axis=-1), 1.0)",
                 "total_variation(ends, samples).min(axis=-1), 1.0)",
             ),
-            ("error = max(abs(found[0] - before[0]), abs(found[1] - before[1]))", "error = 0.0"),
+            (
+                "error = max(abs(distances[0] - before[0]), abs(distances[1] - before[1]))",
+                "error = 0.0",
+            ),
             ("done.append(kernel @ done[-1])", "done.append(done[-1] @ kernel)"),
         ],
     ),
@@ -816,7 +815,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
                 "np.random.SeedSequence(seed, spawn_key=(_NOISE_STREAM,))",
                 "np.random.SeedSequence(0, spawn_key=(1,))",
             ),
-            ("+ turns[doing] + kicks[:, number]", "+ kicks[:, number]"),
+            ("+ turns[doing] + kicks[:, cycle]", "+ kicks[:, cycle]"),
             ("most = math.floor(count * chance) + 1", "most = math.floor(count * chance)"),
         ],
     ),
@@ -824,33 +823,28 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_strategy.py tests/protocol",
         [
             ("blocks = [random.permutation(block) for", "blocks = [block for"),
-            ("often.min() < 0.5:", "often.min() < -1.0:"),
+            ("often.min() >= 0.5", "often.min() >= -1.0"),
         ],
     ),
     "resets/reset_design.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             (
-                "sign = {name: -1.0 if name == CONTACT else 1.0 for name in self.limits}",
-                "sign = {name: 1.0 for name in self.limits}",
+                "value < limit if name == CONTACT else value > limit",
+                "value > limit",
             ),
             (
                 "own.worst_histogram[0] <= rows[0].worst_histogram[0]\n",
                 "own.worst_histogram[0] > rows[0].worst_histogram[0]\n",
             ),
-            ("where = about.worst(values)", "where = int(np.argmin(values))"),
+            ("where = self.about.worst(np.array(values))", "where = int(np.argmin(values))"),
         ],
     ),
     "resets/reset_ranking.py": (
         "tests/resets/test_reset_design.py tests/resets",
         [
             ("excess[CONTACT] = -excess[CONTACT]", "excess[CONTACT] = excess[CONTACT]"),
-            (
-                "return int(min(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], "
-                "after[i])))",
-                "return int(max(chosen.tolist(), key=lambda i: (pool.actions[i], pool.untidy[i], "
-                "after[i])))",
-            ),
+            ('kind="stable").index[0]', 'kind="stable").index[-1]'),
         ],
     ),
     "resets/material_range.py": (
@@ -872,7 +866,7 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         "tests/resets/test_action_cycles.py tests/resets",
         [
             ("travel / ROD_SPEED + HANDLING + GRIPPING * turned", "travel / ROD_SPEED + HANDLING"),
-            ("found[push] = min(rough.model", "found[push] = max(rough.model"),
+            ("lengths[push] = min(rough.model", "lengths[push] = max(rough.model"),
             ("[:, places] + turns[:, None]", "[:, places]"),
         ],
     ),
@@ -889,16 +883,16 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
     "resets/bias_evidence.py": (
         f"{MONITOR} tests/resets/test_rest_evidence.py",
         [
-            ("+ raised[:, 0] - log_mean", "+ raised[:, 0]"),
+            ("settle(raised[:, 0] - log_mean)", "settle(raised[:, 0])"),
             (
                 "self._shares = (1.0 / periods**2) / np.sum(1.0 / periods**2)",
                 "self._shares = 1.0 / periods**2",
             ),
             (
-                "factor = np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)",
-                "factor = np.log((_RATES if hit else 1.0) / CHANCE)",
+                "np.log((_RATES if hit else 1.0 - _RATES) / CHANCE)",
+                "np.log((_RATES if hit else 1.0) / CHANCE)",
             ),
-            ("new = -math.log(self._blocks * (self._blocks + 1))", "new = 0.0"),
+            ("new = -math.log(self._bets * (self._bets + 1))", "new = 0.0"),
             ("pull = min(max(-covariance / (variance", "pull = min(max(covariance / (variance"),
             (
                 "return float(likelihoods[0] / np.mean(likelihoods)) if",
@@ -916,8 +910,8 @@ FAULTS: dict[str, tuple[str, list[Fault]]] = {
         MONITOR,
         [
             (
-                "math.log(2.0 / self.alarm_rate), len(self._path) - 1",
-                "math.log(0.02 / self.alarm_rate), len(self._path) - 1",
+                "threshold = math.log(2.0 / self.alarm_rate)",
+                "threshold = math.log(0.02 / self.alarm_rate)",
             ),
             (
                 "self._arcs.log_evidence)) - math.log(\n            2.0\n        )",

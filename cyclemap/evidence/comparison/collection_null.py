@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 from cyclemap.arrays import TWO_PI, Array, evenly_spread
 from cyclemap.checks import finite_array, finite_number, whole_number
 from cyclemap.collection import CollectionLoop, drifting_map
+from cyclemap.collection.loop_surfaces import BLEND_TOLERANCE, on_material
 from cyclemap.collection.portrait import DEFAULT_SIGMA
-from cyclemap.collection.uncertain_directions import sampled_loop
-from cyclemap.collection.wearing_loop import BLEND_TOLERANCE
 from cyclemap.errors import ConvergenceError, InvalidInput, UnsupportedContact
 from cyclemap.evidence.laws.circular_distance import (
     CircularLaw,
@@ -205,7 +204,10 @@ def posterior_samples(loop: CollectionLoop) -> list[CollectionLoop]:
     posterior = loop.material.posterior if isinstance(loop, CollectionLoop) else None
     if posterior is None:
         return []
-    return [sampled_loop(loop, index) for index in evenly_spread(len(posterior), SAMPLES)]
+    return [
+        on_material(loop, loop.material.sample(index))
+        for index in evenly_spread(len(posterior), SAMPLES)
+    ]
 
 
 @dataclass(frozen=True, eq=False)

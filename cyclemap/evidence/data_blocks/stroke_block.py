@@ -78,7 +78,7 @@ _PACE_PARAMETERS = tuple(
 # Turns on a surface that wears are computed at these shares of the wear, and a polynomial between.
 _WEAR_NODES = (0.0, 0.15, 0.5, 0.85, 1.0)
 # Sectors of θ0, and how many cycles in one of them tell its noise.
-_SECTOR_DEG, _FEWEST_PASSES = 20, 30
+_SECTOR_DEG, _FEWEST_PASSES = 20, 10
 # Cycles are computed at this many angles and interpolated between by a Fourier series.
 NODES = 47
 CYCLE_ACCURACY = 1e-6

@@ -113,8 +113,6 @@ class WrappedNormal:
 
     Attributes
     ----------
-    variance : float
-        σ², radians².
     jump : float
         0: the density is smooth.
 
@@ -142,7 +140,7 @@ class WrappedNormal:
 
     @property
     def variance(self) -> float:
-        """σ²."""
+        """σ², radians²."""
         return self.sigma**2
 
     def coefficients(self, m: ArrayLike) -> Array:
@@ -243,8 +241,6 @@ class WrappedCauchy:
 
     Attributes
     ----------
-    variance : float
-        Infinite: a Cauchy law has none.
     jump : float
         0: the density is smooth.
 

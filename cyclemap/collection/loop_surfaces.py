@@ -1,4 +1,4 @@
-"""A loop on a surface that wears: the loop of one cycle, and its map as it drifts."""
+"""A loop on other surfaces: on another material, on one that wears, and its map as that drifts."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,13 +10,65 @@ from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.maps import CircleMap, DriftingMap
-from cyclemap.mechanics import Material
-from cyclemap.mechanics.plate_footprint import plate_footprint
+from cyclemap.mechanics import DragBack, Material, PressedFootprint, Pusher
 
 # Radians: the blend between computed cycles stays this near the map of each cycle.
 BLEND_TOLERANCE = 1e-3
 # Radians: accuracy of the maps that are blended.
 MAP_TOLERANCE = 1e-4
+
+
+def on_material(loop: CollectionLoop, material: Material) -> CollectionLoop:
+    """Return the loop on another material, with what it brings along: `FoundWith` and pressure.
+
+    Parameters
+    ----------
+    loop : CollectionLoop
+        The loop; what it has from its own material gives way.
+    material : Material
+        The other material, such as a sample of its own one's posterior.
+
+    Returns
+    -------
+    CollectionLoop
+        The same protocol on the other surface.
+
+    Notes
+    -----
+    What was set otherwise, as the friction of another rod, stays.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from cyclemap import CollectionLoop, load_material
+    >>> from cyclemap.mechanics import FoundWith
+    >>> from cyclemap.resets import on_material
+    >>> found = FoundWith(pusher_friction=0.2)
+    >>> slate = replace(load_material("plywood"), name="slate", found_with=found)
+    >>> on_material(CollectionLoop.mit("plywood"), slate).pusher.friction
+    0.2
+    """
+    bare = replace(
+        loop,
+        pusher=replace(loop.pusher, friction=Pusher().friction),
+        reset=replace(loop.reset, pin_friction_radius=DragBack().pin_friction_radius),
+        footprint=None,
+    )
+    before = bare.with_material(loop.material)
+    after = bare.with_material(material)
+    brought = {
+        name: getattr(after, name)
+        for name in ("pusher", "reset", "footprint")
+        if _alike(getattr(before, name), getattr(loop, name))
+    }
+    return replace(loop, material=material, **brought)
+
+
+def _alike(first: object, second: object) -> bool:
+    """Whether parts of a loop are the same, shapes but for the rounding of an object's weight."""
+    if isinstance(first, PressedFootprint) and isinstance(second, PressedFootprint):
+        return first.outline == second.outline and first.is_near(second)
+    return first == second
 
 
 def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
@@ -51,17 +103,7 @@ def worn_loop(loop: CollectionLoop, cycles: float) -> CollectionLoop:
         wear=None,
         posterior=None,
     )
-    return _on_surface(loop, worn)
-
-
-def _on_surface(loop: CollectionLoop, material: Material) -> CollectionLoop:
-    """Return the loop on a surface that has changed, its pressure along with it unless it was set
-    otherwise.
-    """
-    footprint = loop.footprint
-    if footprint == plate_footprint(loop.material, loop.slider):
-        footprint = plate_footprint(material, loop.slider)
-    return replace(loop, material=material, footprint=footprint)
+    return on_material(loop, worn)
 
 
 def drifting_map(
@@ -107,18 +149,21 @@ def drifting_map(
             f"{loop.material.name} does not wear: its file has no table [worn]; use its "
             "circle_map()"
         )
-    wear, count, done = loop.material.wear, whole_number("cycles", cycles, least=1), [0]
+    wear = loop.material.wear
+    count = whole_number("cycles", cycles, least=1)
+    done = [0]
     # The way is blended, then gone through at the pace of the course: kinks of the course cost no
     # maps.
-    first, last = wear.share(0.0), wear.share(count - 1.0)
+    first = wear.share(0.0)
+    last = wear.share(count - 1.0)
     even = replace(loop, material=replace(loop.material, wear=replace(wear, cycles=1.0, course=())))
 
     def at(share: float) -> CircleMap:
-        found = worn_loop(even, share).circle_map(MAP_TOLERANCE)
+        made = worn_loop(even, share).circle_map(MAP_TOLERANCE)
         done[0] += 1
         if progress is not None:
             progress(done[0])
-        return found
+        return made
 
     steps = count if last > first else 1
     blend = DriftingMap.of_family(at, np.linspace(first, last, steps), steps, tolerance)
@@ -132,8 +177,8 @@ def drifting_map(
     for (begin, low), (end, high) in pairwise(bends):
         for n, share in ((begin, low), (end, high)):
             knots.setdefault(n, blend.at((share - first) / max(last - first, 1e-300) * (steps - 1)))
-        for share, one in zip(shares, blend.maps, strict=True):
+        for share, worn in zip(shares, blend.maps, strict=True):
             if low < share < high:
-                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), one)
+                knots.setdefault(begin + (end - begin) * float((share - low) / (high - low)), worn)
     order = sorted(knots)
     return DriftingMap(np.array(order), tuple(knots[n] for n in order), blend.max_error)
