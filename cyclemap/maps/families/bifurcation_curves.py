@@ -148,8 +148,8 @@ class _CurveWalk(ArclengthWalk[CodimensionTwo]):
         of ``shift`` along the curve.
         """
         tangent = curve_direction(state.matrix)
-        error = self.equations.errors(state, tangent)
-        error += np.abs(tangent[-2:]) * shift + curved * shift**2 + 4.0 * EPS
+        error = 4.0 * (self.equations.errors(state, tangent) + EPS)
+        error += np.abs(tangent[-2:]) * shift + curved * shift**2
         self._place(kind, state, state.at[-2:], error)
 
     def _place(self, kind: str, state: OrbitState, at: Array, error: Array) -> None:

@@ -296,7 +296,7 @@ class OrbitEquations:
         n = self.hops.size
         images = np.roll(state.theta, -1) + TWO_PI * self.hops
         off = np.append(
-            2.0 * LIFT * (2.0 * TWO_PI + np.abs(images)),
+            LIFT * (TWO_PI + np.abs(images)),
             8.0 * EPS * n * max(1.0, abs(state.multiplier)),
         )
         off += np.abs(state.residual) + state.member.max_error
