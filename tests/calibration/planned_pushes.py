@@ -49,10 +49,9 @@ from cyclemap.evidence.identification.surface_parameters import (
     starting_space,
 )
 from cyclemap.evidence.identified_material import sampled_values
-from cyclemap.evidence.measured_plan import identified_plan
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
+from cyclemap.evidence.push_plan.measured_plan import empty_table, identified_plan
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
-from cyclemap.evidence.push_plan.plan_table import empty_table
 from cyclemap.evidence.push_plan.sensitivity import (
     UNKNOWNS,
     Target,
@@ -115,7 +114,7 @@ def filled(
     reading = np.array((READ[0], READ[0], READ[1]))
     for number, planned in enumerate(pushes):
         # The object lies about where it was read to be, and the rod is set off its mark.
-        first, last = (np.array(place) for place in planned.rod(slider, loop.pusher.radius))
+        first, last = planned.rod(slider, loop.pusher.radius)
         way = (last - first) / planned.push.distance
         read = np.array((planned.start.x, planned.start.y, planned.start.theta))
         lying = Pose(*(read + reading * rng.normal(size=3)).tolist())
@@ -329,7 +328,7 @@ def chosen_of(
         lambda _: {},
     )
     design = Design(np.diag(width**2), by, asked)
-    return design.exchanged(design.greedy(10))
+    return design.exchanged(design.greedy(10, range(len(pushes))))
 
 
 def missed(

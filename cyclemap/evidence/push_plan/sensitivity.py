@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
+from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.errors import InvalidInput
@@ -69,6 +70,7 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 
     Raises InvalidInput for a material without samples.
     """
+    whole_number("samples", samples, least=2)
     posterior = loop.material.posterior
     if posterior is None:
         lack = "a plan needs samples of what is believed of the floor"
@@ -83,13 +85,13 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 def push_sensitivity(
     known: Beliefs, pushes: Sequence[SetPush], read: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
-    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by
-    UNKNOWNS, twice.
+    """Return where pushes end in each sample (s, n, 3), m and rad, and derivatives by UNKNOWNS, all
+    over the noise: of these ends (s, n, 3, k), and of what is measured (s, n, 4, k).
 
     Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the
-    ring to where the ring was before the push, rad. read : how far readings are off, m and rad. The
-    derivatives (s, n, 4, k) are over the noise; then over it and what a hand adds that sets a rod a
-    little off its mark, and an object a little turned: a push that depends on that tells less.
+    ring to where the ring was before the push, rad. read : how far readings are off, m and rad.
+    Noise of what is measured is also what a hand adds that sets a rod a little off its mark, and an
+    object a little turned: a push that depends on that tells less.
     """
     slider, radius = known.loop.slider, known.loop.pusher.radius
     noise, set_up = push_noise(read), set_up_errors(read)
@@ -106,12 +108,11 @@ def push_sensitivity(
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
-    turns = [
-        back.columns_by(UNKNOWNS, back.residuals(values)[1])[:, np.newaxis] / noise[3]
-        for values in known.values
-    ]
-    first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
-    return np.array(ends), first, second
+    turns = []
+    for values in known.values:
+        by_drag = back.columns_by(UNKNOWNS, back.residuals(values)[1])
+        turns.append(by_drag[:, np.newaxis] / noise[3])
+    return np.array(ends), np.array(plain), np.concatenate([derivatives, turns], axis=2)
 
 
 def over_noise(by: Array, by_set_up: Array, noise: Array) -> Array:
@@ -152,7 +153,7 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
     """Return what is asked for: the stable directions and whether there are any, the whole map, or
     single pushes.
 
-    by (s, n, 4, k) : derivatives of pushes and drags over their noise (4,), m and rad.
+    by (s, n, 3, k) : derivatives of where pushes end over their noise (3,), m and rad.
     """
     if name == "direction":
         return _direction(known)
@@ -165,14 +166,12 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
             gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))}
         )
     samples, count, _, unknowns = by.shape
-    chosen = evenly_spread(count, _ASKED)
-    gradient = by[:, chosen, :3].reshape(samples, -1, unknowns)
+    gradient = by[:, evenly_spread(count, _ASKED)].reshape(samples, -1, unknowns)
 
     def words(variance: Array) -> dict[str, float]:
-        along, across, turn = (
-            np.sqrt(variance.reshape(samples, -1, 3).mean(axis=(0, 1))) * noise[:3]
-        )
-        return {"place": math.hypot(along, across), "turn": float(turn)}
+        square = variance.reshape(samples, -1, 3).mean(axis=(0, 1))
+        along, across, turn = (np.sqrt(square) * noise).tolist()
+        return {"place": math.hypot(along, across), "turn": turn}
 
     return Target(gradient, _mean_loss, words)
 
@@ -205,16 +204,12 @@ def _direction(known: Beliefs) -> Target:
         stable = falls & (slope > -2.0) & (slope < 0.0)
         # The turn that decides: the extreme that is nearest to nought, whose sign would end or
         # begin the lock.
-        extremes = [int(np.argmin(turn)), int(np.argmax(turn))]
-        nearest = min(extremes, key=lambda index: abs(float(turn[index])))
+        nearest = min(np.argmin(turn), np.argmax(turn), key=lambda index: abs(float(turn[index])))
         rows.append(np.vstack([by[nearest], -by[stable] / slope[stable, None]]))
         margins.append(abs(float(turn[nearest])))
-    gradient = np.zeros((len(rows), max(map(len, rows)), len(UNKNOWNS)))
-    has = np.zeros(gradient.shape[:2], dtype=bool)
-    for sample, row in enumerate(rows):
-        gradient[sample, : len(row)] = row
-        has[sample, : len(row)] = True
-    margin, has = np.array(margins), has[:, 1:]
+    lengths = np.array([len(row) for row in rows])
+    padded = [np.pad(row, ((0, lengths.max() - len(row)), (0, 0))) for row in rows]
+    margin, has = np.array(margins), np.arange(1, lengths.max()) < lengths[:, np.newaxis]
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:
@@ -238,4 +233,4 @@ def _direction(known: Beliefs) -> Target:
             {"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {}
         )
 
-    return Target(gradient, loss, words, float(locks.mean()))
+    return Target(np.array(padded), loss, words, float(locks.mean()))
