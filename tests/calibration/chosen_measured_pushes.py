@@ -44,12 +44,12 @@ def of_known_floor(floor: str, plate: str) -> dict[str, tuple[float, float]]:
     known = load_material(floor)
     seen = replace(known, plates=(), posterior=None, sessions=(), frames=())
     names = ("pusher_friction", *FLOOR_NAMES)
-    told = known_beliefs(known, names, plate)
-    told |= {
-        name: (told[name][0], math.hypot(told[name][1], spread))
+    beliefs = known_beliefs(known, names, plate)
+    beliefs |= {
+        name: (beliefs[name][0], math.hypot(beliefs[name][1], spread))
         for name, spread in zip(FLOOR_NAMES, seen.session_spread, strict=True)
     }
-    return told | usual_beliefs((*PLATE_NAMES, *TIP_NAMES))
+    return beliefs | usual_beliefs((*PLATE_NAMES, *TIP_NAMES))
 
 
 def chosen_of(
@@ -97,12 +97,12 @@ def missed(
     sizes = {"push place (m)": float(noise[0]), "push turn (rad)": float(noise[2])}
     block = push_end_block([replace(pushes[index], contact=index) for index in chosen], slider)
     held = dict.fromkeys(SURFACE.names[1:5], 0.0)
-    found = cm.identify(
+    identification = cm.identify(
         [block], list(beliefs), held, priors=beliefs, noise=sizes, starts=1, student=4.0
     )
     contacts = {pushes[index].contact for index in chosen}
     rest = [push for push in pushes if push.contact not in contacts]
-    off = push_end_block(rest, slider).residuals(found.values)[0].reshape(-1, 3)
+    off = push_end_block(rest, slider).residuals(identification.values)[0].reshape(-1, 3)
     return float(1e3 * np.hypot(off[:, 0], off[:, 1]).mean()), float(
         np.degrees(np.abs(off[:, 2]).mean())
     )

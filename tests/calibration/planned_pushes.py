@@ -17,6 +17,7 @@ no plan can.
 `summary FILE ...`: the table of what worlds printed, of some columns in one file or in several.
 """
 
+import cmath
 import json
 import math
 import os
@@ -94,9 +95,9 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
     about = {"plate_warp": float(rng.uniform(0.0, 2.0 * np.pi))}
     angle = float(rng.uniform(0.0, 2.0 * np.pi))
     for name, order in turns.items():
-        x, y = values[f"{name}_x"], values[f"{name}_y"]
-        c, s = math.cos(order * about.get(name, angle)), math.sin(order * about.get(name, angle))
-        values |= {f"{name}_x": c * x - s * y, f"{name}_y": s * x + c * y}
+        vector = complex(values[f"{name}_x"], values[f"{name}_y"])
+        vector *= cmath.exp(1j * order * about.get(name, angle))
+        values |= {f"{name}_x": vector.real, f"{name}_y": vector.imag}
     return SurfaceParameters.from_values(values)
 
 
@@ -111,7 +112,8 @@ def filled(
     frame = pd.DataFrame(rows, columns=header).astype(
         {name: float for name in header if name.endswith("_mm")}
     )
-    slider, missed = loop.slider, push_noise((0.0, 0.0))
+    slider = loop.slider
+    missed = push_noise((0.0, 0.0))
     reading = np.array((READ[0], READ[0], READ[1]))
     for number, planned in enumerate(pushes):
         # The object lies about where it was read to be, and the rod is set off its mark.
@@ -131,7 +133,7 @@ def filled(
         lever = Pose(theta=turned).to_world(*slider.hitch)
         states = (planned.start, seen, Pose(goal[0] - lever[0], goal[1] - lever[1], turned))
         for state, pose in zip("012", states, strict=True):
-            places = [1e3 * part for mark in marks_of(slider) for part in pose.to_world(*mark)]
+            places = [1e3 * size for mark in marks_of(slider) for size in pose.to_world(*mark)]
             frame.loc[number, list(mark_columns(state))] = places
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "plan.csv")
@@ -300,7 +302,8 @@ def summary(lines: list[str]) -> None:
 
 def direction_words(known: list[tuple[list[float], dict[str, float]]]) -> str:
     """How far stable directions are off what is believed, and how often intervals hold them."""
-    off, held = [], []
+    off = []
+    held = []
     for stable, answer in known:
         if not stable:
             continue

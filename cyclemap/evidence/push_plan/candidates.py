@@ -26,7 +26,7 @@ _FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
 _ANGLES = tuple(math.radians(angle) for angle in (-20.0, 0.0, 20.0))
 _LENGTHS = (0.55, 1.1, 1.65)
 # Places around an ellipse, whose whole outline is one side.
-_AROUND = tuple((number + 0.5) / 16 for number in range(16))
+_AROUND = tuple((place + 0.5) / 16 for place in range(16))
 _RULED = 5e-3
 # A side shorter than this share of the longest is no place for a rod.
 _SHORT = 0.3
@@ -79,7 +79,8 @@ def candidate_pushes(
     whole_number("seed", seed, least=0)
     if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
         raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
-    slider, radius = loop.slider, loop.pusher.radius
+    slider = loop.slider
+    radius = loop.pusher.radius
     rng = np.random.default_rng(seed)
     size = math.sqrt(slider.outline.area)
     lengths = [_RULED * max(round(share * size / _RULED), 1) for share in _LENGTHS]

@@ -113,7 +113,8 @@ def robot_schedule(plan: PushPlan) -> bytes:
     `end`. Then, in the ring wherever that is, it goes straight to `ring`, where the ring was before
     the push.
     """
-    slider, rows = plan.loop.slider, []
+    slider = plan.loop.slider
+    rows = []
     for number, planned in enumerate(plan.pushes, 1):
         first, last = MM * planned.rod(slider, plan.loop.pusher.radius)
         approach = first - APPROACH * (last - first) / planned.push.distance
@@ -134,11 +135,6 @@ def _rounded(values: Sequence[float]) -> list[float]:
 @dataclass(frozen=True, eq=False)
 class MeasuredPlan:
     """What pushes on a floor tell of it.
-
-    loop : on the identified floor.
-    identification : of its parameters.
-    directions : how well the stable ones are known.
-    notes : what was read and left out.
 
     Attributes
     ----------
@@ -234,9 +230,11 @@ def measured_plan(
     """
     report = progress or (lambda fraction: None)
     identification, notes = identified_plan(loop, paths, seed=seed, progress=part_of(report, 0, 2))
-    sources, floor = [path.name for path in paths], loop.material
+    floor = loop.material
+    sources = [path.name for path in paths]
+    name = f"{floor.name}-measured"
     material = identified_material(
-        identification, f"{floor.name}-measured", sources, plate=loop.slider.name, floor=floor
+        identification, name, sources, plate=loop.slider.name, floor=floor
     )
     measured = replace(loop, footprint=None).with_material(material)
     directions = direction_uncertainty(measured, part_of(report, 1, 2))

@@ -238,15 +238,15 @@ def _knowledge(
     """
     rng = np.random.default_rng(seed)
     sets = [rng.permutation(design.rows.shape[1]).tolist() for _ in range(_RANDOM_SETS)]
-    told = []
+    steps = []
     for count in sorted({0, len(chosen), *(few for few in COUNTS if few <= len(first))}):
         planned = design.knowledge(chosen if count == len(chosen) else first[:count])
         drawn = [design.knowledge(order[:count]) for order in sets]
         random = {}
         for name in planned:
             random[name] = math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
-        told.append(Knowledge(count, planned, random))
-    return tuple(told)
+        steps.append(Knowledge(count, planned, random))
+    return tuple(steps)
 
 
 class Design:
@@ -267,7 +267,9 @@ class Design:
         values, vectors = np.linalg.eigh(believed)
         seen = values > 1e-12 * values.max()
         root = vectors[:, seen] * np.sqrt(values[seen])
-        self.rows, self.gradient, self.target = derivatives @ root, target.gradient @ root, target
+        self.rows = derivatives @ root
+        self.gradient = target.gradient @ root
+        self.target = target
         self.information = np.einsum("snik,snil->snkl", self.rows, self.rows)
 
     def covariance(self, chosen: list[int]) -> Array:

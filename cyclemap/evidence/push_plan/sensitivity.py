@@ -76,7 +76,7 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
         lack = "a plan needs samples of what is believed of the floor"
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
-    every = [starting_space(sampled_loop(loop, number)).nominal for number in range(len(posterior))]
+    every = [starting_space(sampled_loop(loop, index)).nominal for index in range(len(posterior))]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)
     return Beliefs(loop, tuple(every[index] for index in chosen), covariance)
@@ -93,10 +93,14 @@ def push_sensitivity(
     Noise of what is measured is also what a hand adds that sets a rod a little off its mark, and an
     object a little turned: a push that depends on that tells less.
     """
-    slider, radius = known.loop.slider, known.loop.pusher.radius
-    noise, set_up = push_noise(read), set_up_errors(read)
+    slider = known.loop.slider
+    radius = known.loop.pusher.radius
+    noise = push_noise(read)
+    set_up = set_up_errors(read)
     made = [push.measured(slider, radius) for push in pushes]
-    ends, plain, derivatives = [], [], []
+    ends = []
+    plain = []
+    derivatives = []
     for values in known.values:
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, slider, rod_radius=radius)
@@ -197,7 +201,8 @@ def cycle_map_by_unknowns(
 def _direction(known: Beliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
     theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
-    rows, margins = list[Array](), list[float]()
+    rows = list[Array]()
+    margins = list[float]()
     for values in known.values:
         turn, slope, by = cycle_map_by_unknowns(known.loop, values, theta)
         falls = (turn > 0.0) & (np.roll(turn, -1) <= 0.0)
@@ -209,7 +214,8 @@ def _direction(known: Beliefs) -> Target:
         margins.append(abs(float(turn[nearest])))
     lengths = np.array([len(row) for row in rows])
     padded = [np.pad(row, ((0, lengths.max() - len(row)), (0, 0))) for row in rows]
-    margin, has = np.array(margins), np.arange(1, lengths.max()) < lengths[:, np.newaxis]
+    margin = np.array(margins)
+    has = np.arange(1, lengths.max()) < lengths[:, np.newaxis]
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:

@@ -53,10 +53,10 @@ def planned(target: str = "direction") -> PushPlan:
 @cache
 def design(target: str) -> Design:
     known = believed()
-    _, by, told = push_sensitivity(
+    _, by, measured = push_sensitivity(
         known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), READ
     )
-    return Design(known.covariance, told, target_of(known, target, by, NOISE))
+    return Design(known.covariance, measured, target_of(known, target, by, NOISE))
 
 
 def stable_theta(values: dict[str, float]) -> float:
@@ -128,7 +128,7 @@ def test_a_plan_tells_more_than_random_pushes_and_says_what_a_lost_one_costs(tar
     plan = planned(target)
     first, last = plan.knowledge[0], plan.knowledge[-1]
     assert first.pushes == 0 and first.planned == pytest.approx(first.random)
-    after = next(one for one in plan.knowledge if one.pushes == 4)
+    after = next(step for step in plan.knowledge if step.pushes == 4)
     for name in after.planned:
         assert (
             after.planned[name] <= first.planned[name]
@@ -157,9 +157,9 @@ def test_pushes_stay_in_the_room_on_the_grid_and_differ() -> None:
 
 def test_a_robot_turns_objects_to_any_angle_and_pushes_go_no_further_than_told() -> None:
     free = candidate_pushes(PLYWOOD, 30, None, 0.06, 0)
-    off_grid = [math.degrees(one.start.theta) % 15.0 for one in free]
-    assert max(off_grid) > 1.0 and {one.push.distance for one in free} == {0.05}
-    assert {one.push.side for one in free} == {0, 1, 2, 3}
+    off_grid = [math.degrees(push.start.theta) % 15.0 for push in free]
+    assert max(off_grid) > 1.0 and {push.push.distance for push in free} == {0.05}
+    assert {push.push.side for push in free} == {0, 1, 2, 3}
 
 
 def test_a_push_that_needs_more_than_the_room_is_left_out() -> None:
@@ -204,5 +204,7 @@ def test_a_push_that_depends_on_where_the_rod_is_set_tells_less() -> None:
     assert over_noise(by, np.zeros((1, 3, 3)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
     turning = np.zeros((1, 3, 3))
     turning[0, 2, 0] = 0.03
-    told = over_noise(by, turning, noise)[0, :, 0]
-    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(1.0 / math.hypot(0.02, 0.03))
+    weight = over_noise(by, turning, noise)[0, :, 0]
+    assert weight[:2] == pytest.approx(1e3) and weight[2] == pytest.approx(
+        1.0 / math.hypot(0.02, 0.03)
+    )
