@@ -34,14 +34,14 @@ from cyclemap.cli.output import (
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
 from cyclemap.evidence.data_blocks.collected_blocks import recognise
-from cyclemap.evidence.plausibility import implausible
-from cyclemap.evidence.push_plan.candidates import SetPush
-from cyclemap.evidence.push_plan.measured_plan import (
+from cyclemap.evidence.measured_plan import (
     MeasuredPlan,
     measured_plan,
     robot_schedule,
     table_to_fill,
 )
+from cyclemap.evidence.plausibility import implausible
+from cyclemap.evidence.push_plan.candidates import SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan, plan_pushes
 from cyclemap.plain_text import plain_number
 from cyclemap.protocol.chosen_loop import LoopOptions, chosen_loop

@@ -136,7 +136,7 @@ if TYPE_CHECKING:
         set_laws as set_laws,
         turn_histogram as turn_histogram,
     )
-    from cyclemap.evidence.push_plan.measured_plan import (
+    from cyclemap.evidence.measured_plan import (
         MeasuredPlan as MeasuredPlan,
         measured_plan as measured_plan,
         table_to_fill as table_to_fill,

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cyclemap.collection.cycle_scene import placed
-from cyclemap.evidence.push_plan.measured_plan import SURE, MeasuredPlan
+from cyclemap.evidence.measured_plan import SURE, MeasuredPlan
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
 from cyclemap.evidence.pushes.planned_table import marks_of
 from cyclemap.views import style
@@ -120,7 +120,7 @@ def _draw_push(axes: Axes, plan: PushPlan, index: int) -> None:
     outline = slider.outline_points(120)
     draw_object(axes, placed(pose, outline))
     draw_object(axes, placed(np.array(plan.ends[index]), outline), **LATER)
-    first, last = MM * planned.rod(slider, plan.loop.pusher.radius)
+    first, last = (MM * np.array(place) for place in planned.rod(slider, plan.loop.pusher.radius))
     style.arrow(axes, first, last, FORCE)
     axes.plot(*first, "o", color=FORCE, markersize=4)
     draw_ring(axes, placed(pose, np.array(slider.hitch)))

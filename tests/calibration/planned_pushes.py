@@ -48,8 +48,8 @@ from cyclemap.evidence.identification.surface_parameters import (
     starting_space,
 )
 from cyclemap.evidence.identified_material import identified_material, sampled_values
+from cyclemap.evidence.measured_plan import empty_table, identified_plan
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush, candidate_pushes
-from cyclemap.evidence.push_plan.measured_plan import empty_table, identified_plan
 from cyclemap.evidence.push_plan.plan_pushes import Design, plan_pushes
 from cyclemap.evidence.push_plan.sensitivity import (
     UNKNOWNS,

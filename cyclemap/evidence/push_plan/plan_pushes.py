@@ -194,6 +194,7 @@ def plan_pushes(
         positive_number("width and depth of a room", side)
     for error, unit in zip(read, ("m", "rad"), strict=True):
         non_negative_number(f"error in {unit}", error)
+    whole_number("samples", samples, least=2)
     whole_number("candidates", candidates, least=asked)
     require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
     report = progress or (lambda fraction: None)

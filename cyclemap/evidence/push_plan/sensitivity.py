@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from cyclemap.arrays import Array, evenly_spread
-from cyclemap.checks import whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.collection.uncertain_directions import sampled_loop
 from cyclemap.errors import InvalidInput
@@ -70,13 +69,12 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 
     Raises InvalidInput for a material without samples.
     """
-    whole_number("samples", samples, least=2)
     posterior = loop.material.posterior
     if posterior is None:
         lack = "a plan needs samples of what is believed of the floor"
         mend = "give --floor unknown, plywood-floor, abs-floor, or a file that identify wrote"
         raise InvalidInput(f"{loop.material.name}: {lack}: {mend}")
-    every = [starting_space(sampled_loop(loop, index)).nominal for index in range(len(posterior))]
+    every = [starting_space(sampled_loop(loop, number)).nominal for number in range(len(posterior))]
     covariance = np.cov([[row[name] for name in UNKNOWNS] for row in every], rowvar=False)
     chosen = evenly_spread(len(every), samples)
     return Beliefs(loop, tuple(every[index] for index in chosen), covariance)
