@@ -148,12 +148,12 @@ if TYPE_CHECKING:
     from cyclemap.evidence.measured_plan import (
         MeasuredPlan as MeasuredPlan,
         measured_plan as measured_plan,
+        table_to_fill as table_to_fill,
     )
     from cyclemap.evidence.push_plan.plan_pushes import (
         PushPlan as PushPlan,
         plan_pushes as plan_pushes,
     )
-    from cyclemap.evidence.push_plan.plan_table import table_to_fill as table_to_fill
     from cyclemap.evidence.push_probe import (
         Probe as Probe,
         command_push as command_push,

@@ -49,8 +49,8 @@ def test_a_mean_is_within_its_error_as_often_as_it_says() -> None:
 @pytest.mark.slow
 def test_errors_after_planned_pushes_of_rods_set_by_hand_are_of_the_size_that_is_said() -> None:
     """Each rod is 2 mm off its mark: with one noise for all pushes the unknowns of these worlds
-    were off by 1.7 of their standard errors. A plate that is warped by 12 kPa may be taken for
-    one of 3, so that single numbers are far off.
+    were off by 1.7 of their standard errors. A plate that is warped by 25 kPa is off by 3.3,
+    so that single numbers are not asked for.
     """
     off = np.abs(identified_errors(14))
     assert off.shape == (14, 12)

@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from contextlib import suppress
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
 from cyclemap.arrays import Array
-from cyclemap.checks import positive_number
+from cyclemap.checks import positive_number, whole_number
+from cyclemap.collection.cycle_scene import placed
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput, RodMissesObject
 from cyclemap.evidence.predicted_strokes import push_from_contact
@@ -24,7 +26,7 @@ _FRACTIONS = (0.15, 0.3, 0.5, 0.7, 0.85)
 _ANGLES = tuple(math.radians(angle) for angle in (-20.0, 0.0, 20.0))
 _LENGTHS = (0.55, 1.1, 1.65)
 # Places around an ellipse, whose whole outline is one side.
-_AROUND = tuple((number + 0.5) / 16 for number in range(16))
+_AROUND = tuple((place + 0.5) / 16 for place in range(16))
 _RULED = 5e-3
 # A side shorter than this share of the longest is no place for a rod.
 _SHORT = 0.3
@@ -43,11 +45,12 @@ class SetPush:
     push: SidePush
     start: Pose
 
-    def rod(self, slider: Slider, radius: float) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return where the rod's centre first touches and where it ends,
-        m in the frame of `start`."""
+    def rod(self, slider: Slider, radius: float) -> Array:
+        """Return where the rod's centre first touches and where it ends (2, 2), m in the frame of
+        `start`.
+        """
         measured = self.measured(slider, radius)
-        return measured.tip_start, measured.tip_end
+        return np.array((measured.tip_start, measured.tip_end))
 
     def measured(self, slider: Slider, radius: float) -> MeasuredPush:
         """Return the push as one that was measured, and has not moved the object."""
@@ -71,9 +74,13 @@ def candidate_pushes(
     grid : rad, between orientations that a hand sets; None: any, for a robot.
     longest : m, of a push.
 
-    Raises InvalidInput for an object without a place for the rod.
+    Raises InvalidInput for an object without a place for the rod, or a grid of more than a turn.
     """
-    slider, radius = loop.slider, loop.pusher.radius
+    whole_number("seed", seed, least=0)
+    if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
+        raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
+    slider = loop.slider
+    radius = loop.pusher.radius
     rng = np.random.default_rng(seed)
     size = math.sqrt(slider.outline.area)
     lengths = [_RULED * max(round(share * size / _RULED), 1) for share in _LENGTHS]
@@ -81,29 +88,23 @@ def candidate_pushes(
     contacts = []
     for side, fraction, angle in itertools.product(*_places(slider), _ANGLES):
         push = SidePush(side, fraction, angle, lengths[0])
-        try:
+        with suppress(InvalidInput, RodMissesObject):
             first_contact(slider, push, radius)
-        except (InvalidInput, RodMissesObject):
-            continue
-        contacts.append(push)
+            contacts.append(push)
     if not contacts:
         raise InvalidInput(
             f"{slider.name} has no side that a rod of {1e3 * radius:.3g} mm can push"
         )
-    found = []
-    order = np.concatenate(
-        [rng.permutation(len(contacts)) for _ in range(-(-count // len(contacts)))]
-    )
-    for index in order[:count].tolist():
+    rounds = -(-count // len(contacts))
+    order = [*itertools.chain(*(rng.permutation(len(contacts)) for _ in range(rounds)))]
+    offered = []
+    for index in order[:count]:
         turned = rng.uniform(0.0, 2.0 * math.pi)
         if grid is not None:
             turned = grid * math.floor(turned / grid)
-        found.append(
-            SetPush(
-                replace(contacts[index], distance=float(rng.choice(lengths))), Pose(theta=turned)
-            )
-        )
-    return tuple(dict.fromkeys(found))
+        push = replace(contacts[index], distance=float(rng.choice(lengths)))
+        offered.append(SetPush(push, Pose(theta=turned)))
+    return tuple(dict.fromkeys(offered))
 
 
 def _places(slider: Slider) -> tuple[list[int], tuple[float, ...]]:
@@ -115,24 +116,20 @@ def _places(slider: Slider) -> tuple[list[int], tuple[float, ...]]:
     return np.flatnonzero(length >= _SHORT * length.max()).tolist(), _FRACTIONS
 
 
-def placed(
+def in_room(
     push: SetPush, ends: Array, loop: CollectionLoop, room: tuple[float, float]
 ) -> SetPush | None:
     """Return the push in the middle of a room (m); None where object and rod need more than that.
 
     ends (s, 3) : poses in which it may end, from the start pose of `push`.
     """
-    positive_number("room", min(room))
     outline = loop.slider.outline_points(60)
-    corners = []
-    for pose in (push.start, *(Pose(x, y, theta) for x, y, theta in ends.tolist())):
-        corners += [pose.to_world(*corner) for corner in outline.tolist()]
-    first, last = (np.array(place) for place in push.rod(loop.slider, loop.pusher.radius))
-    way = (last - first) / push.push.distance
-    reach = np.array([*corners, first - APPROACH * way, last])
-    low, high = reach.min(axis=0), reach.max(axis=0)
+    first, last = push.rod(loop.slider, loop.pusher.radius)
+    begin = np.array(astuple(push.start))
+    reach = [placed(pose, outline) for pose in (begin, *ends)]
+    reach += [first - APPROACH * (last - first) / push.push.distance, last]
+    low, high = np.min(np.vstack(reach), axis=0), np.max(np.vstack(reach), axis=0)
     if np.any(high - low > room):
         return None
-    x, y = (push.start.x, push.start.y) + 0.5 * np.array(room) - 0.5 * (low + high)
-    x, y = (1e-3 * round(1e3 * float(part)) for part in (x, y))
+    x, y = np.round(begin[:2] + 0.5 * np.array(room) - 0.5 * (low + high), 3).tolist()
     return replace(push, start=Pose(x, y, push.start.theta))

@@ -10,7 +10,7 @@ better one as long as there is any.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +19,7 @@ from cyclemap.arrays import Array
 from cyclemap.checks import non_negative_number, positive_number, require_room, whole_number
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.errors import InvalidInput
-from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, placed
+from cyclemap.evidence.push_plan.candidates import SetPush, candidate_pushes, in_room
 from cyclemap.evidence.push_plan.sensitivity import (
     TARGETS,
     Target,
@@ -190,46 +190,39 @@ def plan_pushes(
         )
     if target not in TARGETS:
         raise InvalidInput(f"a plan is for {', '.join(TARGETS)}, not {target!r}")
-    whole_number("seed", seed, least=0)
-    if grid is not None and positive_number("grid", grid) > 2.0 * math.pi:
-        raise InvalidInput(f"grid must be at most 2 pi rad, not {grid:g}")
     for side in room:
         positive_number("width and depth of a room", side)
     for error, unit in zip(read, ("m", "rad"), strict=True):
         non_negative_number(f"error in {unit}", error)
-    report = progress or (lambda fraction: None)
     whole_number("samples", samples, least=2)
     whole_number("candidates", candidates, least=asked)
     require_room("samples times candidates", samples * candidates, "give fewer", MOST_RUNS)
+    report = progress or (lambda fraction: None)
     known = sampled_beliefs(loop, samples)
     offered = candidate_pushes(loop, candidates, grid, 0.6 * max(room), seed)
-    ends, by, by_set = push_sensitivity(known, offered, read)
+    ends, by, measured = push_sensitivity(known, offered, read)
     report(0.5)
-    fitting = [placed(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
-    kept = [index for index, push in enumerate(fitting) if push is not None]
+    fitting = [in_room(push, ends[:, index], loop, room) for index, push in enumerate(offered)]
+    kept = [(index, push) for index, push in enumerate(fitting) if push is not None]
     if len(kept) < asked:
-        words = (
-            f"a room of {1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of "
-            f"{len(offered)} pushes"
-        )
-        raise InvalidInput(f"{words}: give a larger one, or ask for fewer pushes")
-    wanted = target_of(known, target, by, push_noise(read))
+        held = f"{1e3 * room[0]:g} x {1e3 * room[1]:g} mm holds {len(kept)} of {len(offered)}"
+        raise InvalidInput(f"a room of {held} pushes: give a larger one, or ask for fewer pushes")
+    wanted = target_of(known, target, by, push_noise(read)[:3])
     report(0.8)
-    design = Design(known.covariance, by_set[:, kept], wanted)
-    first = design.greedy(min(max(asked, *COUNTS), len(kept)))
-    chosen = design.ordered(design.exchanged(first[:asked]))
-    losses = [design.loss([other for other in chosen if other != index]) for index in chosen]
-    missed = chosen[int(np.argmax(losses))]
+    design = Design(known.covariance, measured[:, [index for index, _ in kept]], wanted)
+    first = design.greedy(min(max(asked, *COUNTS), len(kept)), range(len(kept)))
+    chosen = design.greedy(asked, design.exchanged(first[:asked]))
+    fewer = [[other for other in chosen if other != index] for index in chosen]
+    planned = [kept[index] for index in chosen]
+    shift = np.array([(push.start.x, push.start.y, 0.0) for _, push in planned])
     report(1.0)
-    pushes = tuple(push for index in chosen if (push := fitting[kept[index]]) is not None)
-    shift = np.array([(push.start.x, push.start.y, 0.0) for push in pushes])
     return PushPlan(
         loop,
         target,
-        pushes,
-        ends[:, [kept[index] for index in chosen]].mean(axis=0) + shift,
+        tuple(push for _, push in planned),
+        ends[:, [index for index, _ in planned]].mean(axis=0) + shift,
         _knowledge(design, first, chosen, seed),
-        design.knowledge([index for index in chosen if index != missed]),
+        design.knowledge(max(fewer, key=design.loss)),
         wanted.chance,
         room,
         read,
@@ -244,17 +237,17 @@ def _knowledge(
     """What will be known after none, after some of `first`, after those `chosen`, and after as many
     random ones.
     """
-    rng, count = np.random.default_rng(seed), design.rows.shape[1]
-    sets = [rng.permutation(count).tolist() for _ in range(_RANDOM_SETS)]
-    told = []
-    for some in sorted({0, len(chosen), *(few for few in COUNTS if few <= len(first))}):
-        planned = design.knowledge(chosen if some == len(chosen) else first[:some])
-        drawn = [design.knowledge(order[:some]) for order in sets]
+    rng = np.random.default_rng(seed)
+    sets = [rng.permutation(design.rows.shape[1]).tolist() for _ in range(_RANDOM_SETS)]
+    steps = []
+    for count in sorted({0, len(chosen), *(few for few in COUNTS if few <= len(first))}):
+        planned = design.knowledge(chosen if count == len(chosen) else first[:count])
+        drawn = [design.knowledge(order[:count]) for order in sets]
         random = {}
         for name in planned:
             random[name] = math.sqrt(float(np.mean([after[name] ** 2 for after in drawn])))
-        told.append(Knowledge(some, planned, random))
-    return tuple(told)
+        steps.append(Knowledge(count, planned, random))
+    return tuple(steps)
 
 
 class Design:
@@ -275,7 +268,9 @@ class Design:
         values, vectors = np.linalg.eigh(believed)
         seen = values > 1e-12 * values.max()
         root = vectors[:, seen] * np.sqrt(values[seen])
-        self.rows, self.gradient, self.target = derivatives @ root, target.gradient @ root, target
+        self.rows = derivatives @ root
+        self.gradient = target.gradient @ root
+        self.target = target
         self.information = np.einsum("snik,snil->snkl", self.rows, self.rows)
 
     def covariance(self, chosen: list[int]) -> Array:
@@ -310,38 +305,30 @@ class Design:
         losses[chosen] = math.inf
         return losses
 
-    def greedy(self, count: int) -> list[int]:
-        """So many pushes, each the one that tells most after those before it."""
-        found = list[int]()
-        while len(found) < count:
-            found.append(int(np.argmin(self.with_one_more(found))))
-        return found
-
-    def ordered(self, chosen: list[int]) -> list[int]:
-        """The same pushes, what tells most first."""
-        found = list[int]()
-        while len(found) < len(chosen):
-            losses = self.with_one_more(found)
-            found.append(min(set(chosen) - set(found), key=lambda index: losses[index]))
-        return found
+    def greedy(self, count: int, among: Sequence[int]) -> list[int]:
+        """So many of some pushes, each the one that tells most after those before it."""
+        chosen = list[int]()
+        while len(chosen) < count:
+            losses = self.with_one_more(chosen)
+            chosen.append(min(among, key=losses.__getitem__))
+        return chosen
 
     def exchanged(self, chosen: list[int]) -> list[int]:
         """The set with pushes exchanged for better ones: in all, and on average over the loss of
         any of them.
         """
-        found = list(chosen)
+        kept = list(chosen)
         for _ in range(_ROUNDS):
-            changed = False
-            for place in range(len(found)):
-                rest = found[:place] + found[place + 1 :]
+            before = [*kept]
+            for place in range(len(kept)):
+                rest = kept[:place] + kept[place + 1 :]
                 losses = self.with_one_more(rest)
                 for lost in range(len(rest)):
                     fewer = self.with_one_more(rest[:lost] + rest[lost + 1 :])
                     losses = losses + np.where(np.isinf(losses), 0.0, fewer) / len(rest)
                 best = int(np.argmin(losses))
-                if losses[best] < (1.0 - _GAIN) * losses[found[place]]:
-                    found[place] = best
-                    changed = True
-            if not changed:
+                if losses[best] < (1.0 - _GAIN) * losses[kept[place]]:
+                    kept[place] = best
+            if kept == before:
                 break
-        return found
+        return kept

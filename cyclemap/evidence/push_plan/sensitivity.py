@@ -86,18 +86,22 @@ def sampled_beliefs(loop: CollectionLoop, samples: int) -> Beliefs:
 def push_sensitivity(
     known: Beliefs, pushes: Sequence[SetPush], read: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
-    """Return where pushes end in each sample (s, n, 3), m and rad, and what is measured of them by
-    UNKNOWNS, twice.
+    """Return where pushes end in each sample (s, n, 3), m and rad, and derivatives by UNKNOWNS, all
+    over the noise: of these ends (s, n, 3, k), and of what is measured (s, n, 4, k).
 
     Measured are the place and the turn of the push, m and rad, and the turn of the drag back by the
-    ring to where the ring was before the push, rad. read : how far readings are off, m and rad. The
-    derivatives (s, n, 4, k) are over the noise; then over it and what a hand adds that sets a rod a
-    little off its mark, and an object a little turned: a push that depends on that tells less.
+    ring to where the ring was before the push, rad. read : how far readings are off, m and rad.
+    Noise of what is measured is also what a hand adds that sets a rod a little off its mark, and an
+    object a little turned: a push that depends on that tells less.
     """
-    slider, radius = known.loop.slider, known.loop.pusher.radius
-    noise, set_up = push_noise(read), set_up_errors(read)
+    slider = known.loop.slider
+    radius = known.loop.pusher.radius
+    noise = push_noise(read)
+    set_up = set_up_errors(read)
     made = [push.measured(slider, radius) for push in pushes]
-    ends, plain, derivatives = [], [], []
+    ends = []
+    plain = []
+    derivatives = []
     for values in known.values:
         surface = SurfaceParameters.from_values(values)
         model = surface_model(surface, slider, rod_radius=radius)
@@ -109,12 +113,11 @@ def push_sensitivity(
     poses = [Pose(*pose) for pose in np.mean(ends, axis=0).tolist()]
     drags = [push.dragged(slider, pose) for push, pose in zip(pushes, poses, strict=True)]
     back = drag_turn_block(drags, slider)
-    turns = [
-        back.columns_by(UNKNOWNS, back.residuals(values)[1])[:, np.newaxis] / noise[3]
-        for values in known.values
-    ]
-    first, second = (np.concatenate([pushed, turns], axis=2) for pushed in (plain, derivatives))
-    return np.array(ends), first, second
+    turns = []
+    for values in known.values:
+        by_drag = back.columns_by(UNKNOWNS, back.residuals(values)[1])
+        turns.append(by_drag[:, np.newaxis] / noise[3])
+    return np.array(ends), np.array(plain), np.concatenate([derivatives, turns], axis=2)
 
 
 def over_noise(by: Array, by_set_up: Array, noise: Array) -> Array:
@@ -155,7 +158,7 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
     """Return what is asked for: the stable directions and whether there are any, the whole map, or
     single pushes.
 
-    by (s, n, 4, k) : derivatives of pushes and drags over their noise (4,), m and rad.
+    by (s, n, 3, k) : derivatives of where pushes end over their noise (3,), m and rad.
     """
     if name == "direction":
         return _direction(known)
@@ -168,14 +171,12 @@ def target_of(known: Beliefs, name: str, by: Array, noise: Array) -> Target:
             gradient, _mean_loss, lambda variance: {"map": math.sqrt(float(variance.mean()))}
         )
     samples, count, _, unknowns = by.shape
-    chosen = evenly_spread(count, _ASKED)
-    gradient = by[:, chosen, :3].reshape(samples, -1, unknowns)
+    gradient = by[:, evenly_spread(count, _ASKED)].reshape(samples, -1, unknowns)
 
     def words(variance: Array) -> dict[str, float]:
-        along, across, turn = (
-            np.sqrt(variance.reshape(samples, -1, 3).mean(axis=(0, 1))) * noise[:3]
-        )
-        return {"place": math.hypot(along, across), "turn": float(turn)}
+        square = variance.reshape(samples, -1, 3).mean(axis=(0, 1))
+        along, across, turn = (np.sqrt(square) * noise).tolist()
+        return {"place": math.hypot(along, across), "turn": turn}
 
     return Target(gradient, _mean_loss, words)
 
@@ -201,23 +202,21 @@ def cycle_map_by_unknowns(
 def _direction(known: Beliefs) -> Target:
     """The stable directions, and by how much the map locks or fails to."""
     theta = 2.0 * math.pi * np.arange(_FINE) / _FINE
-    rows, margins = list[Array](), list[float]()
+    rows = list[Array]()
+    margins = list[float]()
     for values in known.values:
         turn, slope, by = cycle_map_by_unknowns(known.loop, values, theta)
         falls = (turn > 0.0) & (np.roll(turn, -1) <= 0.0)
         stable = falls & (slope > -2.0) & (slope < 0.0)
         # The turn that decides: the extreme that is nearest to nought, whose sign would end or
         # begin the lock.
-        extremes = [int(np.argmin(turn)), int(np.argmax(turn))]
-        nearest = min(extremes, key=lambda index: abs(float(turn[index])))
+        nearest = min(np.argmin(turn), np.argmax(turn), key=lambda index: abs(float(turn[index])))
         rows.append(np.vstack([by[nearest], -by[stable] / slope[stable, None]]))
         margins.append(abs(float(turn[nearest])))
-    gradient = np.zeros((len(rows), max(map(len, rows)), len(UNKNOWNS)))
-    has = np.zeros(gradient.shape[:2], dtype=bool)
-    for sample, row in enumerate(rows):
-        gradient[sample, : len(row)] = row
-        has[sample, : len(row)] = True
-    margin, has = np.array(margins), has[:, 1:]
+    lengths = np.array([len(row) for row in rows])
+    padded = [np.pad(row, ((0, lengths.max() - len(row)), (0, 0))) for row in rows]
+    margin = np.array(margins)
+    has = np.arange(1, lengths.max()) < lengths[:, np.newaxis]
     locks = has.any(axis=1)
 
     def errors(variance: Array) -> tuple[Array, Array]:
@@ -241,4 +240,4 @@ def _direction(known: Beliefs) -> Target:
             {"direction": math.sqrt(float(square[locks].mean()))} if locks.any() else {}
         )
 
-    return Target(gradient, loss, words, float(locks.mean()))
+    return Target(np.array(padded), loss, words, float(locks.mean()))

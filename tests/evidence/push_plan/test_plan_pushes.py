@@ -15,7 +15,7 @@ import cyclemap as cm
 from cyclemap.evidence import PushPlan, plan_pushes
 from cyclemap.evidence.data_blocks.stroke_block import loop_on
 from cyclemap.evidence.identification.surface_parameters import SurfaceParameters
-from cyclemap.evidence.push_plan.candidates import candidate_pushes, placed
+from cyclemap.evidence.push_plan.candidates import candidate_pushes, in_room
 from cyclemap.evidence.push_plan.plan_pushes import Design
 from cyclemap.evidence.push_plan.sensitivity import (
     TARGETS,
@@ -28,7 +28,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
 from cyclemap.evidence.pushes.measured_strokes import READ, push_noise
 from cyclemap.mechanics import Pose, Slider
 
-NOISE = push_noise(READ)
+NOISE = push_noise(READ)[:3]
 PLATE = replace(Slider.mit("rect1"), name="plate")
 PLYWOOD = cm.CollectionLoop.mit("plywood", slider=PLATE)
 TRUTH = SurfaceParameters.from_friction(
@@ -53,10 +53,10 @@ def planned(target: str = "direction") -> PushPlan:
 @cache
 def design(target: str) -> Design:
     known = believed()
-    _, by, told = push_sensitivity(
+    _, by, measured = push_sensitivity(
         known, candidate_pushes(PLYWOOD, 14, math.radians(15.0), 0.15, 0), READ
     )
-    return Design(known.covariance, told, target_of(known, target, by, NOISE))
+    return Design(known.covariance, measured, target_of(known, target, by, NOISE))
 
 
 def stable_theta(values: dict[str, float]) -> float:
@@ -68,7 +68,7 @@ def stable_theta(values: dict[str, float]) -> float:
 
 def test_the_gradient_of_a_stable_direction_is_that_of_fixed_points_of_the_exact_map() -> None:
     known = believed()
-    gradient = target_of(known, "direction", np.zeros((1, 1, 4, len(UNKNOWNS))), NOISE).gradient[
+    gradient = target_of(known, "direction", np.zeros((1, 1, 3, len(UNKNOWNS))), NOISE).gradient[
         0, 1
     ]
     for name in (
@@ -102,12 +102,12 @@ def test_what_one_more_push_tells_is_what_the_larger_set_tells(target: str) -> N
 @pytest.mark.parametrize("target", TARGETS)
 def test_more_pushes_never_tell_less_and_every_order_of_a_set_tells_the_same(target: str) -> None:
     made = design(target)
-    chosen = made.greedy(6)
+    chosen = made.greedy(6, range(14))
     variances = [made.variance(chosen[:count]) for count in range(7)]
     assert len(set(chosen)) == 6
     for before, after in itertools.pairwise(variances):
         assert (after <= before * (1.0 + 1e-9)).all()
-    assert sorted(made.ordered(chosen)) == sorted(chosen)
+    assert sorted(made.greedy(6, chosen)) == sorted(chosen)
     assert made.loss(chosen[::-1]) == pytest.approx(made.loss(chosen), rel=1e-9)
 
 
@@ -120,7 +120,7 @@ def test_the_chosen_set_is_near_the_best_of_all_sets(target: str) -> None:
         return made.loss(list(chosen)) + float(np.mean(fewer))
 
     every = [criterion(chosen) for chosen in itertools.combinations(range(14), 3)]
-    assert criterion(tuple(made.exchanged(made.greedy(3)))) <= np.quantile(every, 0.05)
+    assert criterion(tuple(made.exchanged(made.greedy(3, range(14))))) <= np.quantile(every, 0.05)
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -128,7 +128,7 @@ def test_a_plan_tells_more_than_random_pushes_and_says_what_a_lost_one_costs(tar
     plan = planned(target)
     first, last = plan.knowledge[0], plan.knowledge[-1]
     assert first.pushes == 0 and first.planned == pytest.approx(first.random)
-    after = next(one for one in plan.knowledge if one.pushes == 4)
+    after = next(step for step in plan.knowledge if step.pushes == 4)
     for name in after.planned:
         assert (
             after.planned[name] <= first.planned[name]
@@ -157,16 +157,16 @@ def test_pushes_stay_in_the_room_on_the_grid_and_differ() -> None:
 
 def test_a_robot_turns_objects_to_any_angle_and_pushes_go_no_further_than_told() -> None:
     free = candidate_pushes(PLYWOOD, 30, None, 0.06, 0)
-    off_grid = [math.degrees(one.start.theta) % 15.0 for one in free]
-    assert max(off_grid) > 1.0 and {one.push.distance for one in free} == {0.05}
-    assert {one.push.side for one in free} == {0, 1, 2, 3}
+    off_grid = [math.degrees(push.start.theta) % 15.0 for push in free]
+    assert max(off_grid) > 1.0 and {push.push.distance for push in free} == {0.05}
+    assert {push.push.side for push in free} == {0, 1, 2, 3}
 
 
 def test_a_push_that_needs_more_than_the_room_is_left_out() -> None:
     push = candidate_pushes(PLYWOOD, 1, None, 0.15, 0)[0]
     end = np.array([[0.1, 0.0, push.start.theta]])
-    assert placed(push, end, PLYWOOD, (0.6, 0.6)) is not None
-    assert placed(push, end, PLYWOOD, (0.12, 0.6)) is None
+    assert in_room(push, end, PLYWOOD, (0.6, 0.6)) is not None
+    assert in_room(push, end, PLYWOOD, (0.12, 0.6)) is None
 
 
 def test_what_cannot_be_planned_is_refused_with_the_mend() -> None:
@@ -204,5 +204,7 @@ def test_a_push_that_depends_on_where_the_rod_is_set_tells_less() -> None:
     assert over_noise(by, np.zeros((1, 3, 3)), noise)[0, :, 0] == pytest.approx(1.0 / noise)
     turning = np.zeros((1, 3, 3))
     turning[0, 2, 0] = 0.03
-    told = over_noise(by, turning, noise)[0, :, 0]
-    assert told[:2] == pytest.approx(1e3) and told[2] == pytest.approx(1.0 / math.hypot(0.02, 0.03))
+    weight = over_noise(by, turning, noise)[0, :, 0]
+    assert weight[:2] == pytest.approx(1e3) and weight[2] == pytest.approx(
+        1.0 / math.hypot(0.02, 0.03)
+    )
