@@ -35,11 +35,6 @@ SURE = 0.95
 class MeasuredPlan:
     """What pushes on a floor tell of it.
 
-    loop : on the identified floor.
-    identification : of its parameters.
-    directions : how well the stable ones are known.
-    notes : what was read and left out.
-
     Attributes
     ----------
     loop : CollectionLoop

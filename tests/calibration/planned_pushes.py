@@ -36,7 +36,7 @@ import pandas as pd
 
 import cyclemap as cm
 from cyclemap.arrays import shorter_way
-from cyclemap.collection.uncertain_directions import sampled_loop
+from cyclemap.collection.loop_surfaces import on_material
 from cyclemap.errors import CycleMapError
 from cyclemap.evidence.data_blocks.stroke_block import loop_on, push_end_block
 from cyclemap.evidence.identification.data_block import usual_beliefs
@@ -60,7 +60,7 @@ from cyclemap.evidence.push_plan.sensitivity import (
     over_noise,
 )
 from cyclemap.evidence.pushes.measured_strokes import SET_OFF, MeasuredPush, push_noise
-from cyclemap.evidence.pushes.planned_table import filled_text, mark_columns, marks_of
+from cyclemap.evidence.tables.planned_table import filled_text, mark_columns, marks_of
 from cyclemap.mechanics import Pose, Slider, WorldPush, load_material
 from tests.calibration.other_worlds import DynamicWorld, OwnWorld, World, stable_directions
 from tests.inference.measured_floors import FLOORS, PLATES, measured as measured_pushes
@@ -86,7 +86,7 @@ def drawn_world(loop: cm.CollectionLoop, rng: np.random.Generator) -> SurfacePar
     """
     count = len(loop.material.posterior)
     floor, plate = (
-        starting_space(sampled_loop(loop, int(number))).nominal
+        starting_space(on_material(loop, loop.material.sample(int(number)))).nominal
         for number in rng.integers(0, count, 2)
     )
     values = floor | {name: plate[name] for name in ("plate_dome", "plate_warp_x", "plate_warp_y")}

@@ -10,7 +10,7 @@ import numpy as np
 from cyclemap.collection.loop import CollectionLoop
 from cyclemap.evidence.push_plan.candidates import APPROACH, SetPush
 from cyclemap.evidence.push_plan.plan_pushes import PushPlan
-from cyclemap.evidence.pushes.planned_table import (
+from cyclemap.evidence.tables.planned_table import (
     ERRORS,
     IN_OBJECT,
     ROD,

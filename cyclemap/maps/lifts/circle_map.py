@@ -57,29 +57,23 @@ class CircleMap:
 
     Parameters
     ----------
-    breaks : array_like, default ()
-        Angles (radians, any order, any turn) where F jumps or F' does. F is taken to be
-        continuous from the right there: ``F(b)`` should be the limit from above.
-    degree : int, default 1
-        How often the image runs round while θ runs round once; any whole number.
-    max_error : float, default 0.0
-        A bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact
-        map.
     lift : callable
         Radians to radians, F(θ + 2π) = F(θ) + 2π·degree; never wrapped. It takes float64 arrays
         of any shape and gives float64 entry by entry.
     derivative : callable, optional
         Such a callable for F'; None: differences of fourth order that never reach across a
         break, about 1e-11 off in [-2π, 2π] where F is smooth; ``derivative_and_error`` tells.
+    breaks : array_like, default ()
+        Angles (radians, any order, any turn) where F jumps or F' does; kept sorted, in [0, 2π).
+        F is taken to be continuous from the right there: ``F(b)`` should be the limit from above.
+    degree : int, default 1
+        How often the image runs round while θ runs round once; any whole number.
+    max_error : float, default 0.0
+        A bound on |lift - truth| in radians that the maker of the map claims; 0 for an exact
+        map.
 
     Attributes
     ----------
-    breaks : ndarray
-        Sorted, in [0, 2π).
-    degree : int
-        As given.
-    max_error : float
-        As given.
     samples : int
         Number of sample points; 0 for a map given by formulas.
     formula : callable

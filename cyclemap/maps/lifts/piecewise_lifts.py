@@ -309,7 +309,8 @@ class BranchedLift:
 
     def derivative_and_error(self, theta: Array) -> tuple[Array, Array]:
         """Its slope and a bound on the slope's error."""
-        slope, error = np.empty((2, *np.shape(theta)))
+        slope = np.empty(np.shape(theta))
+        error = np.empty(np.shape(theta))
         for piece, own, _, here in self._parts(theta):
             slope[here], error[here] = piece.slopes(own)
         return slope, error
