@@ -105,20 +105,17 @@ class Estimate(float):
     @property
     def lower(self) -> float:
         """The least that the truth can be, rounded outward."""
-        return (
-            math.nextafter(float(self) - self.error_bound, -math.inf)
-            if self.error_bound
-            else float(self)
-        )
+        return self._end(-1.0)
 
     @property
     def upper(self) -> float:
         """The most that the truth can be, rounded outward."""
-        return (
-            math.nextafter(float(self) + self.error_bound, math.inf)
-            if self.error_bound
-            else float(self)
-        )
+        return self._end(1.0)
+
+    def _end(self, side: float) -> float:
+        if self.error_bound == 0.0:
+            return float(self)
+        return math.nextafter(float(self) + side * self.error_bound, side * math.inf)
 
     def holds(self, truth: float) -> bool:
         """Whether ``truth`` lies between ``lower`` and ``upper``."""

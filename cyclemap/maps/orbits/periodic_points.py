@@ -4,7 +4,7 @@ error bounds.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -31,8 +31,6 @@ NEUTRAL = 1e-7
 _TRUSTED = 1e-3  # a multiplier that is less sure than that says nothing of neutrality
 _LINKED = 1e-9  # radians: the image of a point and the point it is, beyond both their error bounds
 _WIDENINGS = 60
-_SLOPES = ("multiplier", "left_multiplier", "multiplier_error")
-_ARRAYS = ("theta", "winding", *_SLOPES, "prime_period", "kind", "error_bound")
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,8 +161,12 @@ def periodic_points(
     # Those with the wanted winding, read-only; links to points left out are cut.
     keep = np.ones(points.count, dtype=bool) if wanted is None else points.winding == wanted
     index = np.append(np.where(keep, np.cumsum(keep) - 1, -1), -1)
-    arrays: dict[str, Any] = {name: getattr(points, name)[keep] for name in _ARRAYS}
-    arrays["image"] = index[points.image[keep]]
+    arrays: dict[str, Any] = {
+        field.name: getattr(points, field.name)[keep]
+        for field in fields(points)
+        if field.name != "period"
+    }
+    arrays["image"] = index[arrays["image"]]
     for array in arrays.values():
         array.setflags(write=False)
     return replace(points, **arrays)

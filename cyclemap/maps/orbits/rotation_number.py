@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor
+from math import ceil, floor, inf, nextafter
 
 import numpy as np
 
@@ -562,5 +562,5 @@ def _floats(low: Fraction, high: Fraction) -> tuple[float, float]:
     """The two as floats, rounded outward."""
     lower = float(low)
     upper = float(high)
-    lower = lower if Fraction(lower) <= low else float(np.nextafter(lower, -np.inf))
-    return lower, upper if Fraction(upper) >= high else float(np.nextafter(upper, np.inf))
+    lower = lower if lower <= low else nextafter(lower, -inf)
+    return lower, upper if upper >= high else nextafter(upper, inf)
